@@ -1,0 +1,422 @@
+"""Vectors, quaternions and poses in the conventions of Gazebo 0.4 - 0.7.
+
+- Frames: x forward, y left, z up; metres and radians.
+- Quaternions are ``(u, x, y, z)``, the scalar first.
+- Euler angles are roll, pitch, yaw about the fixed axes x, y, z in that order: q = qz(yaw) qy(pitch) qx(roll).
+- ``GzCoordPoseAdd(b, a)`` expresses pose b, given in frame a, in the frame that a is given in.
+
+The structs are mutable, as they were, and iterate like tuples; every function takes any sequence of the right length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "DTOR",
+    "NORMALIZE",
+    "RTOD",
+    "GzColor",
+    "GzCoordPoseAdd",
+    "GzCoordPoseSolve",
+    "GzCoordPoseSub",
+    "GzCoordPositionAdd",
+    "GzCoordPositionSub",
+    "GzCoordRotationAdd",
+    "GzCoordRotationSub",
+    "GzHomo",
+    "GzHomoFromQuatern",
+    "GzHomoInverse",
+    "GzHomoMul",
+    "GzPose",
+    "GzPoseFinite",
+    "GzPosePointAt",
+    "GzPoseSet",
+    "GzQuatern",
+    "GzQuaternFinite",
+    "GzQuaternFromAxis",
+    "GzQuaternFromEuler",
+    "GzQuaternFromHomo",
+    "GzQuaternIdent",
+    "GzQuaternInverse",
+    "GzQuaternMul",
+    "GzQuaternNormal",
+    "GzQuaternScale",
+    "GzQuaternSet",
+    "GzQuaternSetVector",
+    "GzQuaternToAxis",
+    "GzQuaternToEuler",
+    "GzVector",
+    "GzVectorAdd",
+    "GzVectorCross",
+    "GzVectorDot",
+    "GzVectorFinite",
+    "GzVectorMag",
+    "GzVectorMul",
+    "GzVectorSet",
+    "GzVectorSetQuatern",
+    "GzVectorSub",
+    "GzVectorUnit",
+    "GzVectorZero",
+    "VectorLike",
+    "rotate",
+]
+
+VectorLike: TypeAlias = "Sequence[float] | GzVector | NDArray[np.float64]"
+QuaternLike: TypeAlias = "Sequence[float] | GzQuatern | NDArray[np.float64]"
+
+
+class _Struct:
+    """Iteration, indexing and numpy conversion for the structs below."""
+
+    __slots__ = ()
+
+    def __iter__(self) -> Iterator[float]:
+        return (getattr(self, name) for name in self.__slots__)
+
+    def __len__(self) -> int:
+        return len(self.__slots__)
+
+    def __getitem__(self, index: int) -> float:
+        return float(getattr(self, self.__slots__[index]))
+
+    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
+        return np.array(tuple(self), dtype=np.float64)
+
+
+@dataclass(slots=True)
+class GzVector(_Struct):
+    """A position [m] or direction: x forward, y left, z up."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(slots=True)
+class GzQuatern(_Struct):
+    """A rotation as a unit quaternion, the scalar `u` first."""
+
+    u: float = 1.0
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+
+@dataclass(slots=True)
+class GzPose:
+    """A position [m] and a rotation."""
+
+    pos: GzVector = field(default_factory=GzVector)
+    rot: GzQuatern = field(default_factory=GzQuatern)
+
+
+@dataclass(slots=True)
+class GzColor(_Struct):
+    """Red, green, blue and alpha; ordinarily 0 to 1, and never clamped."""
+
+    r: float = 0.0
+    g: float = 0.0
+    b: float = 0.0
+    a: float = 1.0
+
+
+@dataclass(slots=True)
+class GzHomo:
+    """A rotation matrix `m`, three rows of three."""
+
+    m: list[list[float]] = field(default_factory=lambda: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+
+def RTOD(r: float) -> float:
+    """Radians to degrees."""
+    return r * 180.0 / math.pi
+
+
+def DTOR(d: float) -> float:
+    """Degrees to radians."""
+    return d * math.pi / 180.0
+
+
+def NORMALIZE(a: float) -> float:
+    """The angle `a` [rad] brought into (-pi, pi]."""
+    return math.atan2(math.sin(a), math.cos(a))
+
+
+# Vectors ---------------------------------------------------------------------------------------------------------
+
+
+def GzVectorZero() -> GzVector:
+    """The zero vector."""
+    return GzVector()
+
+
+def GzVectorSet(x: float, y: float, z: float) -> GzVector:
+    """A vector from its components."""
+    return GzVector(x, y, z)
+
+
+def GzVectorSetQuatern(q: QuaternLike) -> GzVector:
+    """The vector part of a quaternion."""
+    _, x, y, z = q
+    return GzVector(x, y, z)
+
+
+def GzVectorAdd(b: VectorLike, a: VectorLike) -> GzVector:
+    """b + a."""
+    bx, by, bz = b
+    ax, ay, az = a
+    return GzVector(bx + ax, by + ay, bz + az)
+
+
+def GzVectorSub(b: VectorLike, a: VectorLike) -> GzVector:
+    """b - a."""
+    bx, by, bz = b
+    ax, ay, az = a
+    return GzVector(bx - ax, by - ay, bz - az)
+
+
+def GzVectorMul(s: float, a: VectorLike) -> GzVector:
+    """The vector `a` times `s`."""
+    x, y, z = a
+    return GzVector(s * x, s * y, s * z)
+
+
+def GzVectorMag(a: VectorLike) -> float:
+    """The length of `a`."""
+    x, y, z = a
+    return math.sqrt(x * x + y * y + z * z)
+
+
+def GzVectorUnit(a: VectorLike) -> GzVector:
+    """The unit vector along `a`; of a zero vector, NaN."""
+    length = GzVectorMag(a)
+    return GzVectorMul(1.0 / length, a) if length else GzVector(math.nan, math.nan, math.nan)
+
+
+def GzVectorCross(a: VectorLike, b: VectorLike) -> GzVector:
+    """The cross product a x b."""
+    ax, ay, az = a
+    bx, by, bz = b
+    return GzVector(ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx)
+
+
+def GzVectorDot(a: VectorLike, b: VectorLike) -> float:
+    """The dot product."""
+    ax, ay, az = a
+    bx, by, bz = b
+    return float(ax * bx + ay * by + az * bz)
+
+
+def GzVectorFinite(a: VectorLike) -> bool:
+    """Whether no component is infinite or NaN."""
+    return all(map(math.isfinite, a))
+
+
+# Quaternions -----------------------------------------------------------------------------------------------------
+
+
+def GzQuaternIdent() -> GzQuatern:
+    """No rotation."""
+    return GzQuatern()
+
+
+def GzQuaternSet(u: float, x: float, y: float, z: float) -> GzQuatern:
+    """A quaternion from its components, the scalar first."""
+    return GzQuatern(u, x, y, z)
+
+
+def GzQuaternSetVector(v: VectorLike) -> GzQuatern:
+    """The pure quaternion (0, v)."""
+    x, y, z = v
+    return GzQuatern(0.0, x, y, z)
+
+
+def GzQuaternFinite(a: QuaternLike) -> bool:
+    """Whether no component is infinite or NaN."""
+    return all(map(math.isfinite, a))
+
+
+def GzQuaternInverse(a: QuaternLike) -> GzQuatern:
+    """The conjugate, which inverts a unit quaternion."""
+    u, x, y, z = a
+    return GzQuatern(u, -x, -y, -z)
+
+
+def GzQuaternNormal(a: QuaternLike) -> GzQuatern:
+    """`a` scaled to unit length."""
+    u, x, y, z = a
+    s = math.sqrt(u * u + x * x + y * y + z * z)
+    return GzQuatern(u / s, x / s, y / s, z / s)
+
+
+def GzQuaternFromAxis(x: float, y: float, z: float, angle: float) -> GzQuatern:
+    """A rotation by `angle` [rad] about an axis of any length; about a zero axis, none."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if length == 0.0:
+        return GzQuatern()
+    s = math.sin(angle / 2.0) / length
+    return GzQuaternNormal((math.cos(angle / 2.0), s * x, s * y, s * z))
+
+
+def GzQuaternToAxis(q: QuaternLike) -> GzQuatern:
+    """The angle [rad] as `u` and, as x, y, z, the vector part as it stands: not of unit length."""
+    u, x, y, z = q
+    return GzQuatern(2.0 * math.acos(min(1.0, max(-1.0, u))), x, y, z)
+
+
+def GzQuaternFromEuler(roll: float, pitch: float, yaw: float) -> GzQuatern:
+    """qz(yaw) qy(pitch) qx(roll), angles in [rad]."""
+    cr, sr = math.cos(roll / 2.0), math.sin(roll / 2.0)
+    cp, sp = math.cos(pitch / 2.0), math.sin(pitch / 2.0)
+    cy, sy = math.cos(yaw / 2.0), math.sin(yaw / 2.0)
+    return GzQuaternNormal(
+        (
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        )
+    )
+
+
+def GzQuaternToEuler(q: QuaternLike) -> GzVector:
+    """Roll, pitch, yaw [rad] of a unit quaternion."""
+    u, x, y, z = q
+    roll = math.atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z)
+    pitch = math.asin(min(1.0, max(-1.0, -2.0 * (x * z - u * y))))
+    yaw = math.atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z)
+    return GzVector(roll, pitch, yaw)
+
+
+def GzQuaternMul(a: QuaternLike, b: QuaternLike) -> GzQuatern:
+    """The Hamilton product a b: rotate by b, then by a."""
+    au, ax, ay, az = a
+    bu, bx, by, bz = b
+    return GzQuatern(
+        au * bu - ax * bx - ay * by - az * bz,
+        au * bx + ax * bu + ay * bz - az * by,
+        au * by - ax * bz + ay * bu + az * bx,
+        au * bz + ax * by - ay * bx + az * bu,
+    )
+
+
+def GzQuaternScale(s: float, a: QuaternLike) -> GzQuatern:
+    """The rotation about the same axis, its angle times `s`."""
+    angle, x, y, z = GzQuaternToAxis(a)
+    return GzQuaternFromAxis(x, y, z, s * angle)
+
+
+def GzHomoFromQuatern(q: QuaternLike) -> GzHomo:
+    """The rotation matrix of a unit quaternion."""
+    u, x, y, z = q
+    return GzHomo(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - u * z), 2 * (x * z + u * y)],
+            [2 * (x * y + u * z), 1 - 2 * (x * x + z * z), 2 * (y * z - u * x)],
+            [2 * (x * z - u * y), 2 * (y * z + u * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def GzQuaternFromHomo(h: GzHomo) -> GzQuatern:
+    """The unit quaternion of a rotation matrix, stable at every angle (the four-case method of Shepperd, 1978)."""
+    m = h.m
+    trace = m[0][0] + m[1][1] + m[2][2]
+    candidates = (trace, m[0][0], m[1][1], m[2][2])
+    case = candidates.index(max(candidates))
+    if case == 0:
+        q = (1.0 + trace, m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1])
+    elif case == 1:
+        q = (m[2][1] - m[1][2], 1.0 + m[0][0] - m[1][1] - m[2][2], m[0][1] + m[1][0], m[0][2] + m[2][0])
+    elif case == 2:
+        q = (m[0][2] - m[2][0], m[0][1] + m[1][0], 1.0 + m[1][1] - m[0][0] - m[2][2], m[1][2] + m[2][1])
+    else:
+        q = (m[1][0] - m[0][1], m[0][2] + m[2][0], m[1][2] + m[2][1], 1.0 + m[2][2] - m[0][0] - m[1][1])
+    return GzQuaternNormal(q)
+
+
+def GzHomoInverse(h: GzHomo) -> GzHomo:
+    """The inverse of a rotation matrix, its transpose."""
+    return GzHomo([[h.m[column][row] for column in range(3)] for row in range(3)])
+
+
+def GzHomoMul(h: GzHomo, v: VectorLike) -> GzVector:
+    """The matrix applied to a vector."""
+    x, y, z = v
+    return GzVector(*(row[0] * x + row[1] * y + row[2] * z for row in h.m))
+
+
+def rotate(q: QuaternLike, v: VectorLike) -> GzVector:
+    """The vector `v` rotated by the unit quaternion `q`: v + 2 w (w x v) in the form v + u t + w x t, t = 2 w x v."""
+    u, x, y, z = q
+    vx, vy, vz = v
+    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
+    return GzVector(
+        vx + u * tx + (y * tz - z * ty),
+        vy + u * ty + (z * tx - x * tz),
+        vz + u * tz + (x * ty - y * tx),
+    )
+
+
+# Poses -----------------------------------------------------------------------------------------------------------
+
+
+def GzPoseSet(pos: VectorLike, rot: QuaternLike) -> GzPose:
+    """A pose from its halves; both are copied."""
+    return GzPose(GzVector(*pos), GzQuatern(*rot))
+
+
+def GzPoseFinite(a: GzPose) -> bool:
+    """Whether no component is infinite or NaN."""
+    return GzVectorFinite(a.pos) and GzQuaternFinite(a.rot)
+
+
+def GzPosePointAt(pos: VectorLike, at: VectorLike, up: VectorLike) -> GzPose:
+    """The pose at `pos` whose x axis points towards `at` and whose z axis lies as near to `up` as it can."""
+    x = GzVectorUnit(GzVectorSub(at, pos))
+    y = GzVectorUnit(GzVectorCross(up, x))
+    z = GzVectorCross(x, y)
+    return GzPose(GzVector(*pos), GzQuaternFromHomo(GzHomo([[a, b, c] for a, b, c in zip(x, y, z, strict=True)])))
+
+
+def GzCoordPositionAdd(bpos: VectorLike, apos: VectorLike, arot: QuaternLike) -> GzVector:
+    """The position `bpos`, given in the frame (apos, arot), expressed in that frame's outer frame."""
+    return GzVectorAdd(apos, rotate(arot, bpos))
+
+
+def GzCoordPositionSub(bpos: VectorLike, apos: VectorLike, arot: QuaternLike) -> GzVector:
+    """The position `bpos` relative to the frame (apos, arot)."""
+    return rotate(GzQuaternInverse(arot), GzVectorSub(bpos, apos))
+
+
+def GzCoordRotationAdd(b: QuaternLike, a: QuaternLike) -> GzQuatern:
+    """The rotation b, given in the frame a, expressed in a's outer frame: a b."""
+    return GzQuaternMul(a, b)
+
+
+def GzCoordRotationSub(b: QuaternLike, a: QuaternLike) -> GzQuatern:
+    """The rotation b relative to a: the inverse of a, times b."""
+    return GzQuaternMul(GzQuaternInverse(a), b)
+
+
+def GzCoordPoseAdd(b: GzPose, a: GzPose) -> GzPose:
+    """c = b + a: the pose b, given in frame a, expressed in a's outer frame."""
+    return GzPose(GzCoordPositionAdd(b.pos, a.pos, a.rot), GzCoordRotationAdd(b.rot, a.rot))
+
+
+def GzCoordPoseSub(b: GzPose, a: GzPose) -> GzPose:
+    """c = b - a: the pose b relative to a."""
+    return GzPose(GzCoordPositionSub(b.pos, a.pos, a.rot), GzCoordRotationSub(b.rot, a.rot))
+
+
+def GzCoordPoseSolve(ba: GzPose, b: GzPose) -> GzPose:
+    """The frame a for which b = ba + a."""
+    rot = GzQuaternMul(b.rot, GzQuaternInverse(ba.rot))
+    return GzPose(GzVectorSub(b.pos, rotate(rot, ba.pos)), rot)

@@ -1,0 +1,157 @@
+"""The raw ODE library: found, checked, and called through declared prototypes only.
+
+`ode()` gives the one loaded library; its attributes are the functions of `prototypes`. Handles are plain ints.
+Nothing outside `libgz.ode` touches the shared object.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import functools
+import logging
+import os
+import re
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from libgz.errors import LibraryError, nearest
+from libgz.ode.prototypes import PROTOTYPES
+
+__all__ = ["OdeLibrary", "ode"]
+
+log = logging.getLogger("libgz.ode")
+
+LIBRARY = "libode.so.8"
+ADVICE = "install Debian's package with: apt-get install libode8"
+ALLOCATE_ALL = 0xFFFFFFFF  # dAllocateMaskAll
+
+_C_TYPES: dict[str, Any] = {
+    "void": None,
+    "int": ctypes.c_int,
+    "uint": ctypes.c_uint,
+    "ulong": ctypes.c_ulong,
+    "real": ctypes.c_double,
+    "id": ctypes.c_void_p,
+    "data": ctypes.c_void_p,
+    "text": ctypes.c_char_p,
+    "reals": ctypes.c_void_p,
+}
+_PROTOTYPE = re.compile(r"(\w+) (\w+)\((.*)\)")
+_RETURNS_VECTOR = ctypes.POINTER(ctypes.c_double * 4)
+_MESSAGE_HANDLER = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.c_char_p, ctypes.c_void_p)
+
+
+def _parse(prototypes: str) -> dict[str, tuple[Any, list[Any]]]:
+    """Function name -> (result type, argument types)."""
+    declared = {}
+    for line in filter(None, map(str.strip, prototypes.splitlines())):
+        match = _PROTOTYPE.fullmatch(line)
+        if match is None:
+            raise LibraryError(f"malformed prototype {line!r}")
+        result, name, arguments = match.groups()
+        restype = _RETURNS_VECTOR if result == "reals" else _C_TYPES[result]
+        declared[name] = (restype, [_C_TYPES[a] for a in arguments.split(", ") if a])
+    return declared
+
+
+def _load() -> ctypes.PyDLL:
+    """The shared object named by LIBGZ_ODE, or Debian's."""
+    name = os.environ.get("LIBGZ_ODE") or LIBRARY
+    try:
+        # PyDLL keeps the interpreter lock: most calls are shorter than giving it up and taking it back.
+        return ctypes.PyDLL(name)
+    except OSError as fault:
+        raise LibraryError(f"cannot load the ODE library {name!r} ({fault}); {ADVICE}") from None
+
+
+class OdeLibrary:
+    """libode with its functions as attributes, each bound on first use.
+
+    Raises:
+        LibraryError: the library is absent, or was built for single precision.
+    """
+
+    def __init__(self) -> None:
+        self._shared = _load()
+        self._declared = _parse(PROTOTYPES)
+        self._threads = threading.local()
+        self._handlers = [self._handler(kind) for kind in ("Error", "Debug", "Message")]
+        for kind, handler in zip(("Error", "Debug", "Message"), self._handlers, strict=True):
+            getattr(self, f"dSet{kind}Handler")(ctypes.cast(handler, ctypes.c_void_p))
+        if not self.dInitODE2(0):
+            raise LibraryError("dInitODE2 failed: ODE cannot be initialised")
+        if not self.dCheckConfiguration(b"ODE_double_precision"):
+            raise LibraryError(f"{self._shared._name} is built for single precision; libgz needs doubles: {ADVICE}")
+        self.ensure_thread()
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        """Bind a declared function at its first use."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name not in self._declared:
+            raise AttributeError(f"ODE function {name!r} is not declared in libgz.ode{nearest(name, self._declared)}")
+        function: Callable[..., Any]
+        try:
+            function = self._shared[name]
+        except AttributeError:
+            function = _absent(name, self._shared._name)
+        else:
+            function.restype, function.argtypes = self._declared[name]  # type: ignore[attr-defined]
+        setattr(self, name, function)
+        return function
+
+    @property
+    def path(self) -> str:
+        """The name under which the library was loaded."""
+        return str(self._shared._name)
+
+    @property
+    def configuration(self) -> str:
+        """ODE's own list of the options it was built with."""
+        return str(self.dGetConfiguration().decode())
+
+    def address(self, name: str) -> int:
+        """The address of a C function, for the native step."""
+        return ctypes.cast(self._shared[name], ctypes.c_void_p).value or 0
+
+    def ensure_thread(self) -> None:
+        """Give the calling thread ODE's per-thread data; collision in a thread without them crashes."""
+        if not getattr(self._threads, "ready", False):
+            if not self.dAllocateODEDataForThread(ALLOCATE_ALL):
+                raise LibraryError("ODE cannot allocate its data for this thread")
+            self._threads.ready = True
+
+    @staticmethod
+    def _handler(kind: str) -> Any:
+        """A C callback that formats one of ODE's messages and logs it."""
+        vsnprintf = ctypes.CDLL(None).vsnprintf
+        vsnprintf.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_void_p]
+        level = {"Error": logging.CRITICAL, "Debug": logging.CRITICAL, "Message": logging.INFO}[kind]
+
+        def handle(number: int, text: bytes, arguments: int) -> None:
+            buffer = ctypes.create_string_buffer(1024)
+            vsnprintf(buffer, len(buffer), text, arguments)
+            log.log(level, "ODE %s %d: %s", kind.lower(), number, buffer.value.decode(errors="replace").strip())
+
+        return _MESSAGE_HANDLER(handle)
+
+
+def _absent(name: str, library: str) -> Callable[..., Any]:
+    """A stand-in that explains itself when called."""
+
+    def explain(*_arguments: object) -> Any:
+        raise LibraryError(f"{library} has no function {name}; {ADVICE}")
+
+    return explain
+
+
+@functools.cache
+def ode() -> OdeLibrary:
+    """The ODE library, loaded once per process.
+
+    Raises:
+        LibraryError: it is absent or unfit; the message says how to install it.
+    """
+    return OdeLibrary()

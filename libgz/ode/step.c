@@ -1,0 +1,382 @@
+/* The native step: contacts, the ODE step, the copy of all states, and ray scans, without a Python call inside.
+ *
+ * It is linked against nothing. gz_step_needs() lists the ODE functions it calls, gz_step_bind() takes their
+ * addresses in that order; so it builds without ODE's headers and cannot meet another ODE than the one in use.
+ * libgz/ode/step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories are
+ * equal to the last bit, and a test says so.
+ */
+#include <float.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+typedef void near_callback(void *data, void *geom1, void *geom2);
+
+typedef struct {
+    int mode;
+    double mu, mu2, rho, rho2, rhoN, bounce, bounce_vel, soft_erp, soft_cfm, motion1, motion2, motionN, slip1, slip2;
+} surface_parameters;
+
+typedef struct {
+    double pos[4], normal[4], depth;
+    void *g1, *g2;
+    int side1, side2;
+} contact_geom;
+
+typedef struct {
+    surface_parameters surface;
+    contact_geom geom;
+    double fdir1[4];
+} contact;
+
+#define ODE_FUNCTIONS(X)                                                        \
+    X(void, dSpaceCollide, (void *, void *, near_callback *))                   \
+    X(void, dSpaceCollide2, (void *, void *, void *, near_callback *))          \
+    X(int, dCollide, (void *, void *, int, contact_geom *, int))                \
+    X(int, dGeomIsSpace, (void *))                                              \
+    X(void *, dGeomGetBody, (void *))                                           \
+    X(void *, dGeomGetData, (void *))                                           \
+    X(void, dGeomGetAABB, (void *, double *))                                   \
+    X(void, dGeomSetPosition, (void *, double, double, double))                 \
+    X(void, dGeomBoxSetLengths, (void *, double, double, double))               \
+    X(void, dGeomRaySet, (void *, double, double, double, double, double, double)) \
+    X(void, dGeomRaySetLength, (void *, double))                                \
+    X(int, dAreConnectedExcluding, (void *, void *, int))                       \
+    X(void *, dJointCreateContact, (void *, void *, const contact *))           \
+    X(void, dJointAttach, (void *, void *, void *))                             \
+    X(void, dJointGroupEmpty, (void *))                                         \
+    X(int, dWorldStep, (void *, double))                                        \
+    X(int, dWorldQuickStep, (void *, double))                                   \
+    X(void, dRandSetSeed, (unsigned long))                                      \
+    X(unsigned long, dRandGetSeed, (void))                                      \
+    X(const double *, dBodyGetPosition, (void *))                               \
+    X(const double *, dBodyGetQuaternion, (void *))                             \
+    X(const double *, dBodyGetLinearVel, (void *))                              \
+    X(const double *, dBodyGetAngularVel, (void *))                             \
+    X(double, dJointGetHingeAngle, (void *))                                    \
+    X(double, dJointGetHingeAngleRate, (void *))                                \
+    X(double, dJointGetSliderPosition, (void *))                                \
+    X(double, dJointGetSliderPositionRate, (void *))                            \
+    X(double, dJointGetHinge2Angle1, (void *))                                  \
+    X(double, dJointGetHinge2Angle2, (void *))                                  \
+    X(double, dJointGetHinge2Angle1Rate, (void *))                              \
+    X(double, dJointGetHinge2Angle2Rate, (void *))                              \
+    X(double, dJointGetUniversalAngle1, (void *))                               \
+    X(double, dJointGetUniversalAngle2, (void *))                               \
+    X(double, dJointGetUniversalAngle1Rate, (void *))                           \
+    X(double, dJointGetUniversalAngle2Rate, (void *))
+
+#define DECLARE(result, name, arguments) static result(*name) arguments;
+ODE_FUNCTIONS(DECLARE)
+
+/* Names in the order in which gz_step_bind() takes addresses; ends with NULL. */
+const char *const *gz_step_needs(void)
+{
+#define NAME(result, name, arguments) #name,
+    static const char *const names[] = {ODE_FUNCTIONS(NAME) NULL};
+    return names;
+}
+
+void gz_step_bind(void *const *addresses)
+{
+#define BIND(result, name, arguments) *(void **)&name = *addresses++;
+    ODE_FUNCTIONS(BIND)
+}
+
+/* Mirrored by StepContext in step.py; gz_step_context_size() guards against drift. */
+typedef struct {
+    void *world, *space, *contacts, *ray, *probe;
+    double step;
+    int64_t quick;         /* 1: dWorldQuickStep */
+    uint64_t seed;         /* ODE's random state, one per world */
+    int64_t contact_count; /* of the last step */
+    const double *surface; /* a row a geom: kp, kd, mu, bounce */
+    const int64_t *owner;  /* a number a geom: that of its body */
+    int64_t body_count;
+    void *const *bodies;   /* NULL: a free row */
+    const double *com;     /* centre of mass in the body frame, 3 a row */
+    double *body_state;    /* 16 a row: position, quaternion, centre of mass, linear and angular velocity */
+    int64_t joint_count;
+    void *const *joints;
+    const int64_t *joint_types;
+    double *joint_state;   /* 4 a row: angle 1 and 2, rate 1 and 2 */
+} context;
+
+size_t gz_step_context_size(void) { return sizeof(context); }
+
+enum { MAX_CONTACTS = 10, JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
+enum { BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, APPROX1 = 0x3000 };
+
+/* A contact is a spring and damper in series with its partner: erp = h kp / (h kp + kd), cfm = 1 / (h kp + kd). */
+static void make_surface(const context *c, const double *a, const double *b, surface_parameters *s)
+{
+    double softness = 1.0 / a[0] + 1.0 / b[0];
+    double kd = a[1] + b[1];
+    s->mode = SOFT_ERP | SOFT_CFM | APPROX1;
+    s->mu = a[2] < b[2] ? a[2] : b[2];
+    s->soft_erp = 1.0;
+    s->soft_cfm = 0.0;
+    if (softness > 0.0) {
+        double spring = c->step * (1.0 / softness);
+        s->soft_erp = spring / (spring + kd);
+        s->soft_cfm = 1.0 / (spring + kd);
+    }
+    s->bounce = a[3] > b[3] ? a[3] : b[3];
+    s->bounce_vel = 0.0;
+    if (s->bounce > 0.0)
+        s->mode |= BOUNCE;
+}
+
+static void collide(void *data, void *geom1, void *geom2)
+{
+    context *c = data;
+    contact points[MAX_CONTACTS];
+    surface_parameters surface;
+    void *body1, *body2;
+    int count, i;
+
+    if (dGeomIsSpace(geom1) || dGeomIsSpace(geom2)) {
+        dSpaceCollide2(geom1, geom2, c, collide);
+        return;
+    }
+    body1 = dGeomGetBody(geom1);
+    body2 = dGeomGetBody(geom2);
+    if (!body1 && !body2)
+        return;
+    if (body1 && body2 && dAreConnectedExcluding(body1, body2, JOINT_CONTACT))
+        return;
+    count = dCollide(geom1, geom2, MAX_CONTACTS, &points[0].geom, sizeof(contact));
+    if (!count)
+        return;
+    make_surface(c, c->surface + 4 * (intptr_t)dGeomGetData(geom1), c->surface + 4 * (intptr_t)dGeomGetData(geom2),
+                 &surface);
+    for (i = 0; i < count; i++) {
+        points[i].surface = surface;
+        dJointAttach(dJointCreateContact(c->world, c->contacts, &points[i]), body1, body2);
+    }
+    c->contact_count += count;
+}
+
+/* v rotated by the quaternion q; the same operations in the same order as libgz.geometry.rotate. */
+static void rotate(const double *q, const double *v, double *out)
+{
+    double tx = 2.0 * (q[2] * v[2] - q[3] * v[1]);
+    double ty = 2.0 * (q[3] * v[0] - q[1] * v[2]);
+    double tz = 2.0 * (q[1] * v[1] - q[2] * v[0]);
+    out[0] = v[0] + q[0] * tx + (q[2] * tz - q[3] * ty);
+    out[1] = v[1] + q[0] * ty + (q[3] * tx - q[1] * tz);
+    out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
+}
+
+static void read_bodies(context *c)
+{
+    int64_t i;
+    int k;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        double *row = c->body_state + 16 * i;
+        const double *p, *q, *v, *w;
+        double offset[3];
+        if (!body)
+            continue;
+        p = dBodyGetPosition(body);
+        q = dBodyGetQuaternion(body);
+        v = dBodyGetLinearVel(body);
+        w = dBodyGetAngularVel(body);
+        rotate(q, c->com + 3 * i, offset);
+        for (k = 0; k < 3; k++) {
+            row[k] = p[k] - offset[k];
+            row[7 + k] = p[k];
+            row[10 + k] = v[k];
+            row[13 + k] = w[k];
+        }
+        for (k = 0; k < 4; k++)
+            row[3 + k] = q[k];
+    }
+}
+
+static void read_joints(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->joint_count; i++) {
+        void *joint = c->joints[i];
+        double *row = c->joint_state + 4 * i;
+        if (!joint)
+            continue;
+        switch (c->joint_types[i]) {
+        case JOINT_HINGE:
+            row[0] = dJointGetHingeAngle(joint);
+            row[2] = dJointGetHingeAngleRate(joint);
+            break;
+        case JOINT_SLIDER:
+            row[0] = dJointGetSliderPosition(joint);
+            row[2] = dJointGetSliderPositionRate(joint);
+            break;
+        case JOINT_HINGE2:
+            row[0] = dJointGetHinge2Angle1(joint);
+            row[1] = dJointGetHinge2Angle2(joint);
+            row[2] = dJointGetHinge2Angle1Rate(joint);
+            row[3] = dJointGetHinge2Angle2Rate(joint);
+            break;
+        case JOINT_UNIVERSAL:
+            row[0] = dJointGetUniversalAngle1(joint);
+            row[1] = dJointGetUniversalAngle2(joint);
+            row[2] = dJointGetUniversalAngle1Rate(joint);
+            row[3] = dJointGetUniversalAngle2Rate(joint);
+            break;
+        }
+    }
+}
+
+/* Collide, step, copy the states out. Returns what ODE's step returned: 0 is out of memory. */
+int gz_step(context *c)
+{
+    int done;
+    dRandSetSeed((unsigned long)c->seed);
+    c->contact_count = 0;
+    dSpaceCollide(c->space, c, collide);
+    done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+    dJointGroupEmpty(c->contacts);
+    c->seed = dRandGetSeed();
+    read_bodies(c);
+    read_joints(c);
+    return done;
+}
+
+void gz_read(context *c)
+{
+    read_bodies(c);
+    read_joints(c);
+}
+
+/* Ray scans -------------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    void *geom;
+    double box[6]; /* its bounding box: x min, x max, y min, ... */
+} candidate;
+
+typedef struct {
+    const context *c;
+    int64_t owner;
+    candidate *list;
+    int64_t count, room;
+} gathering;
+
+static void gather(void *data, void *geom1, void *geom2)
+{
+    gathering *g = data;
+    void *geom = geom1 == g->c->probe ? geom2 : geom1;
+    if (dGeomIsSpace(geom)) {
+        dSpaceCollide2(g->c->probe, geom, g, gather);
+        return;
+    }
+    if (g->owner && g->c->owner[(intptr_t)dGeomGetData(geom)] == g->owner)
+        return;
+    if (g->count == g->room) {
+        int64_t room = g->room ? 2 * g->room : 64;
+        candidate *list = realloc(g->list, (size_t)room * sizeof(candidate));
+        if (!list)
+            return;
+        g->list = list;
+        g->room = room;
+    }
+    g->list[g->count].geom = geom;
+    dGeomGetAABB(geom, g->list[g->count].box);
+    g->count++;
+}
+
+/* Whether the segment start + t dir, 0 <= t <= length, meets the box grown by a hair (the slab method). */
+static int may_hit(const double *start, const double *dir, double length, const double *box)
+{
+    double from = 0.0, to = length;
+    int k;
+    for (k = 0; k < 3; k++) {
+        double low = box[2 * k] - 1e-9 - start[k], high = box[2 * k + 1] + 1e-9 - start[k];
+        if (dir[k] > -1e-12 && dir[k] < 1e-12) {
+            if (low > 0.0 || high < 0.0)
+                return 0;
+        } else {
+            double a = low / dir[k], b = high / dir[k];
+            if (a > b) {
+                double swap = a;
+                a = b;
+                b = swap;
+            }
+            if (a - 1e-9 > from)
+                from = a - 1e-9;
+            if (b + 1e-9 < to)
+                to = b + 1e-9;
+            if (from > to)
+                return 0;
+        }
+    }
+    return 1;
+}
+
+/* Cast `count` rays, each 7 doubles in the sensor's frame: start, unit direction, length.
+ * `frame` is that frame: position and quaternion. Geoms of the body numbered `owner` are not seen (0: all are).
+ * Out: for each ray the distance from its start, DBL_MAX if nothing was hit, and the geom's row, or -1. */
+void gz_scan(context *c, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
+             int64_t *rows)
+{
+    gathering g = {c, owner, NULL, 0, 0};
+    double *world_rays = malloc((size_t)(count > 0 ? count : 1) * 6 * sizeof(double));
+    double low[3] = {DBL_MAX, DBL_MAX, DBL_MAX}, high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
+    int64_t i, j;
+    int k;
+
+    for (i = 0; i < count; i++) {
+        ranges[i] = DBL_MAX;
+        rows[i] = -1;
+    }
+    if (!world_rays || count <= 0) {
+        free(world_rays);
+        return;
+    }
+    for (i = 0; i < count; i++) {
+        double *start = world_rays + 6 * i, *dir = start + 3;
+        rotate(frame + 3, rays + 7 * i, start);
+        rotate(frame + 3, rays + 7 * i + 3, dir);
+        for (k = 0; k < 3; k++) {
+            double a, b;
+            start[k] += frame[k];
+            a = start[k];
+            b = a + rays[7 * i + 6] * dir[k];
+            if (a > b) {
+                double swap = a;
+                a = b;
+                b = swap;
+            }
+            if (a < low[k])
+                low[k] = a;
+            if (b > high[k])
+                high[k] = b;
+        }
+    }
+    dGeomBoxSetLengths(c->probe, high[0] - low[0] + 1e-6, high[1] - low[1] + 1e-6, high[2] - low[2] + 1e-6);
+    dGeomSetPosition(c->probe, 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
+    dSpaceCollide2(c->probe, c->space, &g, gather);
+
+    for (i = 0; i < count; i++) {
+        const double *start = world_rays + 6 * i, *dir = start + 3;
+        double length = rays[7 * i + 6];
+        int set = 0;
+        for (j = 0; j < g.count; j++) {
+            contact_geom hit;
+            if (!may_hit(start, dir, length, g.list[j].box))
+                continue;
+            if (!set) {
+                dGeomRaySetLength(c->ray, length);
+                dGeomRaySet(c->ray, start[0], start[1], start[2], dir[0], dir[1], dir[2]);
+                set = 1;
+            }
+            if (dCollide(c->ray, g.list[j].geom, 1, &hit, sizeof hit) && hit.depth < ranges[i]) {
+                ranges[i] = hit.depth;
+                rows[i] = (int64_t)(intptr_t)dGeomGetData(g.list[j].geom);
+            }
+        }
+    }
+    free(g.list);
+    free(world_rays);
+}

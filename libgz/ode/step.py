@@ -1,0 +1,391 @@
+"""One physics step and one ray scan, in two forms that give the same numbers: native (step.c) and pure Python.
+
+`choose_step` takes the native one where it was built. The environment variable LIBGZ_STEP forces a choice:
+``native`` (an error if it is not there), ``python``, or ``auto``.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import sys
+from ctypes import c_double, c_int64, c_uint64, c_void_p
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import LibraryError, ParameterError
+from libgz.geometry import rotate
+from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.types import Contact, ContactGeom, ContactMode, JointType, SurfaceParameters
+
+__all__ = ["MAX_CONTACTS", "NO_HIT", "NativeStep", "PythonStep", "Step", "StepContext", "choose_step", "native_path"]
+
+log = logging.getLogger("libgz.ode")
+
+MAX_CONTACTS = 10
+NO_HIT = sys.float_info.max
+
+_NEAR_CALLBACK = ctypes.CFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
+_CHOICES = ("auto", "native", "python")
+
+
+class StepContext(ctypes.Structure):
+    """What both forms of the step work on; mirrors `context` in step.c, where the fields are explained."""
+
+    _fields_ = [
+        ("world", c_void_p),
+        ("space", c_void_p),
+        ("contacts", c_void_p),
+        ("ray", c_void_p),
+        ("probe", c_void_p),
+        ("step", c_double),
+        ("quick", c_int64),
+        ("seed", c_uint64),
+        ("contact_count", c_int64),
+        ("surface", c_void_p),
+        ("owner", c_void_p),
+        ("body_count", c_int64),
+        ("bodies", c_void_p),
+        ("com", c_void_p),
+        ("body_state", c_void_p),
+        ("joint_count", c_int64),
+        ("joints", c_void_p),
+        ("joint_types", c_void_p),
+        ("joint_state", c_void_p),
+    ]
+
+
+class Tables(Protocol):
+    """The numpy arrays behind the addresses in a `StepContext`; rows are described in step.c."""
+
+    surface: NDArray[np.float64]
+    owner: NDArray[np.int64]
+    com: NDArray[np.float64]
+    body_state: NDArray[np.float64]
+    joint_state: NDArray[np.float64]
+    joint_types: NDArray[np.int64]
+    body_ids: NDArray[np.uintp]
+    joint_ids: NDArray[np.uintp]
+    surface_edits: int
+
+
+class Step(Protocol):
+    """Either form."""
+
+    name: str
+    reads_all: bool  # whether step() leaves all states copied out
+
+    def step(self) -> bool:
+        """Collide, step, empty the contact group; false if ODE ran out of memory."""
+
+    def read(self) -> None:
+        """Copy all body and joint states into the tables."""
+
+    def forget(self, geom: int) -> None:
+        """Drop what is remembered of a geom, because it was destroyed or given to another body."""
+
+    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
+             rows: NDArray[np.int64]) -> None:  # fmt: skip
+        """Cast rays from a frame; see gz_scan in step.c."""
+
+
+def native_path() -> Path | None:
+    """Where the native step was built, or None."""
+    return next(iter(sorted(Path(__file__).parent.glob("_step*.so"))), None)
+
+
+def choose_step(context: StepContext, tables: Tables) -> Step:
+    """The form of the step to use, by LIBGZ_STEP and by what was built.
+
+    Raises:
+        ParameterError: LIBGZ_STEP has an unknown value.
+        LibraryError: LIBGZ_STEP is ``native`` and the native step was not built.
+    """
+    choice = os.environ.get("LIBGZ_STEP", "auto") or "auto"
+    if choice not in _CHOICES:
+        raise ParameterError(f"LIBGZ_STEP is {choice!r}; allowed are {', '.join(_CHOICES)}")
+    path = native_path()
+    if choice == "python" or (choice == "auto" and path is None):
+        return PythonStep(context, tables)
+    if path is None:
+        raise LibraryError("LIBGZ_STEP=native, but the native step was not built: install libgz where gcc is")
+    return NativeStep(context, path)
+
+
+class NativeStep:
+    """step.c, by ctypes. The interpreter lock is released while it runs."""
+
+    name = "native"
+    reads_all = True
+    _library: ctypes.CDLL | None = None
+
+    def __init__(self, context: StepContext, path: Path) -> None:
+        self._shared = self._bind(path)
+        self._address = ctypes.addressof(context)
+        self._step = self._shared.gz_step
+        self._scan = self._shared.gz_scan
+
+    @classmethod
+    def _bind(cls, path: Path) -> ctypes.CDLL:
+        """Load the shared object and hand it ODE's addresses, once."""
+        if cls._library is not None:
+            return cls._library
+        library = ctypes.CDLL(str(path))
+        library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
+        library.gz_step_context_size.restype = ctypes.c_size_t
+        library.gz_step_bind.argtypes = [c_void_p]
+        library.gz_step.argtypes = [c_void_p]
+        library.gz_read.argtypes = [c_void_p]
+        library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
+        library.gz_scan.restype = None
+        if library.gz_step_context_size() != ctypes.sizeof(StepContext):
+            raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+        names = []
+        for name in library.gz_step_needs():
+            if name is None:
+                break
+            names.append(name.decode())
+        addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
+        library.gz_step_bind(addresses)
+        cls._library = library
+        return library
+
+    def step(self) -> bool:
+        """Collide, step and copy all states out."""
+        return bool(self._step(self._address))
+
+    def read(self) -> None:
+        """Copy all states out."""
+        self._shared.gz_read(self._address)
+
+    def forget(self, geom: int) -> None:
+        """Nothing to do: step.c remembers no geom."""
+
+    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
+             rows: NDArray[np.int64]) -> None:  # fmt: skip
+        """Cast rays from a frame."""
+        self._scan(
+            self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
+        )
+
+
+class PythonStep:
+    """The same in Python: slower by half, and at home where there is no C compiler.
+
+    States are copied out only when somebody asks, for each copy costs a ctypes call.
+    """
+
+    name = "python"
+    reads_all = False
+
+    def __init__(self, context: StepContext, tables: Tables) -> None:
+        self._context = context
+        self._tables = tables
+        self._ode: OdeLibrary = ode()
+        self._fault: BaseException | None = None
+        self._pairs: dict[tuple[int, int], tuple[int, list[int]]] = {}
+        self._pairs_valid_for: tuple[int, float] = (-1, 0.0)
+        self._geoms: dict[int, tuple[int, int]] = {}
+        self._contact_arrays: list[Any] = []
+        self._near = self._make_near()
+
+    def forget(self, geom: int) -> None:
+        """Drop what is remembered of a geom, because it was destroyed or given to another body."""
+        self._geoms.pop(geom, None)
+
+    def _make_near(self) -> Any:
+        """The near-callback, with everything it touches in local names: it runs once per pair and step."""
+        ode_ = self._ode
+        collide, attach, create = ode_.dCollide, ode_.dJointAttach, ode_.dJointCreateContact
+        connected, collide2 = ode_.dAreConnectedExcluding, ode_.dSpaceCollide2
+        geoms, pairs, context = self._geoms, self._pairs, self._context
+        contact_type, size = int(JointType.CONTACT), ctypes.sizeof(Contact)
+        look_up_geom, look_up_pair = self._look_up_geom, self._look_up_pair
+        world, group = context.world, context.contacts
+
+        def near(_data: int, geom1: int, geom2: int) -> None:
+            try:
+                row1, body1 = geoms.get(geom1) or look_up_geom(geom1)
+                row2, body2 = geoms.get(geom2) or look_up_geom(geom2)
+                if row1 < 0 or row2 < 0:
+                    collide2(geom1, geom2, None, callback)
+                    return
+                if body1:
+                    if body2 and connected(body1, body2, contact_type):
+                        return
+                elif not body2:
+                    return
+                first, addresses = pairs.get((row1, row2)) or look_up_pair(row1, row2)
+                count = collide(geom1, geom2, MAX_CONTACTS, first, size)
+                if count:
+                    context.contact_count += count
+                    for address in addresses[:count]:
+                        attach(create(world, group, address), body1, body2)
+            except BaseException as fault:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
+                self._fault = fault
+
+        callback = ctypes.cast(keep := _NEAR_CALLBACK(near), c_void_p).value
+        self._keep = keep
+        return callback
+
+    def _look_up_geom(self, geom: int) -> tuple[int, int]:
+        """(table row, body) of a geom; row -1 for a space."""
+        if self._ode.dGeomIsSpace(geom):
+            found = (-1, 0)
+        else:
+            found = (self._ode.dGeomGetData(geom) or 0, self._ode.dGeomGetBody(geom) or 0)
+        self._geoms[geom] = found
+        return found
+
+    def _look_up_pair(self, row1: int, row2: int) -> tuple[int, list[int]]:
+        """Ten contacts whose surfaces are filled in for this pair: their address, and the address of each."""
+        array = (Contact * MAX_CONTACTS)()
+        surface = self._surface(self._tables.surface[row1].tolist(), self._tables.surface[row2].tolist())
+        for contact in array:
+            contact.surface = surface
+        start, size = ctypes.addressof(array), ctypes.sizeof(Contact)
+        self._contact_arrays.append(array)
+        found = (start + Contact.geom.offset, [start + i * size for i in range(MAX_CONTACTS)])
+        self._pairs[row1, row2] = found
+        return found
+
+    def _surface(self, a: list[float], b: list[float]) -> SurfaceParameters:
+        """The contact rule; make_surface in step.c, operation by operation."""
+        softness = 1.0 / a[0] + 1.0 / b[0]
+        kd = a[1] + b[1]
+        erp, cfm = 1.0, 0.0
+        if softness > 0.0:
+            spring = self._context.step * (1.0 / softness)
+            erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
+        mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
+        bounce = max(a[3], b[3])
+        if bounce > 0.0:
+            mode |= ContactMode.BOUNCE
+        return SurfaceParameters(
+            mode=int(mode), mu=min(a[2], b[2]), bounce=bounce, bounce_vel=0.0, soft_erp=erp, soft_cfm=cfm
+        )
+
+    def step(self) -> bool:
+        """Collide, step, empty the contact group."""
+        context, ode_ = self._context, self._ode
+        valid_for = (self._tables.surface_edits, context.step)
+        if valid_for != self._pairs_valid_for:
+            self._pairs.clear()
+            self._contact_arrays.clear()
+            self._pairs_valid_for = valid_for
+        ode_.dRandSetSeed(context.seed)
+        context.contact_count = 0
+        ode_.dSpaceCollide(context.space, None, self._near)
+        done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
+        ode_.dJointGroupEmpty(context.contacts)
+        context.seed = ode_.dRandGetSeed()
+        self._raise_fault()
+        return bool(done)
+
+    def _raise_fault(self) -> None:
+        fault, self._fault = self._fault, None
+        if fault is not None:
+            raise fault
+
+    def read(self) -> None:
+        """Copy all states out."""
+        context, tables = self._context, self._tables
+        for row in range(context.body_count):
+            if tables.body_ids[row]:
+                read_body(self._ode, tables, row)
+        for row in range(context.joint_count):
+            if tables.joint_ids[row]:
+                read_joint(self._ode, tables, row)
+
+    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
+             rows: NDArray[np.int64]) -> None:  # fmt: skip
+        """Cast rays from a frame."""
+        ranges[:] = NO_HIT
+        rows[:] = -1
+        if not len(rays):
+            return
+        ode_, context, position = self._ode, self._context, frame[:3].tolist()
+        rotation = frame[3:].tolist()
+        starts, directions, lengths = [], [], rays[:, 6].tolist()
+        for ray in rays.tolist():
+            starts.append([p + o for p, o in zip(rotate(rotation, ray[:3]), position, strict=True)])
+            directions.append(list(rotate(rotation, ray[3:6])))
+        start, direction = np.array(starts), np.array(directions)
+        end = start + rays[:, 6:7] * direction
+        low, high = np.minimum(start, end).min(axis=0), np.maximum(start, end).max(axis=0)
+        ode_.dGeomBoxSetLengths(context.probe, *(high - low + 1e-6).tolist())
+        ode_.dGeomSetPosition(context.probe, *(0.5 * (low + high)).tolist())
+        hit = ContactGeom()
+        hit_address, hit_size = ctypes.addressof(hit), ctypes.sizeof(hit)
+        seen = self._gather(owner)
+        for i, (first, along, length) in enumerate(zip(starts, directions, lengths, strict=True)):
+            ode_.dGeomRaySetLength(context.ray, length)
+            ode_.dGeomRaySet(context.ray, *first, *along)
+            for geom, row in seen:
+                if ode_.dCollide(context.ray, geom, 1, hit_address, hit_size) and hit.depth < ranges[i]:
+                    ranges[i], rows[i] = hit.depth, row
+
+    def _gather(self, owner: int) -> list[tuple[int, int]]:
+        """(geom, row) of all geoms whose bounding box meets the probe's, without those of body `owner`."""
+        ode_, context, seen = self._ode, self._context, []
+        probe = context.probe
+
+        def near(_data: int, geom1: int, geom2: int) -> None:
+            try:
+                geom = geom2 if geom1 == probe else geom1
+                row, _ = self._geoms.get(geom) or self._look_up_geom(geom)
+                if row < 0:
+                    ode_.dSpaceCollide2(probe, geom, None, address)
+                elif not owner or self._tables.owner[row] != owner:
+                    seen.append((geom, row))
+            except BaseException as fault:  # noqa: BLE001 - as in _make_near
+                self._fault = fault
+
+        callback = _NEAR_CALLBACK(near)
+        address = ctypes.cast(callback, c_void_p)
+        ode_.dSpaceCollide2(probe, context.space, None, address)
+        self._raise_fault()
+        return seen
+
+
+def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
+    """Copy the state of one body out of ODE into its row."""
+    body = int(tables.body_ids[row])
+    state = tables.body_state[row]
+    address = tables.body_state.ctypes.data + row * state.nbytes
+    # ODE writes 4 values for a position: into columns 7 - 10, before the velocity takes column 10.
+    ode_.dBodyCopyPosition(body, address + 7 * 8)
+    ode_.dBodyCopyQuaternion(body, address + 3 * 8)
+    state[10:13] = ode_.dBodyGetLinearVel(body).contents[:3]
+    state[13:16] = ode_.dBodyGetAngularVel(body).contents[:3]
+    position = state[7:10].tolist()
+    offset = rotate(state[3:7].tolist(), tables.com[row].tolist())
+    state[0:3] = [p - o for p, o in zip(position, offset, strict=True)]
+
+
+def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
+    """Copy angles and rates of one joint out of ODE into its row."""
+    joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
+    state = tables.joint_state[row]
+    if kind == JointType.HINGE:
+        state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)
+    elif kind == JointType.SLIDER:
+        state[0], state[2] = ode_.dJointGetSliderPosition(joint), ode_.dJointGetSliderPositionRate(joint)
+    elif kind == JointType.HINGE2:
+        state[:] = (
+            ode_.dJointGetHinge2Angle1(joint),
+            ode_.dJointGetHinge2Angle2(joint),
+            ode_.dJointGetHinge2Angle1Rate(joint),
+            ode_.dJointGetHinge2Angle2Rate(joint),
+        )
+    elif kind == JointType.UNIVERSAL:
+        state[:] = (
+            ode_.dJointGetUniversalAngle1(joint),
+            ode_.dJointGetUniversalAngle2(joint),
+            ode_.dJointGetUniversalAngle1Rate(joint),
+            ode_.dJointGetUniversalAngle2Rate(joint),
+        )

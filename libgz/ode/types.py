@@ -1,0 +1,87 @@
+"""ODE's structs and numbers, as Debian's double-precision libode 0.16 lays them out."""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import math
+
+__all__ = ["Contact", "ContactGeom", "ContactMode", "JointType", "Mass", "SurfaceParameters", "dInfinity"]
+
+dInfinity = math.inf
+
+Vector4 = ctypes.c_double * 4
+Matrix3 = ctypes.c_double * 12
+
+
+class Mass(ctypes.Structure):
+    """dMass: mass [kg], centre of mass [m], inertia [kg m^2] as a 3 x 4 matrix."""
+
+    _fields_ = [("mass", ctypes.c_double), ("c", Vector4), ("I", Matrix3)]
+
+
+class SurfaceParameters(ctypes.Structure):
+    """dSurfaceParameters: how a contact pushes and rubs."""
+
+    _fields_ = [
+        ("mode", ctypes.c_int),
+        *((name, ctypes.c_double) for name in (
+            "mu", "mu2", "rho", "rho2", "rhoN", "bounce", "bounce_vel", "soft_erp", "soft_cfm",
+            "motion1", "motion2", "motionN", "slip1", "slip2",
+        )),
+    ]  # fmt: skip
+
+
+class ContactGeom(ctypes.Structure):
+    """dContactGeom: one point where two geoms touch; `depth` is the distance along a ray."""
+
+    _fields_ = [
+        ("pos", Vector4),
+        ("normal", Vector4),
+        ("depth", ctypes.c_double),
+        ("g1", ctypes.c_void_p),
+        ("g2", ctypes.c_void_p),
+        ("side1", ctypes.c_int),
+        ("side2", ctypes.c_int),
+    ]
+
+
+class Contact(ctypes.Structure):
+    """dContact: what a contact joint is made from."""
+
+    _fields_ = [("surface", SurfaceParameters), ("geom", ContactGeom), ("fdir1", Vector4)]
+
+
+class ContactMode(enum.IntFlag):
+    """Bits of `SurfaceParameters.mode`."""
+
+    BOUNCE = 0x004
+    SOFT_ERP = 0x008
+    SOFT_CFM = 0x010
+    APPROX1 = 0x3000  # pyramid along both friction directions, as dContactApprox1 was in ODE 0.5
+
+
+class JointType(enum.IntEnum):
+    """dJointType."""
+
+    BALL = 1
+    HINGE = 2
+    SLIDER = 3
+    CONTACT = 4
+    UNIVERSAL = 5
+    HINGE2 = 6
+    FIXED = 7
+    AMOTOR = 9
+
+
+# dParamLoStop and so on, written out so that editors and type checkers see them.
+dParamLoStop, dParamHiStop, dParamVel, dParamLoVel, dParamHiVel, dParamFMax, dParamFudgeFactor = range(0x000, 0x007)
+dParamBounce, dParamCFM, dParamStopERP, dParamStopCFM = range(0x007, 0x00B)
+dParamSuspensionERP, dParamSuspensionCFM, dParamERP = range(0x00B, 0x00E)
+dParamLoStop2, dParamHiStop2, dParamVel2, dParamLoVel2, dParamHiVel2, dParamFMax2, dParamFudgeFactor2 = range(
+    0x100, 0x107
+)
+dParamBounce2, dParamCFM2, dParamStopERP2, dParamStopCFM2 = range(0x107, 0x10B)
+dParamSuspensionERP2, dParamSuspensionCFM2, dParamERP2 = range(0x10B, 0x10E)
+
+JOINT_PARAMETERS: dict[int, str] = {number: name for name, number in globals().copy().items() if name[:6] == "dParam"}

@@ -1,0 +1,1 @@
+"""Rigid bodies on ODE: bodies, geoms, joints, and the engine that steps them."""

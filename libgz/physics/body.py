@@ -1,0 +1,308 @@
+"""Body: a rigid body with geoms, or a dummy that only has a pose."""
+
+from __future__ import annotations
+
+import ctypes
+import itertools
+from typing import TYPE_CHECKING
+
+from libgz.errors import ClosedError
+from libgz.geometry import (
+    GzCoordPoseAdd,
+    GzPose,
+    GzQuatern,
+    GzQuaternMul,
+    GzQuaternNormal,
+    GzQuaternSetVector,
+    GzVector,
+    GzVectorAdd,
+    rotate,
+)
+from libgz.ode.lib import ode
+from libgz.physics import mass as mass_
+from libgz.physics.check import finite_tuple
+from libgz.physics.engine import Engine, HasEngine
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from libgz.geometry import QuaternLike, VectorLike
+    from libgz.physics.geom import Geom
+    from libgz.physics.joint import Joint
+
+__all__ = ["Body"]
+
+_numbers = itertools.count(1)
+
+
+class Body:
+    """A rigid body.
+
+    Its frame is the one its geoms are placed in; ODE's own origin is the centre of mass, and the difference is kept
+    here. Poses are global and of the body frame, velocities of the centre of mass.
+
+    Args:
+        world: the World, or an Engine.
+        name: for look-up; a model's canonical body is renamed ``canonical``.
+        dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
+    """
+
+    def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
+        self.engine: Engine = world.engine
+        self.bodyName = name
+        self.number = next(_numbers)  # of this body among all, never used again
+        self.geoms: list[Geom] = []
+        self.joints: dict[Joint, None] = {}
+        self._pose = GzPose()  # of a dummy
+        self._closed = False
+        self._id: int | None = None
+        self.row = -1
+        if not dummy:
+            self._id = ode().dBodyCreate(self.engine.world)
+            self.row = self.engine.add_body(self, self._id)
+
+    def __repr__(self) -> str:
+        return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}>"
+
+    @property
+    def dummy(self) -> bool:
+        """Whether this body is only a pose."""
+        return self.row < 0
+
+    @property
+    def id(self) -> int:
+        """The ODE handle; 0 for a dummy.
+
+        Raises:
+            ClosedError: the body was closed.
+        """
+        if self._closed:
+            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
+        return self._id or 0
+
+    def GetBodyId(self) -> int:
+        """The ODE handle; 0 for a dummy."""
+        return self.id
+
+    def close(self) -> None:
+        """Destroy the body, its geoms, and the joints that hold it."""
+        if self._closed:
+            return
+        for joint in list(self.joints):
+            joint.close()
+        for geom in list(self.geoms):
+            geom.close()
+        if self._id is not None:
+            self.engine.remove_body(self.row)
+            ode().dBodyDestroy(self._id)
+            self._id = None
+        self._closed = True
+
+    # State -------------------------------------------------------------------------------------------------------
+
+    def _values(self, first: int, last: int) -> list[float]:
+        """Columns of this body's row; see `Engine.states`."""
+        engine, row = self.engine, self.row
+        if not engine.body_fresh[row]:
+            if self._closed:
+                raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
+            engine.read_body(row)
+        return engine.body_values[16 * row + first : 16 * row + last].tolist()
+
+    def GetPose(self) -> GzPose:
+        """Global pose of the body frame [m]."""
+        if self.row < 0:
+            pos, rot = self._pose.pos, self._pose.rot
+            return GzPose(GzVector(pos.x, pos.y, pos.z), GzQuatern(rot.u, rot.x, rot.y, rot.z))
+        x, y, z, qu, qx, qy, qz = self._values(0, 7)
+        return GzPose(GzVector(x, y, z), GzQuatern(qu, qx, qy, qz))
+
+    def GetPosition(self) -> GzVector:
+        """Global position of the body frame [m]."""
+        return self.GetPose().pos
+
+    def GetRotation(self) -> GzQuatern:
+        """Global rotation of the body frame."""
+        return self.GetPose().rot
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Put the body frame at a global pose [m]; velocities stay as they are.
+
+        Raises:
+            ParameterError: a component is not finite.
+        """
+        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]"))
+        rotation = GzQuaternNormal(finite_tuple(pose.rot, 4, "rotation"))
+        if self.row < 0:
+            self._pose = GzPose(position, rotation)
+            for geom in self.geoms:
+                geom.follow_dummy()
+            return
+        com = GzVector(*self.engine.com[self.row].tolist())
+        origin = GzVectorAdd(position, rotate(rotation, com))
+        ode().dBodySetPosition(self.id, *origin)
+        ode().dBodySetQuaternion(self.id, (ctypes.c_double * 4)(*rotation))
+        self.engine.body_moved(self.row)
+
+    def SetPosition(self, position: VectorLike) -> None:
+        """Move the body frame to a global position [m]."""
+        self.SetPose(GzPose(GzVector(*position), self.GetRotation()))
+
+    def SetRotation(self, rotation: QuaternLike) -> None:
+        """Turn the body about its frame's origin."""
+        self.SetPose(GzPose(self.GetPosition(), GzQuatern(*rotation)))
+
+    def GetCoMPose(self) -> GzPose:
+        """Global pose of the centre of mass [m]."""
+        if self.row < 0:
+            return self.GetPose()
+        values = self._values(3, 10)
+        return GzPose(GzVector(*values[4:7]), GzQuatern(*values[:4]))
+
+    def GetLinearVel(self) -> GzVector:
+        """Velocity of the centre of mass [m/s], global; zero for a dummy."""
+        return GzVector(*self._values(10, 13)) if self.row >= 0 else GzVector()
+
+    def SetLinearVel(self, velocity: VectorLike) -> None:
+        """Set the velocity of the centre of mass [m/s], global."""
+        self._set_velocity("dBodySetLinearVel", velocity, "linear velocity [m/s]")
+
+    def GetAngularRate(self) -> GzVector:
+        """Angular velocity [rad/s], global; zero for a dummy."""
+        return GzVector(*self._values(13, 16)) if self.row >= 0 else GzVector()
+
+    def GetAngularVel(self) -> GzQuatern:
+        """The quaternion's derivative, (0, w/2) q, as the old server had it; `GetAngularRate` is in [rad/s]."""
+        half_rate = (0.5 * w for w in self.GetAngularRate())
+        return GzQuaternMul(GzQuaternSetVector(GzVector(*half_rate)), self.GetRotation())
+
+    def SetAngularVel(self, velocity: VectorLike) -> None:
+        """Set the angular velocity [rad/s], global."""
+        self._set_velocity("dBodySetAngularVel", velocity, "angular velocity [rad/s]")
+
+    def _set_velocity(self, function: str, velocity: VectorLike, what: str) -> None:
+        values = finite_tuple(velocity, 3, what)
+        if self.row >= 0:
+            getattr(ode(), function)(self.id, *values)
+            self.engine.body_moved(self.row)
+
+    # Switches ----------------------------------------------------------------------------------------------------
+
+    def Enable(self, enable: bool) -> None:
+        """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
+        if self.row >= 0:
+            (ode().dBodyEnable if enable else ode().dBodyDisable)(self.id)
+
+    def SetGravityMode(self, mode: bool) -> None:
+        """Whether gravity acts on this body."""
+        if self.row >= 0:
+            ode().dBodySetGravityMode(self.id, int(bool(mode)))
+
+    def GetGravityMode(self) -> int:
+        """1 if gravity acts on this body, else 0."""
+        return int(ode().dBodyGetGravityMode(self.id)) if self.row >= 0 else 0
+
+    def SetFiniteRotationMode(self, mode: int) -> None:
+        """1: rotations are integrated exactly, which suits fast wheels; 0: the quick way."""
+        if self.row >= 0:
+            ode().dBodySetFiniteRotationMode(self.id, int(bool(mode)))
+
+    def SetFiniteRotationAxis(self, x: float, y: float, z: float) -> None:
+        """The global axis about which mode 1 is exact; zero for all axes."""
+        if self.row >= 0:
+            ode().dBodySetFiniteRotationAxis(self.id, *finite_tuple((x, y, z), 3, "axis"))
+
+    # Forces: they act for one step -------------------------------------------------------------------------------
+
+    def GetForce(self) -> GzVector:
+        """The global force gathered for the next step [N]."""
+        return GzVector(*ode().dBodyGetForce(self.id).contents[:3]) if self.row >= 0 else GzVector()
+
+    def GetTorque(self) -> GzVector:
+        """The global torque gathered for the next step [N m]."""
+        return GzVector(*ode().dBodyGetTorque(self.id).contents[:3]) if self.row >= 0 else GzVector()
+
+    def SetForce(self, force: VectorLike) -> None:
+        """Replace the force of the next step [N], global, at the centre of mass."""
+        self._force("dBodySetForce", force)
+
+    def SetTorque(self, x: float, y: float, z: float) -> None:
+        """Replace the torque of the next step [N m], global."""
+        self._force("dBodySetTorque", (x, y, z))
+
+    def AddForce(self, x: float, y: float, z: float) -> None:
+        """Add a global force at the centre of mass [N]."""
+        self._force("dBodyAddForce", (x, y, z))
+
+    def AddTorque(self, x: float, y: float, z: float) -> None:
+        """Add a global torque [N m]."""
+        self._force("dBodyAddTorque", (x, y, z))
+
+    def AddRelForce(self, x: float, y: float, z: float) -> None:
+        """Add a force along the body's own axes [N]."""
+        self._force("dBodyAddRelForce", (x, y, z))
+
+    def AddRelTorque(self, x: float, y: float, z: float) -> None:
+        """Add a torque about the body's own axes [N m]."""
+        self._force("dBodyAddRelTorque", (x, y, z))
+
+    def AddForceAtPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
+        """Add a global force [N] at a global point [m]."""
+        self._force("dBodyAddForceAtPos", (fx, fy, fz, px, py, pz))
+
+    def AddForceAtRelPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
+        """Add a global force [N] at a point given relative to the centre of mass, in body axes [m]."""
+        self._force("dBodyAddForceAtRelPos", (fx, fy, fz, px, py, pz))
+
+    def _force(self, function: str, values: VectorLike | Sequence[float]) -> None:
+        numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
+        if self.row >= 0:
+            getattr(ode(), function)(self.id, *numbers)
+
+    # Geoms and mass ----------------------------------------------------------------------------------------------
+
+    def GetGeoms(self) -> list[Geom]:
+        """The geoms in order of construction."""
+        return list(self.geoms)
+
+    def GetNumGeoms(self) -> int:
+        """How many geoms there are."""
+        return len(self.geoms)
+
+    @property
+    def mass(self) -> float:
+        """Total mass [kg]; 0 for a dummy."""
+        return float(self.GetMass().mass)
+
+    def GetMass(self) -> mass_.Mass:
+        """The mass matrix ODE uses: mass [kg], inertia [kg m^2] about the centre of mass in body axes."""
+        result = mass_.Mass()
+        if self.row >= 0:
+            ode().dBodyGetMass(self.id, ctypes.addressof(result))
+        return result
+
+    def UpdateCoM(self) -> None:
+        """Take mass and centre of mass from the geoms; nothing moves in the world. Geoms call this themselves."""
+        if self.row < 0:
+            return
+        parts = [geom.GetBodyMassMatrix() for geom in self.geoms]
+        masses = [part for part in parts if part is not None]
+        if not masses:
+            # Geoms told to weigh nothing still leave the body the little mass of their volume: ODE needs some.
+            densities = (geom.body_mass(geom.volume_mass) for geom in self.geoms)
+            masses = [mass for mass in densities if mass is not None]
+        if not masses:
+            return
+        total = mass_.sum_masses(masses)
+        pose = self.GetPose()
+        self.engine.com[self.row] = total.c[:3]
+        with_quirk = "originInertia" in self.engine.quirks
+        final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
+        ode().dBodySetMass(self.id, ctypes.addressof(final))
+        for geom in self.geoms:
+            geom.place()
+        self.SetPose(pose)
+
+    def global_pose(self, relative: GzPose) -> GzPose:
+        """A pose given in this body's frame, expressed globally."""
+        return GzCoordPoseAdd(relative, self.GetPose())

@@ -1,0 +1,71 @@
+"""Checks of arguments before they reach ODE, whose own assertions would end the process."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from libgz.errors import ParameterError
+
+__all__ = ["finite", "finite_tuple", "not_negative", "positive", "unit_axis"]
+
+
+def finite(value: float, what: str) -> float:
+    """`value` as a float.
+
+    Raises:
+        ParameterError: it is NaN or infinite.
+    """
+    number = float(value)
+    if not math.isfinite(number):
+        raise ParameterError(f"{what} is {number}; it must be finite")
+    return number
+
+
+def positive(value: float, what: str) -> float:
+    """`value` as a float.
+
+    Raises:
+        ParameterError: it is not finite, or not above zero.
+    """
+    number = finite(value, what)
+    if number <= 0.0:
+        raise ParameterError(f"{what} is {number:g}; it must be above zero")
+    return number
+
+
+def not_negative(value: float, what: str) -> float:
+    """`value` as a float; infinity is allowed.
+
+    Raises:
+        ParameterError: it is NaN or below zero.
+    """
+    number = float(value)
+    if not number >= 0.0:
+        raise ParameterError(f"{what} is {number:g}; it must not be negative")
+    return number
+
+
+def finite_tuple(values: Iterable[float], count: int, what: str) -> tuple[float, ...]:
+    """`values` as a tuple of `count` floats.
+
+    Raises:
+        ParameterError: there are more or fewer, or one is NaN or infinite.
+    """
+    numbers = tuple(map(float, values))
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise ParameterError(f"{what} is {numbers}; it must be {count} finite numbers")
+    return numbers
+
+
+def unit_axis(values: Iterable[float], what: str) -> tuple[float, ...]:
+    """A direction of any length but zero, scaled to 1.
+
+    Raises:
+        ParameterError: it is zero or not finite.
+    """
+    axis = finite_tuple(values, 3, what)
+    length = math.sqrt(sum(a * a for a in axis))
+    if length < 1e-12:
+        raise ParameterError(f"{what} is {axis}; an axis must not be zero")
+    return tuple(a / length for a in axis)

@@ -1,0 +1,377 @@
+"""The ODE world: its spaces, its tables of states, and its step.
+
+All poses, velocities, joint angles and rates live in contiguous tables which one native call fills after each step;
+bodies, joints and sensors read the tables, never ODE one value at a time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import weakref
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.step import Step, StepContext, choose_step, read_body, read_joint
+from libgz.ode.types import dInfinity
+from libgz.physics.check import finite_tuple, positive
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from libgz.geometry import VectorLike
+    from libgz.physics.body import Body
+    from libgz.physics.geom import Geom
+    from libgz.physics.joint import Joint
+
+__all__ = ["Engine", "HasEngine", "Space"]
+
+FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collide with each other
+LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
+ALL_COLLIDE = 0xFFFFFFFF
+
+SOLVERS = ("world", "quick")
+DEFAULT_SURFACE = (1e4, 0.0, dInfinity, 0.0)  # kp [N/m], kd [N s/m], mu, bounce of a new geom
+
+
+class HasEngine(Protocol):
+    """What bodies and joints are built in: an `Engine`, or a World that has one."""
+
+    @property
+    def engine(self) -> Engine:
+        """The ODE world."""
+
+
+class Space:
+    """A simple ODE space inside the engine's top space. Geoms of one space never touch each other."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+        self._id: int | None = ode().dSimpleSpaceCreate(engine.top_space)
+        engine.spaces[self] = None
+
+    @property
+    def id(self) -> int:
+        """The ODE handle.
+
+        Raises:
+            ClosedError: the space was closed.
+        """
+        if self._id is None:
+            raise ClosedError("this space was closed")
+        return self._id
+
+    def set_fixed(self) -> None:
+        """Mark as ground: no contacts with other fixed spaces."""
+        self.set_bits(FIXED_COLLIDE, ALL_COLLIDE & ~FIXED_COLLIDE)
+
+    def set_bits(self, category: int, collide: int) -> None:
+        """What this space is, and what it collides with."""
+        ode().dGeomSetCategoryBits(self.id, category)
+        ode().dGeomSetCollideBits(self.id, collide)
+
+    def close(self) -> None:
+        """Destroy the space; its geoms are closed by their bodies."""
+        if self._id is not None:
+            self.engine.step_form.forget(self._id)
+            ode().dSpaceSetCleanup(self._id, 0)
+            ode().dSpaceDestroy(self._id)
+            self._id = None
+            self.engine.spaces.pop(self, None)
+
+
+class Engine:
+    """One ODE world.
+
+    Args:
+        gravity: [m/s^2], shape (3,).
+        step_time: length of a step [s].
+        solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
+        seed: start of ODE's random numbers, which only the quick solver draws.
+
+    Raises:
+        LibraryError: ODE is absent or unfit.
+        ParameterError: an argument is out of range.
+    """
+
+    def __init__(
+        self, *, gravity: VectorLike = (0.0, 0.0, -9.8), step_time: float = 0.02, solver: str = "world", seed: int = 0
+    ) -> None:
+        lib = ode()
+        self._ode: OdeLibrary = lib
+        world, top, contacts = lib.dWorldCreate(), lib.dHashSpaceCreate(None), lib.dJointGroupCreate(0)
+        self.top_space: int = top
+        self.quirks: frozenset[str] = frozenset()
+        self.bodies: dict[int, Body] = {}
+        self.joints: dict[int, Joint] = {}
+        self.geoms: dict[int, Geom] = {}
+        self.spaces: dict[Space, None] = {}
+        self._make_tables()
+        probe, ray = lib.dCreateBox(None, 1.0, 1.0, 1.0), lib.dCreateRay(None, 1.0)
+        for geom in (probe, ray):
+            lib.dGeomSetCategoryBits(geom, LASER_COLLIDE)
+            lib.dGeomSetCollideBits(geom, ALL_COLLIDE & ~LASER_COLLIDE)
+        lib.dGeomRaySetClosestHit(ray, 1)
+        self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe)
+        self.step_form: Step = choose_step(self._context, self)
+        self._publish_tables()
+        self._destroy = weakref.finalize(self, _destroy_world, lib, world, top, contacts, (probe, ray))
+        self.step_time = step_time
+        self.solver = solver
+        self.seed = seed
+        self.gravity = gravity
+
+    @property
+    def engine(self) -> Engine:
+        """The engine itself, so that it can stand where a World does."""
+        return self
+
+    # Tables ------------------------------------------------------------------------------------------------------
+
+    def _make_tables(self) -> None:
+        """Empty tables; `_grow` doubles them. Geom row 0 is for geoms without a record."""
+        self.bodies_used = self.joints_used = 0
+        self.geoms_used = 1
+        self._free_rows: dict[str, list[int]] = {"body": [], "joint": [], "geom": []}
+        self.com = np.zeros((16, 3))
+        self.body_state = np.zeros((16, 16))
+        self.body_ids = np.zeros(16, dtype=np.uintp)
+        self.joint_state = np.zeros((16, 4))
+        self.joint_types = np.zeros(16, dtype=np.int64)
+        self.joint_ids = np.zeros(16, dtype=np.uintp)
+        self.surface = np.tile(np.array(DEFAULT_SURFACE), (16, 1))
+        self.owner = np.zeros(16, dtype=np.int64)
+        self.surface_edits = 0
+
+    _TABLES = {
+        "body": ("com", "body_state", "body_ids"),
+        "joint": ("joint_state", "joint_types", "joint_ids"),
+        "geom": ("surface", "owner"),
+    }
+
+    def _new_row(self, kind: str, used: int) -> tuple[int, int]:
+        """(row, rows in use) for a new body, joint or geom; tables grow when they are full."""
+        if self._free_rows[kind]:
+            return self._free_rows[kind].pop(), used
+        for name in self._TABLES[kind]:
+            table: NDArray[Any] = getattr(self, name)
+            if used == len(table):
+                setattr(self, name, np.concatenate([table, np.zeros_like(table)]))
+        return used, used + 1
+
+    def _publish_tables(self) -> None:
+        """Tell the step where the tables are, and make the flat views that single values are read through."""
+        context = self._context
+        context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
+        context.bodies, context.com = self.body_ids.ctypes.data, self.com.ctypes.data
+        context.body_state, context.joint_state = self.body_state.ctypes.data, self.joint_state.ctypes.data
+        context.joints, context.joint_types = self.joint_ids.ctypes.data, self.joint_types.ctypes.data
+        context.body_count, context.joint_count = self.bodies_used, self.joints_used
+        self.body_values = memoryview(self.body_state.reshape(-1))
+        self.joint_values = memoryview(self.joint_state.reshape(-1))
+        self.body_fresh = bytearray(len(self.body_ids))
+        self.joint_fresh = bytearray(len(self.joint_ids))
+        self._all_bodies = (b"\1" if self.step_form.reads_all else b"\0") * len(self.body_ids)
+        self._all_joints = (b"\1" if self.step_form.reads_all else b"\0") * len(self.joint_ids)
+        self._no_joints = bytes(len(self.joint_ids))
+
+    def add_body(self, body: Body, handle: int) -> int:
+        """Register a body; its row."""
+        row, self.bodies_used = self._new_row("body", self.bodies_used)
+        self.body_ids[row] = handle
+        self.com[row] = 0.0
+        self.bodies[row] = body
+        self._publish_tables()
+        return row
+
+    def remove_body(self, row: int) -> None:
+        """Free the row of a body that closes."""
+        self.body_ids[row] = 0
+        del self.bodies[row]
+        self._free_rows["body"].append(row)
+
+    def add_joint(self, joint: Joint, handle: int, kind: int) -> int:
+        """Register a joint; its row."""
+        row, self.joints_used = self._new_row("joint", self.joints_used)
+        self.joint_ids[row] = handle
+        self.joint_types[row] = kind
+        self.joint_state[row] = 0.0
+        self.joints[row] = joint
+        self._publish_tables()
+        return row
+
+    def remove_joint(self, row: int) -> None:
+        """Free the row of a joint that closes."""
+        self.joint_ids[row] = 0
+        del self.joints[row]
+        self._free_rows["joint"].append(row)
+
+    def add_geom(self, geom: Geom, owner: int) -> int:
+        """Register a geom of the body numbered `owner`; its row."""
+        row, self.geoms_used = self._new_row("geom", self.geoms_used)
+        self.owner[row] = owner
+        self.surface[row] = DEFAULT_SURFACE
+        self.geoms[row] = geom
+        self.surface_edits += 1
+        self._publish_tables()
+        return row
+
+    def remove_geom(self, row: int, handle: int) -> None:
+        """Free the row of a geom that closes."""
+        self.step_form.forget(handle)
+        self.surface_edits += 1
+        del self.geoms[row]
+        self._free_rows["geom"].append(row)
+
+    def set_surface(self, row: int, column: int, value: float) -> None:
+        """Change kp (column 0), kd (1), mu (2) or bounce (3) of a geom."""
+        self.surface[row, column] = value
+        self.surface_edits += 1
+
+    # States ------------------------------------------------------------------------------------------------------
+
+    def read_body(self, row: int) -> None:
+        """Bring one body's row up to date after it was moved."""
+        read_body(self._ode, self._tables, row)
+        self.body_fresh[row] = 1
+
+    def read_joint(self, row: int) -> None:
+        """Bring one joint's row up to date."""
+        read_joint(self._ode, self._tables, row)
+        self.joint_fresh[row] = 1
+
+    def body_moved(self, row: int) -> None:
+        """Note that a body's state was set: its row and all joint rows are read anew when they are asked for."""
+        self.body_fresh[row] = 0
+        self.joint_fresh[:] = self._no_joints
+
+    @property
+    def states(self) -> NDArray[np.float64]:
+        """States of all bodies, shape (rows, 16), read-only, valid until the next step.
+
+        Columns: position [m] and quaternion (u, x, y, z) of the body frame, position of the centre of mass [m],
+        linear velocity of that [m/s], angular velocity [rad/s]; all global.
+        """
+        self.step_form.read()
+        view = self.body_state[: self.bodies_used].view()
+        view.flags.writeable = False
+        return view
+
+    @property
+    def bodies_by_row(self) -> Iterator[tuple[int, Body]]:
+        """(row, body) in order of the rows of `states`."""
+        return iter(sorted(self.bodies.items()))
+
+    # Settings ----------------------------------------------------------------------------------------------------
+
+    @property
+    def world(self) -> int:
+        """The handle of the ODE world.
+
+        Raises:
+            ClosedError: the world was closed.
+        """
+        if not self._destroy.alive:
+            raise ClosedError("this world was closed")
+        return int(self._context.world)
+
+    @property
+    def step_time(self) -> float:
+        """Length of one step [s]."""
+        return float(self._context.step)
+
+    @step_time.setter
+    def step_time(self, seconds: float) -> None:
+        self._context.step = positive(seconds, "stepTime [s]")
+
+    @property
+    def solver(self) -> str:
+        """``"world"`` or ``"quick"``."""
+        return SOLVERS[self._context.quick]
+
+    @solver.setter
+    def solver(self, name: str) -> None:
+        if name not in SOLVERS:
+            raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
+        self._context.quick = SOLVERS.index(name)
+
+    @property
+    def seed(self) -> int:
+        """The state of ODE's random numbers in this world."""
+        return int(self._context.seed)
+
+    @seed.setter
+    def seed(self, value: int) -> None:
+        self._context.seed = int(value) & 0xFFFFFFFF
+
+    @property
+    def gravity(self) -> tuple[float, ...]:
+        """[m/s^2], shape (3,)."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: VectorLike) -> None:
+        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
+        self._ode.dWorldSetGravity(self.world, *self._gravity)
+
+    @property
+    def contact_count(self) -> int:
+        """Contact points in the last step."""
+        return int(self._context.contact_count)
+
+    # Step and scan -----------------------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """Collide, step, and copy the states out.
+
+        Raises:
+            GazeboError: ODE ran out of memory.
+            ClosedError: the world was closed.
+        """
+        if not self._destroy.alive:
+            raise ClosedError("this world was closed")
+        self._ode.ensure_thread()
+        done = self.step_form.step()
+        self.body_fresh[:] = self._all_bodies
+        self.joint_fresh[:] = self._all_joints
+        if not done:
+            raise GazeboError("ODE ran out of memory in a step: the world is too large")
+
+    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
+             rows: NDArray[np.int64]) -> None:  # fmt: skip
+        """Cast rays.
+
+        Args:
+            frame: position [m] and quaternion of the sensor, shape (7,), global.
+            rays: start [m], unit direction and length [m] of each ray in that frame, shape (n, 7).
+            owner: number of the body whose geoms the rays do not see; 0 for none.
+            ranges: out, distance from the start [m], shape (n,); the largest float where nothing was hit.
+            rows: out, row of the geom that was hit, shape (n,); -1 for none. `geoms` maps rows to geoms.
+        """
+        self._ode.ensure_thread()
+        self.step_form.scan(frame, rays, owner, ranges, rows)
+
+    def close(self) -> None:
+        """Destroy the world and everything in it; later use of its parts raises ClosedError."""
+        if not self._destroy.alive:
+            return
+        for part in [*self.joints.values(), *self.geoms.values(), *self.bodies.values(), *self.spaces]:
+            with contextlib.suppress(ClosedError):
+                part.close()
+        self._destroy()
+
+    @property
+    def _tables(self) -> Engine:
+        return self
+
+
+def _destroy_world(lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...]) -> None:
+    """Free everything of one world; what is still in the spaces goes with them."""
+    lib.dJointGroupDestroy(contacts)
+    for geom in geoms:
+        lib.dGeomDestroy(geom)
+    lib.dSpaceDestroy(top)
+    lib.dWorldDestroy(world)

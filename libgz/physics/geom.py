@@ -1,0 +1,363 @@
+"""Geom: a shape of a body, with the mass it brings, how it touches other shapes, and how it looks."""
+
+from __future__ import annotations
+
+import ctypes
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from libgz.errors import ClosedError, ParameterError
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternMul, GzQuaternNormal, GzVector
+from libgz.ode.lib import ode
+from libgz.physics import mass as mass_
+from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
+from libgz.physics.check import finite_tuple, not_negative, positive
+from libgz.physics.engine import Space
+
+if TYPE_CHECKING:
+    from libgz.geometry import QuaternLike, VectorLike
+    from libgz.physics.body import Body
+
+__all__ = ["Geom"]
+
+KP, KD, MU, BOUNCE = range(4)  # columns of the engine's surface table
+MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
+
+
+class Geom:
+    """Base of all kinds of geom.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        handle: ODE's geom, or None for one that is only drawn.
+        volume_mass: its mass matrix at 1 kg/m^3 about its own centre, or None if it has no mass.
+        placeable: whether it goes where its body goes; a plane does not.
+    """
+
+    extra_rotation: GzQuatern | None = None  # between ODE's shape and ours
+
+    def __init__(
+        self,
+        body: Body,
+        space: Space | None,
+        handle: int | None = None,
+        volume_mass: mass_.Mass | None = None,
+        placeable: bool = True,
+    ) -> None:
+        self.body = body
+        self.space = space
+        self.placeableGeom = placeable
+        self.appearance = Appearance()
+        self.volume_mass = volume_mass
+        self._mass = volume_mass
+        self._relative = GzPose()
+        self._slip = [0.01, 0.01]
+        self._closed = False
+        self._id = handle
+        self.row = body.engine.add_geom(self, body.number)
+        body.geoms.append(self)
+        if handle is not None:
+            ode().dGeomSetData(handle, self.row)
+            if placeable:
+                if body.id:
+                    ode().dGeomSetBody(handle, body.id)
+                self.place()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.body!r}>"
+
+    @property
+    def id(self) -> int:
+        """The ODE handle; 0 if the geom is only drawn.
+
+        Raises:
+            ClosedError: the geom was closed.
+        """
+        if self._closed:
+            raise ClosedError(f"{type(self).__name__} of body {self.body.bodyName or 'unnamed'!r} was closed")
+        return self._id or 0
+
+    def GetGeomId(self) -> int:
+        """The ODE handle; 0 if the geom is only drawn."""
+        return self.id
+
+    def close(self) -> None:
+        """Destroy the geom."""
+        if self._closed:
+            return
+        self.body.engine.remove_geom(self.row, self._id or 0)
+        self.body.geoms.remove(self)
+        if self._id is not None:
+            ode().dGeomDestroy(self._id)
+            self._id = None
+        self._closed = True
+
+    # Place -------------------------------------------------------------------------------------------------------
+
+    def place(self) -> None:
+        """Put ODE's geom where it belongs on its body, whose ODE origin is the centre of mass."""
+        if not self.id or not self.placeableGeom:
+            return
+        if self.body.dummy:
+            self.follow_dummy()
+            return
+        com = self.body.engine.com[self.body.row].tolist()
+        position = (p - c for p, c in zip(self._relative.pos, com, strict=True))
+        ode().dGeomSetOffsetPosition(self.id, *position)
+        ode().dGeomSetOffsetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(self._relative.rot)))
+
+    def follow_dummy(self) -> None:
+        """Put ODE's geom at the global pose that its dummy body gives it."""
+        if self.id and self.placeableGeom:
+            pose = self.GetPose()
+            ode().dGeomSetPosition(self.id, *pose.pos)
+            ode().dGeomSetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(pose.rot)))
+
+    def _turned(self, rotation: GzQuatern) -> GzQuatern:
+        return rotation if self.extra_rotation is None else GzQuaternMul(rotation, self.extra_rotation)
+
+    def SetRelativePose(self, pose: GzPose, updateCoM: bool = True) -> None:
+        """Place the geom's centre in the body frame [m].
+
+        Raises:
+            ParameterError: a component is not finite.
+        """
+        position = finite_tuple(pose.pos, 3, "relative position [m]")
+        rotation = finite_tuple(pose.rot, 4, "relative rotation")
+        self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
+        self.place()
+        if updateCoM and self.placeableGeom:
+            self.body.UpdateCoM()
+
+    def SetRelativePosition(self, position: VectorLike) -> None:
+        """Move the geom's centre in the body frame [m]."""
+        self.SetRelativePose(GzPose(GzVector(*position), self._relative.rot))
+
+    def SetRelativeRotation(self, rotation: QuaternLike) -> None:
+        """Turn the geom in the body frame."""
+        self.SetRelativePose(GzPose(self._relative.pos, GzQuatern(*rotation)))
+
+    def GetRelativePose(self) -> GzPose:
+        """The pose in the body frame [m]."""
+        return GzPose(GzVector(*self._relative.pos), GzQuatern(*self._relative.rot))
+
+    def GetPose(self) -> GzPose:
+        """The global pose of the geom's centre [m]."""
+        return GzCoordPoseAdd(self._relative, self.body.GetPose())
+
+    # Mass --------------------------------------------------------------------------------------------------------
+
+    def SetMass(self, kilograms: float) -> None:
+        """Set the geom's total mass [kg]; 0 makes it weightless.
+
+        A new geom weighs what its volume weighs at 1 kg/m^3. With the quirk setMassZero, 0 leaves it at that, as the
+        old server did.
+
+        Raises:
+            ParameterError: the mass is negative or not finite.
+        """
+        if self.volume_mass is None:
+            return
+        if not_negative(kilograms, "mass [kg]") < MASSLESS:
+            if "setMassZero" in self.body.engine.quirks:
+                return
+            self._mass = None
+        else:
+            self._mass = mass_.scaled(self.volume_mass, kilograms)
+        self.body.UpdateCoM()
+
+    def GetBodyMassMatrix(self) -> mass_.Mass | None:
+        """The mass matrix seen from the body frame, or None if the geom weighs nothing."""
+        return self.body_mass(self._mass)
+
+    def body_mass(self, own: mass_.Mass | None) -> mass_.Mass | None:
+        """A mass matrix about the geom's centre, seen from the body frame."""
+        return mass_.moved(own, self._relative) if own is not None and self.placeableGeom else None
+
+    # Contact -----------------------------------------------------------------------------------------------------
+
+    def SetHardness(self, kp: float, kd: float) -> None:
+        """Spring [N/m] and damper [N s/m] of contacts with this geom; kp may be infinite.
+
+        Raises:
+            ParameterError: kp is not above zero, or kd is negative.
+        """
+        if not kp > 0.0:
+            raise ParameterError(f"hardness kp is {kp:g} N/m; it must be above zero")
+        self.body.engine.set_surface(self.row, KP, float(kp))
+        self.body.engine.set_surface(self.row, KD, not_negative(kd, "hardness kd [N s/m]"))
+
+    def SetFriction(self, mu1: float, mu2: float | None = None) -> None:
+        """Coulomb coefficient; two geoms rub with the smaller of theirs. `mu2` was never used, and is not."""
+        self.body.engine.set_surface(self.row, MU, not_negative(mu1, "friction mu1"))
+        if mu2 is not None:
+            not_negative(mu2, "friction mu2")
+
+    def SetBounce(self, bounce: float) -> None:
+        """Share of the approach speed that a contact gives back, 0 to 1; not honoured with the quirk noBounce."""
+        value = not_negative(bounce, "bounce")
+        if "noBounce" not in self.body.engine.quirks:
+            self.body.engine.set_surface(self.row, BOUNCE, value)
+
+    def GetBounce(self) -> float:
+        """The bounce in force."""
+        return float(self.body.engine.surface[self.row, BOUNCE])
+
+    def SetSlip1(self, slip: float) -> None:
+        """Kept, and not used: its old default would change every world."""
+        self._slip[0] = float(slip)
+
+    def SetSlip2(self, slip: float) -> None:
+        """Kept, and not used."""
+        self._slip[1] = float(slip)
+
+    def GetSlip1(self) -> float:
+        """The value last set."""
+        return self._slip[0]
+
+    def GetSlip2(self) -> float:
+        """The value last set."""
+        return self._slip[1]
+
+    def SetCategoryBits(self, bits: int) -> None:
+        """What this geom is, for collision."""
+        if self.id:
+            ode().dGeomSetCategoryBits(self.id, bits)
+
+    def SetCollideBits(self, bits: int) -> None:
+        """What this geom collides with."""
+        if self.id:
+            ode().dGeomSetCollideBits(self.id, bits)
+
+    # Appearance --------------------------------------------------------------------------------------------------
+
+    def SetColor(self, color: GzColor) -> None:
+        """Make the whole material of one colour."""
+        self.appearance.set_color(GzColor(*color))
+
+    def SetAmbientColor(self, color: GzColor) -> None:
+        """Colour in ambient light."""
+        self._look("ambient", GzColor(*color))
+
+    def SetDiffuseColor(self, color: GzColor) -> None:
+        """Colour in direct light; its alpha shows in transparent geoms."""
+        self._look("diffuse", GzColor(*color))
+
+    def SetSpecularColor(self, color: GzColor) -> None:
+        """Colour of highlights."""
+        self._look("specular", GzColor(*color))
+
+    def SetEmissionColor(self, color: GzColor) -> None:
+        """Colour that the geom gives off itself."""
+        self._look("emission", GzColor(*color))
+
+    def GetAmbientColor(self) -> GzColor:
+        """Colour in ambient light."""
+        return self.appearance.ambient
+
+    def GetDiffuseColor(self) -> GzColor:
+        """Colour in direct light."""
+        return self.appearance.diffuse
+
+    def GetSpecularColor(self) -> GzColor:
+        """Colour of highlights."""
+        return self.appearance.specular
+
+    def SetTransparency(self, transparent: bool) -> None:
+        """Draw in the transparent pass, where the alpha of the diffuse colour shows."""
+        self._look("render_order", RENDER_TRANSPARENT if transparent else RENDER_OPAQUE)
+
+    def GetTransparency(self) -> bool:
+        """Whether the geom is drawn in the transparent pass."""
+        return self.appearance.render_order == RENDER_TRANSPARENT
+
+    def SetShininess(self, exponent: float) -> None:
+        """Sharpness of highlights, 0 to 128."""
+        self._look("shininess", float(exponent))
+
+    def GetShininess(self) -> float:
+        """Sharpness of highlights."""
+        return self.appearance.shininess
+
+    def SetTexture2DFile(self, path: str | Path | None) -> int:
+        """Cover the geom with a picture; 0, or -1 if there is no such file."""
+        return self._look_file("texture_file", path)
+
+    def SetTexture2DSize(self, size: VectorLike) -> None:
+        """How many metres one picture covers, for planes and roads."""
+        x, y, *_ = size
+        self._look("texture_size", GzVector(positive(x, "texture size [m]"), positive(y, "texture size [m]"), 0.0))
+
+    def SetSkinFile(self, path: str | Path | None) -> int:
+        """Draw a mesh instead of the shape while skins are shown; 0, or -1 if there is no such file."""
+        return self._look_file("skin_file", path)
+
+    def SetSkinPose(self, pose: GzPose) -> None:
+        """Place the skin in the frame of the geom's centre [m]."""
+        self._look("skin_pose", pose)
+
+    def SetSkinScale(self, scale: VectorLike) -> None:
+        """Scale the skin along its own axes."""
+        self._look("skin_scale", GzVector(*scale))
+
+    def SetSkinNull(self, null: bool) -> None:
+        """While skins are shown, draw nothing for this geom."""
+        self._look("skin_null", bool(null))
+
+    def HasSkin(self) -> bool:
+        """Whether a skin was set."""
+        return self.appearance.skin_file is not None
+
+    def HasSkinNull(self) -> bool:
+        """Whether nothing is drawn while skins are shown."""
+        return self.appearance.skin_null
+
+    def SetShadeModel(self, model: str) -> None:
+        """Accepted and without effect, as it always was."""
+
+    def SetPolygonMode(self, mode: str) -> None:
+        """Accepted and without effect, as it always was."""
+
+    def SetLaser(self, value: float) -> None:
+        """Kept; no sensor uses it."""
+        self.appearance.laser = float(value)
+
+    def GetLaser(self) -> float:
+        """The value last set."""
+        return self.appearance.laser
+
+    def SetRetro(self, value: float) -> None:
+        """How much a laser beam is reflected back, 0 to 1: from 0.5 on a laser reports intensity 1."""
+        self.appearance.retro = float(value)
+
+    def GetRetro(self) -> float:
+        """How much a laser beam is reflected back."""
+        return self.appearance.retro
+
+    def SetFiducial(self, number: int) -> None:
+        """The number a fiducial finder reads off this geom; -1 for none."""
+        self.appearance.fiducial = int(number)
+
+    def GetFiducial(self) -> int:
+        """The fiducial number, or -1."""
+        return self.appearance.fiducial
+
+    def SetPickId(self, number: int) -> None:
+        """A number by which a user interface finds this geom."""
+        self.appearance.pick_id = int(number)
+
+    def GetPickId(self) -> int:
+        """The pick number."""
+        return self.appearance.pick_id
+
+    def _look(self, name: str, value: object) -> None:
+        setattr(self.appearance, name, value)
+        self.appearance.version += 1
+
+    def _look_file(self, name: str, path: str | Path | None) -> int:
+        file = Path(path) if path is not None else None
+        if file is not None and not file.is_file():
+            return -1
+        self._look(name, file)
+        return 0

@@ -1,0 +1,238 @@
+"""The kinds of geom. All constructors begin with the body and the model's space."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzQuaternFromAxis, GzVector
+from libgz.ode.lib import ode
+from libgz.ode.step import NO_HIT
+from libgz.physics import mass as mass_
+from libgz.physics.appearance import RENDER_LIGHT
+from libgz.physics.check import finite, finite_tuple, positive, unit_axis
+from libgz.physics.geom import Geom
+
+if TYPE_CHECKING:
+    from libgz.geometry import VectorLike
+    from libgz.physics.body import Body
+    from libgz.physics.engine import Space
+
+__all__ = [
+    "BoxGeom",
+    "CapsuleGeom",
+    "CylinderGeom",
+    "FrustrumGeom",
+    "HeightfieldGeom",
+    "LightGeom",
+    "PlaneGeom",
+    "RayGeom",
+    "SphereGeom",
+    "TriMeshGeom",
+    "WheelGeom",
+]
+
+
+def _space_id(space: Space | None) -> int | None:
+    return None if space is None else space.id
+
+
+class BoxGeom(Geom):
+    """A box of full lengths x, y, z [m]."""
+
+    def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
+        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
+        handle = ode().dCreateBox(_space_id(space), *self.size)
+        super().__init__(body, space, handle, mass_.box_mass(*self.size))
+
+
+class SphereGeom(Geom):
+    """A sphere of the given radius [m]."""
+
+    def __init__(self, body: Body, space: Space | None, radius: float) -> None:
+        self.radius = positive(radius, "sphere radius [m]")
+        super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
+
+
+class CylinderGeom(Geom):
+    """A cylinder along z, centred: radius and length [m]."""
+
+    def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
+        self.radius = positive(radius, "cylinder radius [m]")
+        self.length = positive(length, "cylinder length [m]")
+        handle = ode().dCreateCylinder(_space_id(space), self.radius, self.length)
+        super().__init__(body, space, handle, mass_.cylinder_mass(radius, length))
+        body.UpdateCoM()
+
+
+class CapsuleGeom(Geom):
+    """A cylinder along z with round caps, centred: radius and length of the cylinder [m]."""
+
+    def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
+        self.radius = positive(radius, "capsule radius [m]")
+        self.length = positive(length, "capsule length [m]")
+        handle = ode().dCreateCapsule(_space_id(space), self.radius, self.length)
+        super().__init__(body, space, handle, mass_.capsule_mass(radius, length))
+
+
+class WheelGeom(SphereGeom):
+    """A wheel about z: it touches and weighs like a sphere of the total radius, and looks like a tire [m]."""
+
+    def __init__(self, body: Body, space: Space | None, totalRadius: float, tireRadius: float) -> None:
+        self.tire_radius = positive(tireRadius, "tire radius [m]")
+        super().__init__(body, space, totalRadius)
+
+
+class PlaneGeom(Geom):
+    """An infinite plane, normal . p = altitude [m], in global terms: it does not follow its body."""
+
+    def __init__(self, body: Body, space: Space | None, altitude: float, normal: VectorLike) -> None:
+        self.altitude = finite(altitude, "altitude [m]")
+        self.normal = GzVector(*unit_axis(normal, "normal"))
+        handle = ode().dCreatePlane(_space_id(space), *self.normal, self.altitude)
+        super().__init__(body, space, handle, placeable=False)
+
+
+class TriMeshGeom(Geom):
+    """A triangle mesh without mass.
+
+    Args:
+        vertices: [m], shape (n, 3).
+        triangles: indices of corners, counter-clockwise seen from outside, shape (m, 3).
+
+    Raises:
+        ParameterError: an index is out of range, or a coordinate is not finite.
+    """
+
+    def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        self.vertices: NDArray[np.float64] = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+        self.triangles: NDArray[np.uint32] = np.array(triangles, dtype=np.uint32).reshape(-1, 3)
+        if not len(self.triangles) or not np.isfinite(self.vertices).all():
+            raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
+        if self.triangles.max() >= len(self.vertices):
+            raise ParameterError(f"a triangle names vertex {self.triangles.max()}; there are {len(self.vertices)}")
+        self._ode_vertices = np.zeros((len(self.vertices), 4))  # dVector3 is 4 doubles wide; ODE keeps the address
+        self._ode_vertices[:, :3] = self.vertices
+        self._data = ode().dGeomTriMeshDataCreate()
+        ode().dGeomTriMeshDataBuildSimple(
+            self._data,
+            self._ode_vertices.ctypes.data,
+            len(self.vertices),
+            self.triangles.ctypes.data,
+            self.triangles.size,
+        )
+        super().__init__(body, space, ode().dCreateTriMesh(_space_id(space), self._data, None, None, None))
+
+    def close(self) -> None:
+        """Destroy the geom and its mesh."""
+        super().close()
+        if self._data is not None:
+            ode().dGeomTriMeshDataDestroy(self._data)
+            self._data = None
+
+
+class HeightfieldGeom(Geom):
+    """Ground of varying height, centred on its pose.
+
+    Args:
+        heights: [m], shape (rows, columns): rows go along +y, columns along +x.
+        xSize, ySize: extent [m].
+        thickness: how far the ground reaches below its lowest point [m].
+    """
+
+    # ODE's field lies in x and z with heights along y; turned about x, its y is our z and its z our -y.
+    extra_rotation = GzQuaternFromAxis(1.0, 0.0, 0.0, math.pi / 2.0)
+
+    def __init__(self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float,
+                 thickness: float = 1.0) -> None:  # fmt: skip
+        self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64)
+        if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not np.isfinite(self.heights).all():
+            raise ParameterError("heights must be at least 2 x 2 finite numbers")
+        self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
+        samples = np.ascontiguousarray(self.heights[::-1])
+        rows, columns = samples.shape
+        self._data = ode().dGeomHeightfieldDataCreate()
+        ode().dGeomHeightfieldDataBuildDouble(
+            self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, thickness, 0
+        )
+        super().__init__(body, space, ode().dCreateHeightfield(_space_id(space), self._data, 1))
+
+    def close(self) -> None:
+        """Destroy the geom and its heights."""
+        super().close()
+        if self._data is not None:
+            ode().dGeomHeightfieldDataDestroy(self._data)
+            self._data = None
+
+
+class RayGeom(Geom):
+    """One ray in global terms, for a model's own use: set it, cast it, read it. Nothing collides with it."""
+
+    def __init__(self, body: Body, space: Space | None = None) -> None:
+        super().__init__(body, space, placeable=False)
+        self._start, self._direction, self._length = GzVector(), GzVector(1.0, 0.0, 0.0), 1.0
+        self.depth = math.inf
+
+    def Set(self, pos: VectorLike, dir: VectorLike) -> None:  # noqa: A002 - the old API's name
+        """Place the ray: start [m] and direction, global."""
+        self._start = GzVector(*finite_tuple(pos, 3, "ray start [m]"))
+        self._direction = GzVector(*unit_axis(dir, "ray direction"))
+
+    def Get(self) -> tuple[GzVector, GzVector]:
+        """(start [m], unit direction), global."""
+        return self._start, self._direction
+
+    def SetLength(self, length: float) -> None:
+        """Length of the ray [m]."""
+        self._length = positive(length, "ray length [m]")
+
+    def GetLength(self) -> float:
+        """Length of the ray [m]."""
+        return self._length
+
+    def Cast(self) -> float:
+        """Distance to what the ray hits [m], infinite for nothing; geoms of its own body are not seen."""
+        frame = np.array([*self._start, 1.0, 0.0, 0.0, 0.0])
+        rays = np.array([[0.0, 0.0, 0.0, *self._direction, self._length]])
+        ranges, rows = np.empty(1), np.empty(1, dtype=np.int64)
+        self.body.engine.scan(frame, rays, self.body.number, ranges, rows)
+        self.depth = math.inf if ranges[0] == NO_HIT else float(ranges[0])
+        return self.depth
+
+
+class LightGeom(Geom):
+    """A point light where its body is."""
+
+    def __init__(self, body: Body, space: Space | None = None) -> None:
+        super().__init__(body, space, placeable=True)
+        self.attenuation = GzVector(1.0, 0.0, 0.0)
+        self.appearance.render_order = RENDER_LIGHT
+
+    def SetAttenuation(self, factors: VectorLike) -> None:
+        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance."""
+        self.attenuation = GzVector(*finite_tuple(factors, 3, "attenuation"))
+
+    @staticmethod
+    def CheckAvailable() -> bool:
+        """Always true."""
+        return True
+
+
+class FrustrumGeom(Geom):
+    """The outline of what a camera sees: it is drawn on request and touches nothing."""
+
+    def __init__(self, body: Body, space: Space | None, aspect: float, nearClip: float, farClip: float) -> None:
+        super().__init__(body, space, placeable=True)
+        self.aspect = positive(aspect, "aspect")
+        self.near_clip, self.far_clip = positive(nearClip, "near clip [m]"), positive(farClip, "far clip [m]")
+        self.fov = math.pi / 6.0
+
+    def SetFOV(self, fov: float) -> None:
+        """Horizontal field of view [rad]."""
+        self.fov = positive(fov, "field of view [rad]")
+
+

@@ -1,0 +1,376 @@
+"""Joints between bodies.
+
+Anchors and axes are global at the moment of the call, and the bodies must be in their places by then: angles and
+positions are zero where they stood when anchor or axis was set.
+
+All models attach the moving part first, the base second: a positive velocity about +y then rolls a wheel forward.
+Only Hinge2Joint wants the chassis first, for its first axis belongs to the first body.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+from typing import TYPE_CHECKING, ClassVar
+
+from libgz.errors import ClosedError, ParameterError
+from libgz.geometry import GzVector
+from libgz.ode.lib import ode
+from libgz.ode.types import JOINT_PARAMETERS, JointType, dParamFMax, dParamFMax2
+from libgz.physics.check import finite, finite_tuple, unit_axis
+from libgz.physics.engine import Engine, HasEngine
+
+if TYPE_CHECKING:
+    from libgz.geometry import VectorLike
+    from libgz.physics.body import Body
+
+__all__ = [
+    "BallJoint",
+    "FixedJoint",
+    "Hinge2Joint",
+    "HingeJoint",
+    "Joint",
+    "JointGroup",
+    "SliderJoint",
+    "UniversalJoint",
+]
+
+
+class JointGroup:
+    """Kept for old plugins that pass one; joints are freed with their bodies."""
+
+    def __init__(self) -> None:
+        self._joints: list[Joint] = []
+
+    def GetGroupId(self) -> JointGroup:
+        """The group itself."""
+        return self
+
+    def add(self, joint: Joint) -> None:
+        """Take a joint into the group."""
+        self._joints.append(joint)
+
+    def Empty(self) -> None:
+        """Destroy all joints of the group."""
+        for joint in self._joints:
+            joint.close()
+        self._joints.clear()
+
+
+class Joint:
+    """Base of all joints.
+
+    Args:
+        world: the World, or an Engine.
+        group: an old JointGroup, or None.
+        name: for look-up.
+    """
+
+    kind: ClassVar[JointType]
+    ode_name: ClassVar[str]  # as in dJointCreateHinge, dJointSetHingeParam
+    motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0
+
+    def __init__(self, world: HasEngine, group: JointGroup | None = None, *, name: str | None = None) -> None:
+        self.engine: Engine = world.engine
+        self.name = name
+        self.bodies: tuple[Body | None, Body | None] = (None, None)
+        self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
+        self.row = self.engine.add_joint(self, self.id, self.kind)
+        if group is not None:
+            group.add(self)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name or 'unnamed'}>"
+
+    @property
+    def id(self) -> int:
+        """The ODE handle.
+
+        Raises:
+            ClosedError: the joint was closed.
+        """
+        if self._id is None:
+            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
+        return self._id
+
+    def close(self) -> None:
+        """Destroy the joint."""
+        if self._id is None:
+            return
+        self._forget_bodies()
+        self.engine.remove_joint(self.row)
+        ode().dJointDestroy(self._id)
+        self._id = None
+
+    def _forget_bodies(self) -> None:
+        for body in self.bodies:
+            if body is not None:
+                body.joints.pop(self, None)
+        self.bodies = (None, None)
+
+    def _call(self, verb: str, what: str, *arguments: object) -> float:
+        """Call dJoint<verb><kind><what>."""
+        return getattr(ode(), f"dJoint{verb}{self.ode_name}{what}")(self.id, *arguments)  # type: ignore[no-any-return]
+
+    def _set_vector(self, what: str, values: VectorLike) -> None:
+        numbers = finite_tuple(values, 3, what) if "Anchor" in what else unit_axis(values, what)
+        self._call("Set", what, *numbers)
+        self.engine.joint_fresh[self.row] = 0
+
+    def _get_vector(self, what: str) -> GzVector:
+        out = (ctypes.c_double * 4)()
+        self._call("Get", what, out)
+        return GzVector(*out[:3])
+
+    def _value(self, column: int) -> float:
+        """One of angle 1, angle 2, rate 1, rate 2 from the table."""
+        engine, row = self.engine, self.row
+        if not engine.joint_fresh[row]:
+            _ = self.id
+            engine.read_joint(row)
+        return engine.joint_values[4 * row + column]
+
+    # Bodies ------------------------------------------------------------------------------------------------------
+
+    def Attach(self, one: Body | None, two: Body | None) -> None:
+        """Join two bodies; None, or a dummy body, stands for the world. Two of these: nothing happens."""
+        ids = tuple(0 if body is None else body.id for body in (one, two))
+        if not any(ids):
+            return
+        if ids[0] == ids[1]:
+            raise ParameterError(f"{self!r} cannot join {one!r} with itself")
+        self._forget_bodies()
+        ode().dJointAttach(self.id, *ids)
+        self.bodies = (one, two)
+        for body in (one, two):
+            if body is not None:
+                body.joints[self] = None
+        self.engine.joint_fresh[self.row] = 0
+
+    def Detach(self) -> None:
+        """Let both bodies go."""
+        self._forget_bodies()
+        ode().dJointAttach(self.id, None, None)
+
+    def GetJointBody(self, index: int) -> Body | None:
+        """The first (0) or second (1) body; None for the world."""
+        return self.bodies[index]
+
+    @staticmethod
+    def AreConnected(one: Body, two: Body) -> bool:
+        """Whether a joint holds these two bodies together."""
+        return bool(one.id and two.id and ode().dAreConnected(one.id, two.id))
+
+    def GetType(self) -> int:
+        """ODE's number of the joint's kind."""
+        return int(self.kind)
+
+    # Parameters --------------------------------------------------------------------------------------------------
+
+    def SetAnchor(self, anchor: VectorLike) -> None:
+        """Put the joint at a global point [m]."""
+        self._set_vector("Anchor", anchor)
+
+    def GetAnchor(self) -> GzVector:
+        """The global anchor on the first body [m]."""
+        return self._get_vector("Anchor")
+
+    def SetParam(self, parameter: int, value: float) -> None:
+        """Set a parameter such as dParamVel [rad/s or m/s], dParamFMax [N m or N], dParamLoStop, dParamHiStop.
+
+        Raises:
+            ParameterError: the number names no parameter, or the value is NaN.
+        """
+        if parameter not in JOINT_PARAMETERS:
+            raise ParameterError(f"joint parameter {parameter!r} is unknown; use dParamVel, dParamFMax and so on")
+        number = float(value)
+        if number != number:
+            raise ParameterError(f"{JOINT_PARAMETERS[parameter]} is NaN")
+        self._call("Set", "Param", int(parameter), number)
+
+    def GetParam(self, parameter: int) -> float:
+        """The value of a parameter."""
+        if parameter not in JOINT_PARAMETERS:
+            raise ParameterError(f"joint parameter {parameter!r} is unknown; use dParamVel, dParamFMax and so on")
+        return float(self._call("Get", "Param", int(parameter)))
+
+    def motors_off(self) -> None:
+        """Let the joint's motors go slack."""
+        with contextlib.suppress(ClosedError):
+            for parameter in self.motors:
+                self.SetParam(parameter, 0.0)
+
+
+class HingeJoint(Joint):
+    """One axis of rotation."""
+
+    kind, ode_name, motors = JointType.HINGE, "Hinge", (dParamFMax,)
+
+    def SetAxis(self, axis: VectorLike) -> None:
+        """The axis, global."""
+        self._set_vector("Axis", axis)
+
+    def GetAxis(self) -> GzVector:
+        """The axis, global."""
+        return self._get_vector("Axis")
+
+    def GetAngle(self) -> float:
+        """Angle [rad]."""
+        return self._value(0)
+
+    def GetAngleRate(self) -> float:
+        """Angular velocity [rad/s]."""
+        return self._value(2)
+
+    def SetTorque(self, torque: float) -> None:
+        """Add a torque about the axis for one step [N m]."""
+        ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
+
+
+class Hinge2Joint(Joint):
+    """Two hinges in series: a steered wheel. Attach(chassis, wheel); axis 1 on the chassis, axis 2 on the wheel."""
+
+    kind, ode_name, motors = JointType.HINGE2, "Hinge2", (dParamFMax, dParamFMax2)
+
+    def SetAxis1(self, axis: VectorLike) -> None:
+        """The steering axis, fixed to the first body; global."""
+        self._set_axes(axis, None)
+
+    def SetAxis2(self, axis: VectorLike) -> None:
+        """The rolling axis, fixed to the second body; global."""
+        self._set_axes(None, axis)
+
+    def _set_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
+        addresses = [None if a is None else (ctypes.c_double * 4)(*unit_axis(a, "axis")) for a in (axis1, axis2)]
+        ode().dJointSetHinge2Axes(self.id, *addresses)
+        self.engine.joint_fresh[self.row] = 0
+
+    def GetAxis1(self) -> GzVector:
+        """The steering axis, global."""
+        return self._get_vector("Axis1")
+
+    def GetAxis2(self) -> GzVector:
+        """The rolling axis, global."""
+        return self._get_vector("Axis2")
+
+    def GetAnchor2(self) -> GzVector:
+        """The global anchor on the second body [m]; the suspension sets it apart from the first."""
+        return self._get_vector("Anchor2")
+
+    def GetAngle1(self) -> float:
+        """Steering angle [rad]."""
+        return self._value(0)
+
+    def GetAngle2(self) -> float:
+        """Rolling angle [rad]."""
+        return self._value(1)
+
+    def GetAngle1Rate(self) -> float:
+        """Steering rate [rad/s]."""
+        return self._value(2)
+
+    def GetAngle2Rate(self) -> float:
+        """Rolling rate [rad/s]."""
+        return self._value(3)
+
+    def SetTorque(self, torque1: float, torque2: float) -> None:
+        """Add torques about both axes for one step [N m]."""
+        ode().dJointAddHinge2Torques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))
+
+
+class SliderJoint(Joint):
+    """One axis of translation. It has no anchor."""
+
+    kind, ode_name, motors = JointType.SLIDER, "Slider", (dParamFMax,)
+
+    def SetAnchor(self, anchor: VectorLike) -> None:
+        """Without effect: a slider has no anchor."""
+
+    def GetAnchor(self) -> GzVector:
+        """Zero: a slider has no anchor."""
+        return GzVector()
+
+    def SetAxis(self, x: float, y: float, z: float) -> None:
+        """The axis, global."""
+        self._set_vector("Axis", (x, y, z))
+
+    def GetAxis(self) -> GzVector:
+        """The axis, global."""
+        return self._get_vector("Axis")
+
+    def GetPosition(self) -> float:
+        """Position along the axis [m]."""
+        return self._value(0)
+
+    def GetPositionRate(self) -> float:
+        """Velocity along the axis [m/s]."""
+        return self._value(2)
+
+    def SetSliderForce(self, force: float) -> None:
+        """Add a force along the axis for one step [N]."""
+        ode().dJointAddSliderForce(self.id, finite(force, "force [N]"))
+
+
+class BallJoint(Joint):
+    """Three axes of rotation about the anchor."""
+
+    kind, ode_name = JointType.BALL, "Ball"
+
+
+class UniversalJoint(Joint):
+    """Two axes of rotation at right angles through the anchor."""
+
+    kind, ode_name, motors = JointType.UNIVERSAL, "Universal", (dParamFMax, dParamFMax2)
+
+    def SetAxis1(self, axis: VectorLike) -> None:
+        """The axis fixed to the first body; global."""
+        self._set_vector("Axis1", axis)
+
+    def SetAxis2(self, axis: VectorLike) -> None:
+        """The axis fixed to the second body; global."""
+        self._set_vector("Axis2", axis)
+
+    def GetAxis1(self) -> GzVector:
+        """The axis fixed to the first body; global."""
+        return self._get_vector("Axis1")
+
+    def GetAxis2(self) -> GzVector:
+        """The axis fixed to the second body; global."""
+        return self._get_vector("Axis2")
+
+    def GetAngle1(self) -> float:
+        """Angle about axis 1 [rad]."""
+        return self._value(0)
+
+    def GetAngle2(self) -> float:
+        """Angle about axis 2 [rad]."""
+        return self._value(1)
+
+    def GetAngleRate1(self) -> float:
+        """Rate about axis 1 [rad/s]."""
+        return self._value(2)
+
+    def GetAngleRate2(self) -> float:
+        """Rate about axis 2 [rad/s]."""
+        return self._value(3)
+
+    def SetTorque(self, torque1: float, torque2: float) -> None:
+        """Add torques about both axes for one step [N m]."""
+        ode().dJointAddUniversalTorques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))
+
+
+class FixedJoint(Joint):
+    """No freedom at all: the pose of one body in the other at the time of `SetFixed` is kept."""
+
+    kind, ode_name = JointType.FIXED, "Fixed"
+
+    def SetAnchor(self, anchor: VectorLike) -> None:
+        """Without effect: a fixed joint has no anchor."""
+
+    def GetAnchor(self) -> GzVector:
+        """Zero: a fixed joint has no anchor."""
+        return GzVector()
+
+    def SetFixed(self) -> None:
+        """Keep the bodies as they stand now."""
+        ode().dJointSetFixed(self.id)

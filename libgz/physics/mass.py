@@ -1,0 +1,90 @@
+"""Mass matrices: mass, centre of mass and inertia, computed by ODE's mass functions."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterable
+
+from libgz.geometry import GzHomoFromQuatern, GzPose
+from libgz.ode.lib import ode
+from libgz.ode.types import Mass
+from libgz.physics.check import positive
+
+__all__ = ["Mass", "box_mass", "capsule_mass", "cylinder_mass", "moved", "scaled", "sphere_mass", "sum_masses"]
+
+_ALONG_Z = 3
+
+
+def _address(mass: Mass) -> int:
+    return ctypes.addressof(mass)
+
+
+def sphere_mass(radius: float, density: float = 1.0) -> Mass:
+    """A solid sphere; density [kg/m^3]."""
+    mass = Mass()
+    ode().dMassSetSphere(_address(mass), density, radius)
+    return mass
+
+
+def box_mass(x: float, y: float, z: float, density: float = 1.0) -> Mass:
+    """A solid box of full lengths x, y, z [m]."""
+    mass = Mass()
+    ode().dMassSetBox(_address(mass), density, x, y, z)
+    return mass
+
+
+def cylinder_mass(radius: float, length: float, density: float = 1.0) -> Mass:
+    """A solid cylinder along z."""
+    mass = Mass()
+    ode().dMassSetCylinder(_address(mass), density, _ALONG_Z, radius, length)
+    return mass
+
+
+def capsule_mass(radius: float, length: float, density: float = 1.0) -> Mass:
+    """A solid capsule along z; `length` is that of its cylinder [m]."""
+    mass = Mass()
+    ode().dMassSetCapsule(_address(mass), density, _ALONG_Z, radius, length)
+    return mass
+
+
+def _copy(mass: Mass) -> Mass:
+    return Mass.from_buffer_copy(mass)
+
+
+def scaled(mass: Mass, kilograms: float) -> Mass:
+    """The same shape with another total mass [kg]."""
+    result = _copy(mass)
+    ode().dMassAdjust(_address(result), positive(kilograms, "mass [kg]"))
+    return result
+
+
+def moved(mass: Mass, pose: GzPose) -> Mass:
+    """The mass matrix of a shape whose own frame stands at `pose`, seen from the outer frame."""
+    result = _copy(mass)
+    rows = GzHomoFromQuatern(pose.rot).m
+    ode().dMassRotate(_address(result), (ctypes.c_double * 12)(*(v for row in rows for v in (*row, 0.0))))
+    ode().dMassTranslate(_address(result), *pose.pos)
+    return result
+
+
+def sum_masses(masses: Iterable[Mass]) -> Mass:
+    """The mass matrix of several shapes together."""
+    total = Mass()
+    for mass in masses:
+        ode().dMassAdd(_address(total), _address(mass))
+    return total
+
+
+def about_centre(mass: Mass) -> Mass:
+    """The same body seen from its own centre of mass, which is what ODE wants."""
+    result = _copy(mass)
+    ode().dMassTranslate(_address(result), *(-c for c in mass.c[:3]))
+    result.c[:] = (0.0, 0.0, 0.0, 0.0)
+    return result
+
+
+def about_origin(mass: Mass) -> Mass:
+    """The fault of the old server: the inertia stays that about the body's origin, whatever the centre of mass."""
+    result = _copy(mass)
+    result.c[:] = (0.0, 0.0, 0.0, 0.0)
+    return result

@@ -46,12 +46,19 @@ class HasEngine(Protocol):
 
 
 class Space:
-    """A simple ODE space inside the engine's top space. Geoms of one space never touch each other."""
+    """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
-    def __init__(self, engine: Engine) -> None:
+    Args:
+        engine: where.
+        handle: an ODE space that somebody else owns; without one, a new space is made.
+    """
+
+    def __init__(self, engine: Engine, handle: int | None = None) -> None:
         self.engine = engine
-        self._id: int | None = ode().dSimpleSpaceCreate(engine.top_space)
-        engine.spaces[self] = None
+        self._id = handle
+        if handle is None:
+            self._id = ode().dSimpleSpaceCreate(engine.top.id)
+            engine.spaces[self] = None
 
     @property
     def id(self) -> int:
@@ -103,7 +110,7 @@ class Engine:
         lib = ode()
         self._ode: OdeLibrary = lib
         world, top, contacts = lib.dWorldCreate(), lib.dHashSpaceCreate(None), lib.dJointGroupCreate(0)
-        self.top_space: int = top
+        self.top = Space(self, top)
         self.quirks: frozenset[str] = frozenset()
         self.bodies: dict[int, Body] = {}
         self.joints: dict[int, Joint] = {}

@@ -1,0 +1,91 @@
+"""The Pythonic client: connect, open interfaces by name, wait for news."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TypeVar
+
+from libgz.interfaces.fiducial import Fiducial
+from libgz.interfaces.laser import Laser
+from libgz.interfaces.position import Position
+from libgz.interfaces.power import Power
+from libgz.interfaces.ptz import Ptz
+from libgz.interfaces.sim import Sim
+from libgz.interfaces.sonar import Sonar
+from libgz.transport.client import Client as WireClient
+from libgz.transport.interface import Interface
+
+__all__ = ["Client"]
+
+I = TypeVar("I", bound="Interface")  # type: ignore[type-arg]  # noqa: E741
+
+
+class Client(WireClient):
+    """A program's connection to a running server::
+
+        with libgz.Client(server_id=0) as client:
+            robot = client.position("robot1")
+            robot.command(vx=0.2, vyaw=0.1)
+            while client.wait(timeout=1.0):
+                print(robot.pose)
+
+    Args:
+        server_id: the server's `-s` option.
+        client_id: 0 to 7 for users' programs; each program that waits needs its own.
+        timeout: how long to wait for the server to appear [s].
+
+    Raises:
+        ServerError: the server is not there, or not in time.
+    """
+
+    def __init__(self, server_id: int = 0, client_id: int = 0, *, timeout: float = 0.0) -> None:
+        super().__init__()
+        self.connect(server_id)
+        self.wait_for_server(timeout)
+        self.connect_wait(server_id, client_id)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:
+        self.disconnect()
+
+    def open(self, interface: I, id: str) -> I:  # noqa: A002 - the wire's word
+        """Open an interface object, or give the one of this kind and id that is open already.
+
+        Raises:
+            InterfaceError: the server serves none of this type and id.
+        """
+        for opened in self.opened:
+            if type(opened) is type(interface) and opened.id == id:
+                return opened
+        interface.open(self, id)
+        return interface
+
+    def sim(self) -> Sim:
+        """The clock, and the buttons pause, reset and save."""
+        return self.open(Sim(), "default")
+
+    def position(self, id: str) -> Position:  # noqa: A002
+        """A robot's odometry and velocity commands."""
+        return self.open(Position(), id)
+
+    def power(self, id: str) -> Power:  # noqa: A002
+        """A robot's batteries."""
+        return self.open(Power(), id)
+
+    def sonar(self, id: str) -> Sonar:  # noqa: A002
+        """A robot's sonars."""
+        return self.open(Sonar(), id)
+
+    def laser(self, id: str) -> Laser:  # noqa: A002
+        """A laser range-finder."""
+        return self.open(Laser(), id)
+
+    def fiducial(self, id: str) -> Fiducial:  # noqa: A002
+        """The marked objects a sensor recognises."""
+        return self.open(Fiducial(), id)
+
+    def ptz(self, id: str) -> Ptz:  # noqa: A002
+        """A pan-tilt-zoom head."""
+        return self.open(Ptz(), id)

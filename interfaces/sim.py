@@ -1,0 +1,86 @@
+"""sim: the clock of a simulation, and its pause, reset and save buttons. Its id is always `default`."""
+
+from __future__ import annotations
+
+from libgz.transport.interface import Interface
+from libgz.transport.layout import BOTH, CLIENT, SERVER, Data, double, int32, layout
+from libgz.transport.legacy import LegacyFunctions
+
+__all__ = [
+    "Sim",
+    "SimData",
+    "gz_sim_alloc",
+    "gz_sim_close",
+    "gz_sim_create",
+    "gz_sim_destroy",
+    "gz_sim_free",
+    "gz_sim_lock",
+    "gz_sim_open",
+    "gz_sim_unlock",
+]
+
+
+@layout
+class SimData(Data):
+    """gz_sim_data_t."""
+
+    sim_time: float = double(SERVER, "s", "simulated time, pauses excluded")
+    pause_time: float = double(SERVER, "s", "simulated time spent paused: one step for each paused step")
+    real_time: float = double(SERVER, "s", "wall-clock time since the server started")
+    pause: int = int32(BOTH, "", "1: paused; the server writes the worldfile's value at the start, then only reads")
+    reset: int = int32(CLIENT, "", "1: put all models back to their initial poses; the server clears it")
+    save: int = int32(CLIENT, "", "1: write the poses of top-level models to the worldfile; the server clears it")
+
+
+class Sim(Interface[SimData]):
+    """The simulation's clock and buttons."""
+
+    type = "sim"
+    data_class = SimData
+    has_post = False
+
+    @property
+    def sim_time(self) -> float:
+        """Simulated time [s], pauses excluded."""
+        return self.data.sim_time
+
+    @property
+    def pause_time(self) -> float:
+        """Simulated time spent paused [s]."""
+        return self.data.pause_time
+
+    @property
+    def real_time(self) -> float:
+        """Wall-clock time since the server started [s]."""
+        return self.data.real_time
+
+    @property
+    def paused(self) -> bool:
+        """Whether the simulation is paused; can be set."""
+        return bool(self.data.pause)
+
+    @paused.setter
+    def paused(self, value: bool) -> None:
+        with self.locked() as data:
+            data.pause = int(value)
+
+    def reset(self) -> None:
+        """Ask the server to put all models back to their initial poses."""
+        with self.locked() as data:
+            data.reset = 1
+
+    def save(self) -> None:
+        """Ask the server to write the poses of all top-level models to the worldfile."""
+        with self.locked() as data:
+            data.save = 1
+
+
+_functions = LegacyFunctions(Sim)
+gz_sim_alloc = _functions.alloc
+gz_sim_free = _functions.free
+gz_sim_create = _functions.create
+gz_sim_destroy = _functions.destroy
+gz_sim_open = _functions.open
+gz_sim_close = _functions.close
+gz_sim_lock = _functions.lock
+gz_sim_unlock = _functions.unlock

@@ -1,0 +1,78 @@
+"""RayProximity: a bundle of rays fixed to a body; laser scanners and sonars are made of it."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzCoordPositionAdd, GzVector, rotate
+from libgz.physics.check import finite_tuple
+
+if TYPE_CHECKING:
+    from libgz.geometry import VectorLike
+    from libgz.physics.body import Body
+    from libgz.physics.engine import HasEngine
+
+__all__ = ["RayProximity"]
+
+
+class RayProximity:
+    """Rays from a body into the world; they see all geoms but those of the body itself.
+
+    Args:
+        world: the World.
+        body: what the rays are fixed to.
+        rayCount: how many.
+    """
+
+    def __init__(self, world: HasEngine, body: Body, rayCount: int) -> None:
+        if rayCount < 1:
+            raise ParameterError(f"a ray sensor has {rayCount} rays; it needs at least one")
+        self.engine = world.engine
+        self.body = body
+        self._rays = np.zeros((rayCount, 7))
+        self._rays[:, 3] = self._rays[:, 6] = 1.0
+        self.ranges: NDArray[np.float64] = np.full(rayCount, sys.float_info.max)
+        self.rows: NDArray[np.int64] = np.full(rayCount, -1, dtype=np.int64)
+
+    def SetRay(self, index: int, a: VectorLike, b: VectorLike) -> None:
+        """Place a ray in the body frame, from `a` to `b` [m].
+
+        Raises:
+            ParameterError: both are the same point, or not finite.
+        """
+        start, end = np.array(finite_tuple(a, 3, "ray start [m]")), np.array(finite_tuple(b, 3, "ray end [m]"))
+        length = float(np.linalg.norm(end - start))
+        if length < 1e-9:
+            raise ParameterError(f"ray {index} has no length: it starts and ends at {tuple(start)}")
+        self._rays[index, :3], self._rays[index, 3:6], self._rays[index, 6] = start, (end - start) / length, length
+
+    def GetRay(self, index: int) -> tuple[GzVector, GzVector]:
+        """(start [m], unit direction) of a ray, global."""
+        pose = self.body.GetPose()
+        start, direction = self._rays[index, :3].tolist(), self._rays[index, 3:6].tolist()
+        return GzCoordPositionAdd(start, pose.pos, pose.rot), rotate(pose.rot, direction)
+
+    def Update(self) -> None:
+        """Cast all rays from where the body is now."""
+        pose = self.body.GetPose()
+        frame = np.array((*pose.pos, *pose.rot))
+        self.engine.scan(frame, self._rays, self.body.number, self.ranges, self.rows)
+
+    def GetRange(self, index: int) -> float:
+        """Distance from the ray's start [m]; the largest float if it hit nothing."""
+        return float(self.ranges[index])
+
+    def GetRetro(self, index: int) -> float:
+        """How much the geom that was hit reflects back; 0 if nothing was hit."""
+        row = int(self.rows[index])
+        return self.engine.geoms[row].GetRetro() if row >= 0 else 0.0
+
+    def GetFiducial(self, index: int) -> int:
+        """The fiducial number of the geom that was hit; -1 for none."""
+        row = int(self.rows[index])
+        return self.engine.geoms[row].GetFiducial() if row >= 0 else -1

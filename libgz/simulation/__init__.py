@@ -1,0 +1,1 @@
+"""Worlds, models, and how plugin models are found and loaded."""

@@ -1,0 +1,99 @@
+"""ModelFactory: model classes by the names that worldfiles give them."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections.abc import Callable
+from importlib import metadata
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from libgz.errors import ParameterError
+from libgz.simulation.plugins import Plugin, collect
+
+if TYPE_CHECKING:
+    from libgz.simulation.model import Model
+    from libgz.simulation.world import World
+
+__all__ = ["GZ_REGISTER_PLUGIN", "GZ_REGISTER_STATIC", "ModelFactory"]
+
+log = logging.getLogger("libgz.simulation")
+
+M = TypeVar("M", bound="Callable[..., Any]")
+
+ENTRY_POINTS = "libgz.models"  # the group under which installed packages offer models
+_static: dict[str, Callable[[World], Model]] = {}
+
+
+def GZ_REGISTER_PLUGIN(name: str, model: M) -> M:
+    """Offer a model class under a worldfile name; the last line of a plugin file.
+
+    Args:
+        name: as in `<model:name>`; it need not be the class's own.
+        model: the class, a subclass of Model.
+    """
+    if not callable(model):
+        raise ParameterError(f"GZ_REGISTER_PLUGIN({name!r}, ...): {model!r} is not a class")
+    if not collect(name, model):
+        _static.setdefault(name, model)
+    return model
+
+
+def GZ_REGISTER_STATIC(name: str, model: M) -> M:
+    """Offer a model class under a worldfile name to all worlds of this process."""
+    _static.setdefault(name, model)
+    return model
+
+
+class ModelFactory:
+    """The model classes one world knows: the built-in ones, those of its plugins, and those of installed packages.
+
+    The first registration of a name wins.
+    """
+
+    def __init__(self) -> None:
+        self._plugins: dict[str, Callable[[World], Model]] = {}
+        self._builtin: dict[str, str] = {}
+        self._packages: dict[str, metadata.EntryPoint] | None = None
+        self.RegisterAll()
+
+    def RegisterAll(self) -> None:
+        """Take in the built-in models; their modules are imported when a world asks for them."""
+        # By name, for the models stand above this package: they import it, it does not import them.
+        self._builtin = dict(importlib.import_module("libgz.models").MODELS)
+
+    def RegisterModel(self, type: str, classname: str, fn: Callable[[World], Model]) -> None:  # noqa: A002
+        """Take in one class or function World -> Model; `type` is a word for the log."""
+        if classname in self._builtin or classname in self._plugins:
+            log.debug("%s is registered already; the first registration holds", classname)
+            return
+        self._plugins[classname] = fn
+        log.debug("registered %s (%s)", classname, type)
+
+    def register_plugin(self, plugin: Plugin) -> None:
+        """Take in all that a plugin file registered."""
+        for name, kind in plugin.registered:
+            if name in self._builtin:
+                log.warning("plugin %s registers %r, which is a built-in model: the built-in one is used",
+                            plugin.path, name)  # fmt: skip
+            self.RegisterModel("plugin", name, kind)
+
+    def NewModel(self, world: World, classname: str) -> Model | None:
+        """A new model, or None if the name is unknown."""
+        if classname in self._builtin:
+            module, _, attribute = self._builtin[classname].partition(":")
+            return getattr(importlib.import_module(module), attribute)(world)  # type: ignore[no-any-return]
+        kind = self._plugins.get(classname) or _static.get(classname)
+        if kind is None and classname in self._offered():
+            kind = self._offered()[classname].load()
+        return None if kind is None else kind(world)
+
+    def _offered(self) -> dict[str, metadata.EntryPoint]:
+        """Models of installed packages; looked up only when a name is unknown otherwise."""
+        if self._packages is None:
+            self._packages = {point.name: point for point in metadata.entry_points(group=ENTRY_POINTS)}
+        return self._packages
+
+    def names(self) -> list[str]:
+        """All names a worldfile may use here."""
+        return sorted({*self._builtin, *self._plugins, *_static, *self._offered()})

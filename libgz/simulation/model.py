@@ -1,0 +1,309 @@
+"""Model: what a worldfile is made of, and what users subclass."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVectorMag, GzVectorSub
+from libgz.ode.types import dParamHiStop, dParamLoStop
+from libgz.physics.engine import Space
+from libgz.physics.joint import HingeJoint
+
+if TYPE_CHECKING:
+    from libgz.physics.body import Body
+    from libgz.physics.joint import Joint
+    from libgz.simulation.world import World
+    from libgz.worldfile.file import WorldFile
+    from libgz.worldfile.node import WorldFileNode
+
+__all__ = ["Model"]
+
+CANONICAL = "canonical"
+TRAIL_SPACING = 1.0  # [m] between logged poses
+
+_numbers = itertools.count(1)
+
+
+class Model:
+    """Base of all models.
+
+    A subclass builds itself in `Load`, makes its interfaces in `Init`, acts in `Update`, and lets its interfaces go in
+    `Fini`. Load and Init return 0 (or nothing) for success, -1 for failure; an exception is a failure with a reason.
+
+    Bodies are built in the model's own frame; the world moves them to their place after `Load`. Every model needs one
+    canonical body: ``self.AddBody(body, True)``.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.modelSpaceId = Space(world.engine)
+        self.node: WorldFileNode | None = None
+        self.parent: Model | None = None
+        self.parentBody: Body | None = None
+        self.children: list[Model] = []
+        self.joint: HingeJoint | None = None
+        self.relPose = GzPose()
+        self.initPose = GzPose()
+        self.fixed = False
+        self.logPoses = False
+        self.poses: list[GzPose] = []
+        self.bodies: list[Body] = []
+        self.failed: BaseException | None = None
+        self._canonical: Body | None = None
+        self._id = ""
+        self._name = type(self).__name__
+        self._number = next(_numbers)
+        self._pick_id = 0
+        self._gravity = True
+        self._enabled = True
+
+    def __repr__(self) -> str:
+        return f"<{self._name} {self._id!r}>"
+
+    # What subclasses write ---------------------------------------------------------------------------------------
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> int | None:
+        """Read attributes from `node` and build bodies, geoms and joints."""
+        raise NotImplementedError(f"{type(self).__name__} has no Load(file, node)")
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> int | None:
+        """Make interfaces; all models are loaded by now."""
+
+    def Update(self, step: float) -> None:
+        """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
+
+    def Fini(self) -> int | None:
+        """Let interfaces go."""
+
+    # What the world calls ----------------------------------------------------------------------------------------
+
+    def MasterLoad(self, file: WorldFile, node: WorldFileNode) -> None:
+        """Read the attributes common to all models, then `Load`.
+
+        Raises:
+            GazeboError: Load returned something but 0, or left the model without a canonical body.
+        """
+        self._gravity = node.GetBool("gravity", True)
+        self._enabled = node.GetBool("enable", node.GetBool("enabled", True))
+        result = self.Load(file, node)
+        if result:
+            raise GazeboError(f"Load of model {self._id!r} failed: it returned {result}")
+        if self._canonical is None:
+            raise GazeboError(
+                f"model {self._id!r} has no canonical body; its Load must call AddBody(body, True) for one body"
+            )
+        for body in self.bodies:
+            self._switch(body)
+
+    def MasterInit(self, file: WorldFile, node: WorldFileNode) -> None:
+        """Call `Init`.
+
+        Raises:
+            GazeboError: it returned something but 0.
+        """
+        result = self.Init(file, node)
+        if result:
+            raise GazeboError(f"Init of model {self._id!r} failed: it returned {result}")
+
+    def MasterUpdate(self, step: float) -> None:
+        """Log the pose if wanted, then `Update`."""
+        if self.logPoses:
+            self.LogPose()
+        self.Update(step)
+
+    def LogPose(self) -> None:
+        """Add the canonical body's centre of mass to the trail, if it is a metre from the last entry."""
+        pose = self.GetBody().GetCoMPose()
+        if not self.poses or GzVectorMag(GzVectorSub(pose.pos, self.poses[-1].pos)) >= TRAIL_SPACING:
+            self.poses.append(pose)
+
+    @property
+    def poseCount(self) -> int:
+        """Entries in the trail."""
+        return len(self.poses)
+
+    # Bodies and joints -------------------------------------------------------------------------------------------
+
+    def AddBody(self, body: Body, canonical: bool = False) -> None:
+        """Take a body in. Exactly one is canonical; it is renamed so, and stands for the model's pose.
+
+        Raises:
+            ParameterError: the model has a canonical body already.
+        """
+        if canonical:
+            if self._canonical is not None:
+                raise ParameterError(f"model {self._id or self._name!r} has a canonical body already")
+            self._canonical = body
+            body.bodyName = CANONICAL
+        self.bodies.append(body)
+        self._switch(body)
+
+    def _switch(self, body: Body) -> None:
+        """Hand the model's gravity and enable switches on to a body."""
+        if not self._gravity:
+            body.SetGravityMode(False)
+        if not self._enabled:
+            body.Enable(False)
+
+    def GetBody(self, name: str | None = None) -> Body:
+        """A body by name; without one, the canonical body. On robots, `chassis` is another name for that.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        for body in self.bodies:
+            if body is self._canonical if name in (None, CANONICAL) else body.bodyName == name:
+                return body
+        if name == "chassis" and self._canonical is not None:
+            return self._canonical
+        names = sorted({body.bodyName for body in self.bodies if body.bodyName})
+        raise NotFoundError(
+            f"body [{name}] not defined for model {self._id!r}; it has {', '.join(names)}{nearest(name or '', names)}"
+        )
+
+    def GetBodies(self) -> list[Body]:
+        """All bodies in order."""
+        return list(self.bodies)
+
+    def GetNumBodies(self) -> int:
+        """How many bodies there are."""
+        return len(self.bodies)
+
+    @property
+    def joints(self) -> list[Joint]:
+        """The joints between this model's bodies, and from them to the world, in order of construction."""
+        own = set(self.bodies)
+        found = {joint.row: joint for body in self.bodies for joint in body.joints}
+        return [j for _, j in sorted(found.items()) if all(b is None or b in own for b in j.bodies)]
+
+    def GetJoint(self, name: str) -> Joint:
+        """A joint by name.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        names = {joint.name: joint for joint in self.joints if joint.name}
+        if name not in names:
+            raise NotFoundError(f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}"
+                                + nearest(name, names))  # fmt: skip
+        return names[name]
+
+    # Pose --------------------------------------------------------------------------------------------------------
+
+    def GetPose(self) -> GzPose:
+        """Global pose of the canonical body [m]."""
+        return self.GetBody().GetPose()
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Move all bodies as one so that the canonical body has this global pose [m]; all velocities become zero.
+
+        Models attached to this one stay where they are: `World.SetModelPose` takes them along.
+        """
+        before = self.GetPose()
+        for body in self.bodies:
+            relative = GzCoordPoseSub(body.GetPose(), before)
+            body.SetPose(GzCoordPoseAdd(relative, pose))
+            body.SetLinearVel((0.0, 0.0, 0.0))
+            body.SetAngularVel((0.0, 0.0, 0.0))
+
+    # Parent ------------------------------------------------------------------------------------------------------
+
+    def SetParent(self, parent: Model, body: Body) -> None:
+        """Note which model, and which of its bodies, this one is attached to."""
+        self.parent, self.parentBody = parent, body
+        parent.children.append(self)
+
+    def Attach(self) -> None:
+        """Weld the canonical body to the parent body: a hinge whose stops are both zero.
+
+        If either is a dummy there is nothing to weld; the model then follows its parent after each step.
+        """
+        if self.parentBody is None:
+            return
+        body = self.GetBody()
+        self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
+        if body.dummy or self.parentBody.dummy:
+            return
+        self.joint = HingeJoint(self.world, name="weld")
+        self.joint.Attach(body, self.parentBody)
+        self.weld()
+        self.joint.SetParam(dParamHiStop, 0.0)
+        self.joint.SetParam(dParamLoStop, 0.0)
+
+    def weld(self) -> None:
+        """Make the present place on the parent the one that the weld keeps."""
+        if self.joint is not None:
+            self.joint.SetAnchor(self.GetBody().GetPosition())
+            self.joint.SetAxis((0.0, 0.0, 1.0))
+
+    def Detach(self) -> None:
+        """Let the parent go."""
+        if self.joint is not None:
+            self.joint.close()
+            self.joint = None
+        if self.parent is not None:
+            self.parent.children.remove(self)
+        self.parent = self.parentBody = None
+
+    @property
+    def follows(self) -> bool:
+        """Whether the model is carried along by its parent without a joint."""
+        return self.parentBody is not None and self.joint is None
+
+    def follow(self) -> None:
+        """Go where the parent body takes the model."""
+        if self.parentBody is not None:
+            self.world.SetModelPose(self, self.relPose)
+
+    # Names and numbers -------------------------------------------------------------------------------------------
+
+    def SetId(self, id: str) -> None:  # noqa: A002 - the old API's name
+        """Name the model and its interfaces."""
+        self._id = id
+
+    def GetId(self) -> str:
+        """The id in the worldfile, or the class name."""
+        return self._id
+
+    def SetName(self, name: str) -> None:
+        """Set the class name as the worldfile has it."""
+        self._name = name
+
+    def GetName(self) -> str:
+        """The class name as the worldfile has it."""
+        return self._name
+
+    def GetIntId(self) -> int:
+        """The model's number in interface headers."""
+        return self._number
+
+    def GetParentIntId(self) -> int:
+        """The parent's number, or 0."""
+        return self.parent.GetIntId() if self.parent is not None else 0
+
+    def SetPickId(self, number: int) -> None:
+        """A number by which a user interface finds this model."""
+        self._pick_id = int(number)
+
+    def GetPickId(self) -> int:
+        """The parent's pick number, or the model's own."""
+        return self.parent.GetPickId() if self.parent is not None else self._pick_id
+
+    # End ---------------------------------------------------------------------------------------------------------
+
+    def motors_off(self) -> None:
+        """Let all joints go slack."""
+        for joint in self.joints:
+            joint.motors_off()
+
+    def close(self) -> None:
+        """Destroy bodies, joints and space."""
+        if self.joint is not None:
+            self.joint.close()
+        for body in self.bodies:
+            body.close()
+        self.modelSpaceId.close()
+
+

@@ -1,0 +1,155 @@
+"""Finding and loading the Python files that worlds name as plugins."""
+
+from __future__ import annotations
+
+import contextvars
+import importlib.util
+import os
+import sys
+import traceback
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from libgz.errors import PluginError
+
+__all__ = ["Plugin", "collect", "find_plugin", "load_plugin", "plugin_directories"]
+
+_loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
+_loaded: dict[Path, Plugin] = {}
+
+
+@dataclass
+class Plugin:
+    """A plugin file and what it registered, in order: (name, class)."""
+
+    path: Path
+    registered: list[tuple[str, Any]] = field(default_factory=list)
+    module: Any = None
+
+
+def collect(name: str, kind: Any) -> bool:
+    """Note a registration of the plugin file that is being loaded; false if none is."""
+    plugin = _loading.get()
+    if plugin is None:
+        return False
+    plugin.registered.append((name, kind))
+    return True
+
+
+def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
+    """(why, directory) of all places where plugins are looked for, in order."""
+    named = [("GAZEBOPATH", Path(d)) for d in os.environ.get("GAZEBOPATH", "").split(os.pathsep) if d]
+    home = (Path(worldfile).parent if worldfile else Path()).resolve()
+    package = Path(__file__).resolve().parent.parent
+    return [
+        *named,
+        ("the worldfile's directory", home),
+        ("the installed plugins", Path(sys.prefix) / "lib" / "gazebo" / "plugins"),
+        ("the installed models", package / "models"),
+    ]
+
+
+def _file_names(name: str) -> list[str]:
+    """The Python files that a plugin's name may mean, best first: X.so and libX.so are both X.py."""
+    stem = name.removesuffix(".so").removesuffix(".py")
+    stems = [stem, stem.removeprefix("lib"), f"lib{stem}"]
+    return list(dict.fromkeys(f"{s}{end}" for s in stems if s for end in (".py", "/__init__.py")))
+
+
+def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
+    """Files in a folder that have one of the names; the case may differ, for old files were careless with it."""
+    for name in names:
+        if (folder / name).is_file():
+            yield folder / name
+    wanted = {name.lower() for name in names if "/" not in name}
+    with_other_case = sorted(folder.iterdir()) if folder.is_dir() else []
+    yield from (path for path in with_other_case if path.name.lower() in wanted)
+
+
+def find_plugin(name: str, worldfile: str | None) -> Path:
+    """The Python file of a plugin.
+
+    An absolute name (or one that begins with `~`) means that file only; others are looked for in each directory of
+    GAZEBOPATH, the worldfile's directory, the installed plugins, and the installed models.
+
+    Raises:
+        PluginError: it is nowhere; the message lists every path tried, and why it did not do.
+    """
+    name = name.strip()
+    if not name:
+        raise PluginError("<plugin> is empty; it must name a Python file, such as ExampleModel.py")
+    if name[0] in "/~":
+        path = Path(name).expanduser()
+        places, names = [("the absolute path", path.parent)], _file_names(path.name)
+    else:
+        places, names = plugin_directories(worldfile), _file_names(name)
+    tried = []
+    for why, folder in places:
+        found = next(_matches(folder, names), None)
+        if found is not None:
+            return found.resolve()
+        if not folder.is_dir():
+            tried.append(f"  {folder}/ ({why}): there is no such directory")
+        elif name.endswith(".so") and (folder / Path(name).name).is_file():
+            tried.append(f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
+                         f"port it to Python as {names[0]}")  # fmt: skip
+        else:
+            tried.append(f"  {folder}/ ({why}): has no {names[0]}")
+    raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
+
+
+def load_plugin(path: Path) -> Plugin:
+    """Run a plugin file and gather what it registers. A file is run once per process.
+
+    Each file is a module of its own, whatever classes it defines: two files may both define a class of one name.
+
+    Raises:
+        PluginError: the file fails, or registers nothing; the message holds its own traceback.
+    """
+    path = path.resolve()
+    if path in _loaded:
+        return _loaded[path]
+    plugin = Plugin(path)
+    name = f"libgz_plugin_{path.parent.name if path.stem == '__init__' else path.stem}_{zlib.crc32(bytes(path)):08x}"
+    folder = [str(path.parent)] if path.stem == "__init__" else None
+    spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=folder)
+    if spec is None or spec.loader is None:
+        raise PluginError(f"error loading plugin: {path} is not a Python file")
+    plugin.module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = plugin.module
+    if str(path.parent) not in sys.path:
+        sys.path.append(str(path.parent))  # a plugin may import its neighbours, at any time
+    token = _loading.set(plugin)
+    try:
+        spec.loader.exec_module(plugin.module)
+        initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
+    except Exception as fault:
+        del sys.modules[name]
+        raise PluginError(f"error loading plugin: {path}\n{own_traceback(fault, path)}") from fault
+    finally:
+        _loading.reset(token)
+    if initialised:
+        raise PluginError(f"plugin init failed: gazebo_plugin_init() of {path} returned {initialised}")
+    if not plugin.registered:
+        raise PluginError(
+            f"plugin {path} registers no model; it must end with a line like GZ_REGISTER_PLUGIN(\"MyModel\", MyModel)"
+        )
+    _loaded[path] = plugin
+    return plugin
+
+
+def own_traceback(fault: BaseException, path: Path | None = None) -> str:
+    """The traceback of a fault from the user's own code on: without the frames of libgz and importlib above it."""
+    frames = traceback.extract_tb(fault.__traceback__)
+    package = str(Path(__file__).resolve().parent.parent)
+    first = 0
+    for i, frame in enumerate(frames):
+        inside = frame.filename.startswith((package, "<frozen")) or "importlib" in frame.filename
+        if not inside or (path is not None and frame.filename == str(path)):
+            first = i
+            break
+    lines = traceback.format_list(frames[first:]) + traceback.format_exception_only(fault)
+    return "".join(lines).rstrip()

@@ -1,0 +1,27 @@
+"""UpdateRate: when a model has to act, by sim time."""
+
+from __future__ import annotations
+
+import math
+
+__all__ = ["UpdateRate"]
+
+_SLACK = 1e-9  # [s]; sums of step times are off by less
+
+
+class UpdateRate:
+    """Ticks at a rate of sim time [Hz]: at the first call, then whenever a period has gone by.
+
+    The period is 1 / (rate + 1e-6), the old server's formula: 10 Hz is every fifth step of 20 ms.
+    """
+
+    def __init__(self, rate: float) -> None:
+        self.period = 1.0 / (rate + 1e-6)
+        self.last = -math.inf
+
+    def due(self, now: float) -> bool:
+        """Whether to act at sim time `now` [s]; if so, the next period begins."""
+        if now - self.last < self.period - _SLACK:
+            return False
+        self.last = now
+        return True

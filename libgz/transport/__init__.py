@@ -1,0 +1,1 @@
+"""The wire of libgazebo: a directory of memory-mapped files, flock, and System V semaphores."""

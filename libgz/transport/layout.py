@@ -1,0 +1,159 @@
+"""Declaring what an interface carries: each field once, with its type, unit, writer and meaning.
+
+::
+
+    @layout
+    class PowerData(Data):
+        \"\"\"Charge of a robot's batteries.\"\"\"
+
+        time: float = double(SERVER, "s", "sim time of this sample")
+        levels: Array[float] = double(SERVER, "V", "charge; only the first is used", 10)
+
+`layout` makes the ctypes structure of it, with C's own alignment; `gz_data_t head` comes first in every one.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from libgz.errors import ParameterError
+
+__all__ = [
+    "BOTH",
+    "CLIENT",
+    "LIBGAZEBO_VERSION",
+    "SERVER",
+    "Array",
+    "Data",
+    "Element",
+    "Field",
+    "GzData",
+    "byte",
+    "char",
+    "double",
+    "elements",
+    "fields_of",
+    "float32",
+    "int32",
+    "layout",
+    "uint16",
+    "uint32",
+]
+
+LIBGAZEBO_VERSION = 0x060
+GAZEBO_MAX_MODEL_TYPE = 128
+
+SERVER, CLIENT, BOTH = "S", "C", "S/C"
+
+T = TypeVar("T")
+S = TypeVar("S", bound=type)
+
+
+class Array(Protocol[T]):
+    """A C array: indexed and sliced, of fixed length."""
+
+    def __getitem__(self, index: Any) -> Any:
+        """An element, or a list of them for a slice."""
+
+    def __setitem__(self, index: Any, value: Any) -> None:
+        """Write an element or a slice."""
+
+    def __len__(self) -> int:
+        """How many elements."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field of a struct."""
+
+    ctype: Any  # of one element
+    writer: str  # SERVER, CLIENT or BOTH
+    unit: str
+    help: str
+    shape: tuple[int, ...] = ()
+
+    @property
+    def whole_ctype(self) -> Any:
+        """The ctypes type of the whole field, arrays included."""
+        whole = self.ctype
+        for count in reversed(self.shape):
+            whole = whole * count
+        return whole
+
+
+def _scalar(ctype: Any) -> Any:
+    def declare(writer: str, unit: str, help: str, *shape: int) -> Any:  # noqa: A002
+        return Field(ctype, writer, unit, help, shape)
+
+    return declare
+
+
+double = _scalar(ctypes.c_double)
+float32 = _scalar(ctypes.c_float)
+int32 = _scalar(ctypes.c_int32)
+uint32 = _scalar(ctypes.c_uint32)
+uint16 = _scalar(ctypes.c_uint16)
+byte = _scalar(ctypes.c_uint8)
+char = _scalar(ctypes.c_char)
+
+
+def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:  # noqa: A002
+    """An array of structs."""
+    return Field(kind, writer, "", help, (count,))
+
+
+class Element(ctypes.Structure):
+    """Base of the small structs that stand in arrays."""
+
+
+class GzData(ctypes.Structure):
+    """gz_data_t, the head of every interface."""
+
+    version: int
+    size: int
+    model_type: bytes
+    model_id: int
+    parent_model_id: int
+
+    _fields_ = [
+        ("version", ctypes.c_int),
+        ("size", ctypes.c_size_t),
+        ("model_type", ctypes.c_char * GAZEBO_MAX_MODEL_TYPE),
+        ("model_id", ctypes.c_int),
+        ("parent_model_id", ctypes.c_int),
+    ]
+
+
+class Data(ctypes.Structure):
+    """Base of the data structs: a head, then the declared fields."""
+
+    head: GzData
+
+    _fields_ = [("head", GzData)]
+
+
+def layout(declaration: S) -> S:
+    """Turn declared fields into those of a ctypes structure."""
+    declared = {name: value for name, value in vars(declaration).items() if isinstance(value, Field)}
+    if not declared:
+        raise ParameterError(f"{declaration.__name__} declares no field")
+    for name in declared:
+        delattr(declaration, name)
+    declaration._fields_ = [(name, spec.whole_ctype) for name, spec in declared.items()]  # type: ignore[attr-defined]
+    declaration._declared_ = declared  # type: ignore[attr-defined]
+    return declaration
+
+
+def fields_of(data: type[ctypes.Structure]) -> dict[str, Field]:
+    """Name -> declaration of the fields of a struct, without its head."""
+    declared: dict[str, Field] = data._declared_  # type: ignore[attr-defined]
+    return declared
+
+
+def numpy_type(field: Field) -> Any:
+    """The numpy type of one element of a field."""
+    return np.dtype(field.ctype)

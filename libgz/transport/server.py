@@ -1,0 +1,268 @@
+"""The server's side of the wire: its directory, its semaphores, and the interfaces it serves."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import fcntl
+import logging
+import os
+import stat
+from typing import TYPE_CHECKING, Any
+
+from libgz.errors import ServerError
+from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
+from libgz.transport.semaphores import SemaphoreSet
+
+if TYPE_CHECKING:
+    from libgz.transport.interface import Interface
+
+__all__ = ["LocalServer", "Server"]
+
+log = logging.getLogger("libgz.transport")
+
+_FILE_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
+
+
+class LocalServer:
+    """A server without a wire: its interfaces are memory of this process, for worlds that run in process."""
+
+    server_id: int | None = None
+
+    def __init__(self) -> None:
+        self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
+
+    def start(self) -> None:
+        """Nothing to do."""
+
+    def claim(self, interface: Interface[Any]) -> bool:
+        """Take an interface in; false if one of its type and id is there already."""
+        key = (interface.type, interface.id)
+        if key in self.interfaces:
+            log.warning(
+                "there is a second %s interface with id %r: the first one is served, the second model runs without it",
+                *key,
+            )
+            return False
+        self.interfaces[key] = interface
+        return True
+
+    def release(self, interface: Interface[Any]) -> None:
+        """Let an interface go."""
+        key = (interface.type, interface.id)
+        if self.interfaces.get(key) is interface:
+            del self.interfaces[key]
+
+    def post(self) -> None:
+        """Wake all clients: there are none."""
+
+    def stop(self) -> None:
+        """Destroy what models left behind."""
+        for interface in list(self.interfaces.values()):
+            interface.destroy()
+
+
+class Server(LocalServer):
+    """A server of the wire.
+
+    Args:
+        server_id: 0 and up; several servers on one machine need different ones.
+        force: take over an id whose owner cannot be told to be dead. A server that is alive is never disturbed.
+    """
+
+    server_id: int
+
+    def __init__(self, server_id: int = 0, force: bool = False) -> None:
+        super().__init__()
+        self.server_id = check_server_id(server_id)
+        self.force = force
+        self.path = server_directory(self.server_id)
+        self._directory: int | None = None
+        self._lock: int | None = None
+        self._semaphores: SemaphoreSet | None = None
+        self._gone = False
+
+    # Start -------------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Make the directory and the semaphores; what a dead server left is cleared away.
+
+        Raises:
+            ServerError: the id is in use, or the directory cannot be used.
+        """
+        self._open_directory()
+        try:
+            self._take_lock()
+            self._make_semaphores()
+            self._remove_files()
+        except BaseException:
+            self._abandon()
+            raise
+        log.debug("creating %s", self.path)
+
+    def _abandon(self) -> None:
+        """Leave no trace of a start that failed."""
+        if self._lock is not None:
+            self.unlink_file(LOCK_FILE, self._lock)
+            with contextlib.suppress(OSError):
+                os.rmdir(self.path)  # noqa: PTH106
+            os.close(self._lock)
+            self._lock = None
+        self._close_directory()
+
+    def _open_directory(self) -> None:
+        """Make the directory, or open the one that is there if it is ours alone."""
+        try:
+            with contextlib.suppress(FileExistsError):
+                os.mkdir(self.path, 0o700)  # noqa: PTH102
+            self._directory = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
+        except OSError as fault:
+            raise ServerError(f"cannot use {self.path} as the server's directory: {fault.strerror}; "
+                              "set TMP to a directory you may write in, or use another server id: -s") from None  # fmt: skip
+        about = os.fstat(self._directory)
+        if about.st_uid != os.geteuid():
+            self._close_directory()
+            raise ServerError(f"{self.path} belongs to another user (uid {about.st_uid}); use another server id: -s")
+        if about.st_mode & 0o077:
+            os.fchmod(self._directory, 0o700)
+
+    def _take_lock(self) -> None:
+        """Hold a lock for as long as this process lives; whoever cannot have it knows that we are alive."""
+        lock = os.open(LOCK_FILE, _FILE_FLAGS | os.O_CREAT, 0o600, dir_fd=self._directory)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            owner = os.pread(lock, 32, 0).split() or [b"unknown"]
+            os.close(lock)
+            raise self._in_use(f"pid {owner[0].decode(errors='replace')}", "") from None
+        os.ftruncate(lock, 0)
+        os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
+        self._lock = lock
+
+    def _in_use(self, who: str, advice: str) -> ServerError:
+        return ServerError(
+            f"there is another server running with id {self.server_id} ({who}); use -s to try a different server id"
+            + advice
+        )
+
+    def _make_semaphores(self) -> None:
+        """Create the set, or reclaim that of a dead server."""
+        try:
+            self._semaphores = SemaphoreSet.create(self.server_id)
+        except FileExistsError:
+            self._semaphores = self._reclaim_semaphores()
+        except OSError as fault:
+            raise ServerError(f"failed to allocate semaphore [{fault.strerror}]") from None
+
+    def _reclaim_semaphores(self) -> SemaphoreSet:
+        """The set that is there, if its server is dead or force is on."""
+        try:
+            semaphores = SemaphoreSet.attach(self.server_id)
+        except OSError as fault:
+            raise self._in_use(f"its semaphores belong to another user: {fault.strerror}", "") from None
+        poster = semaphores.last_poster()
+        if not self.force and poster != os.getpid() and _alive(poster):
+            # Our own lock was free, so this is a server of another kind, or one that lost its directory.
+            advice = ", or -f if you definitely want to use this id"
+            raise self._in_use(f"pid {poster} posts to its semaphores", advice)
+        log.info("reclaiming the semaphores that a dead server left (id %d)", self.server_id)
+        semaphores.clear()
+        return semaphores
+
+    def _remove_files(self) -> None:
+        """Remove what a dead server left in the directory. Links are removed, never followed."""
+        for name in os.listdir(self._directory):  # noqa: PTH208
+            about = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
+            if name != LOCK_FILE and not stat.S_ISDIR(about.st_mode):
+                log.info("removing %s/%s, left by a dead server", self.path, name)
+                os.unlink(name, dir_fd=self._directory)
+
+    # Files -------------------------------------------------------------------------------------------------------
+
+    def create_file(self, name: str, size: int) -> int:
+        """A new file of zeros in the directory, mode 0600; its descriptor.
+
+        Raises:
+            OSError: it cannot be made.
+        """
+        flags = _FILE_FLAGS | os.O_CREAT | os.O_TRUNC
+        try:
+            descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
+        except FileNotFoundError:
+            # Some old programs delete every server's directory before they start their own.
+            log.warning("the directory %s was removed under the running server, and is made again", self.path)
+            if self._directory is not None:
+                os.close(self._directory)
+            self._open_directory()
+            descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
+        os.ftruncate(descriptor, size)
+        log.debug("creating %s/%s %d", self.path, name, size)
+        return descriptor
+
+    def unlink_file(self, name: str, descriptor: int) -> None:
+        """Remove a file, if it is still the one behind `descriptor`."""
+        with contextlib.suppress(FileNotFoundError):
+            there = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
+            if os.path.samestat(there, os.fstat(descriptor)):
+                os.unlink(name, dir_fd=self._directory)
+        log.debug("deleting %s/%s", self.path, name)
+
+    # Run and stop ------------------------------------------------------------------------------------------------
+
+    def post(self) -> None:
+        """Wake all clients."""
+        if self._semaphores is None or self._gone:
+            return
+        try:
+            self._semaphores.post()
+        except OSError as fault:
+            self._gone = True
+            log.warning("the semaphores of server %d were removed (%s): clients cannot wait any more",
+                        self.server_id, fault.strerror)  # fmt: skip
+
+    def stop(self) -> None:
+        """Remove all files, the directory and the semaphores. Can be called twice."""
+        super().stop()
+        if self._lock is not None:
+            self._remove_directory()
+            os.close(self._lock)
+            self._lock = None
+        if self._semaphores is not None:
+            with contextlib.suppress(OSError):
+                self._semaphores.remove()
+            self._semaphores = None
+        self._close_directory()
+
+    def _remove_directory(self) -> None:
+        if self._lock is not None:
+            self.unlink_file(LOCK_FILE, self._lock)
+        try:
+            os.rmdir(self.path)  # noqa: PTH106
+        except FileNotFoundError:
+            return
+        except OSError as fault:
+            if fault.errno != errno.ENOTEMPTY:
+                log.warning("failed to cleanly remove [%s] : [%s]", self.path, fault.strerror)
+                return
+            log.info("failed to cleanly remove [%s]: it holds files that are not the server's", self.path)
+            self._remove_files()
+            with contextlib.suppress(OSError):
+                os.rmdir(self.path)  # noqa: PTH106
+
+    def _close_directory(self) -> None:
+        if self._directory is not None:
+            os.close(self._directory)
+            self._directory = None
+
+
+def _alive(pid: int) -> bool:
+    """Whether a process lives; pid 0, of another pid namespace, counts as alive."""
+    if pid == 0:
+        return True
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

@@ -1,0 +1,1 @@
+"""Legacy worldfiles: reading, checking, and writing poses back."""

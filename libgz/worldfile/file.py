@@ -1,0 +1,244 @@
+"""WorldFile: a legacy worldfile, parsed safely, checked, and saved with its comments and layout."""
+
+from __future__ import annotations
+
+import codecs
+import functools
+import logging
+import os
+import tempfile
+from pathlib import Path
+
+from lxml import etree
+
+from libgz.errors import WorldFileError
+from libgz.worldfile.fault import Fault, Faults
+from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.number import atof
+from libgz.worldfile.source import splice
+from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
+
+__all__ = ["WorldFile"]
+
+log = logging.getLogger("libgz.worldfile")
+
+LARGEST_FILE = 64 * 1024 * 1024  # bytes
+LATER_ROOTS = {"gazebo": "an SDF world of Gazebo 1.0", "sdf": "an SDF world of Gazebo classic"}
+
+
+class WorldFile:
+    """A worldfile of Gazebo 0.3 - 0.7.
+
+    `Load` reads it; `GetRootNode` gives its elements. Entities, external files and the network are off.
+    """
+
+    def __init__(self) -> None:
+        self.filename: str | None = None
+        self.label = "<worldfile>"  # what messages call the file
+        self.faults = Faults()
+        self.source = b""
+        self.encoding = "utf-8"
+        self.root: WorldFileNode | None = None
+        self.changed: dict[int, str] = {}  # element number -> new text
+        self.added: dict[int, list[tuple[str, str]]] = {}  # element number -> (tag, text) of new children
+
+    @classmethod
+    def from_file(cls, filename: str | os.PathLike[str]) -> WorldFile:
+        """Read a worldfile.
+
+        Raises:
+            WorldFileError: it cannot be read or is not well-formed.
+        """
+        file = cls()
+        file.Load(filename)
+        return file
+
+    def Load(self, filename: str | os.PathLike[str]) -> int:
+        """Read a worldfile; 0.
+
+        Raises:
+            WorldFileError: it cannot be read or is not well-formed, or this object holds a file already.
+        """
+        path = Path(filename)
+        try:
+            if path.stat().st_size > LARGEST_FILE:
+                raise WorldFileError(f"worldfile {path} is larger than {LARGEST_FILE >> 20} MiB")
+            source = path.read_bytes()
+        except OSError as fault:
+            raise WorldFileError(f"cannot read worldfile {str(path)!r}: {fault.strerror}") from None
+        self._parse(source, str(path), str(path))
+        return 0
+
+    def LoadString(self, text: str | bytes, label: str = "<string>") -> int:
+        """The same from text; `label` is what messages call it."""
+        self._parse(text.encode() if isinstance(text, str) else text, None, label)
+        return 0
+
+    def _parse(self, source: bytes, filename: str | None, label: str) -> None:
+        if self.root is not None:
+            raise WorldFileError(f"this WorldFile holds {self.label} already; use a new one for {label}")
+        self.filename, self.label, self.source = filename, label, source
+        parser = etree.XMLParser(
+            recover=True, resolve_entities=False, no_network=True, load_dtd=False, dtd_validation=False,
+            remove_comments=False, huge_tree=False,
+        )  # fmt: skip
+        try:
+            root = etree.fromstring(source, parser)
+        except etree.XMLSyntaxError as fault:
+            raise WorldFileError(f"{label}:{fault.lineno or 1}: {fault.msg}") from None
+        # Recovery is on because real files have namespace addresses that are none; only such faults are forgiven.
+        fatal = [e for e in parser.error_log if e.level == etree.ErrorLevels.FATAL]
+        if fatal:
+            raise WorldFileError("\n".join(f"{label}:{e.line}: {e.message.strip()}" for e in fatal))
+        if root is None:
+            raise WorldFileError(f"{label}:1: the document is empty")
+        self.encoding = _encoding(root)
+        self._numbered = 0
+        self.root = self._node(root, None)
+        for entry in parser.error_log:  # namespace addresses: nothing ever looks at them
+            log.info("%s:%d: %s", label, entry.line, entry.message.strip())
+        self._refuse_later_formats()
+
+    def _node(self, element: etree._Element, parent: WorldFileNode | None) -> WorldFileNode:
+        """The node of an element, with all below it."""
+        name = etree.QName(element).localname
+        if element.prefix is None and ":" in name:
+            prefix, _, local = name.partition(":")
+            undeclared = f"prefix {prefix!r} is not declared, so this element is skipped; add xmlns:{prefix}='...'"
+            self.faults.add(Fault(self.label, int(element.sourceline or 0), f"{prefix}:{local}", undeclared, "warning"))
+        attributes = {str(k): str(v) for k, v in element.attrib.items()}
+        line, number = int(element.sourceline or 0), self._numbered
+        self._numbered += 1
+        node = WorldFileNode(self, parent, name, element.prefix, line, number, attributes)
+        node.pieces.append(element.text or "")
+        for child in element:
+            if isinstance(child.tag, str):
+                child_node = self._node(child, node)
+                node.children.append(child_node)
+                node.pieces.append(child_node)
+            node.pieces.append(child.tail or "")
+        return node
+
+    def _refuse_later_formats(self) -> None:
+        """Worlds of later Gazebos are other languages: refuse them whole instead of reading half."""
+        root = self.GetRootNode()
+        if root.prefix == "gazebo":
+            raise WorldFileError(f"{self.label}:{root.line}: <{root.tag}>: this is a world of Gazebo 0.8 - 0.10, "
+                                 "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>")  # fmt: skip
+        if root.prefix is None and root.name in LATER_ROOTS:
+            raise WorldFileError(f"{self.label}:{root.line}: <{root.tag}>: this is {LATER_ROOTS[root.name]}, "
+                                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>")  # fmt: skip
+
+    def GetRootNode(self) -> WorldFileNode:
+        """The root element.
+
+        Raises:
+            WorldFileError: nothing was loaded.
+        """
+        if self.root is None:
+            raise WorldFileError("no worldfile was loaded")
+        return self.root
+
+    def ResolveFilename(self, name: str) -> str:
+        """A file name made absolute: `~` is expanded, relative names lie in the worldfile's directory."""
+        path = Path(name).expanduser()
+        if path.is_absolute():
+            return str(path)
+        folder = Path(self.filename).parent if self.filename else Path()
+        return str((Path.cwd() / folder / path).resolve())
+
+    def WarnUnused(self) -> bool:
+        """Log a warning for each element that nobody asked for, with its line; whether there was one."""
+        return self.GetRootNode().WarnUnused()
+
+    # Older files -------------------------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def step_time(self) -> float:
+        """The world's stepTime [s], wherever it stands: older contact attributes depend on it."""
+        found = next((node for node in self.GetRootNode().walk() if node.name == "stepTime"), None)
+        return (atof(found.content) if found else 0.0) or DEFAULT_STEP
+
+    @functools.cached_property
+    def is_old(self) -> bool:
+        """Whether this file was written for Gazebo 0.4, when some models had their origin higher."""
+        models = [node for node in self.GetRootNode().walk() if node.prefix == "model"]
+        return any(node.name in OLD_MODELS or any(c.name in OLD_TAGS for c in node.children) for node in models)
+
+    def origin_height(self, node: WorldFileNode) -> float:
+        """How far above its present origin a model of this file is meant to have it [m]; 0 from 0.5 on."""
+        if not self.is_old:
+            return 0.0
+        if node.name == "SimpleSolid":
+            size = node.GetChild("size")
+            shape = (node.GetString("shape", "box") or "box").strip()
+            index, default = {"box": (2, 0.5), "cylinder": (1, 0.5), "sphere": (0, 0.5)}.get(shape, (2, 0.5))
+            tokens = size.content.split() if size else []
+            return 0.5 * (atof(tokens[index]) if len(tokens) > index else default)
+        return OLD_ORIGIN_HEIGHT.get(node.name, 0.0)
+
+    # Saving ------------------------------------------------------------------------------------------------------
+
+    def add_child(self, node: WorldFileNode, tag: str, text: str) -> None:
+        """Give an element a new first child."""
+        child = WorldFileNode(self, node, tag, None, node.line, -1, {})
+        child.pieces, child.used = [text], True
+        added = self.added.setdefault(node.number, [])
+        node.children.insert(len(added), child)
+        added.append((tag, text))
+
+    def Save(self, filename: str | os.PathLike[str] | None = None) -> int:
+        """Write the file with its changed values; comments, order and layout stay. 0.
+
+        Args:
+            filename: where to; None for the file that was loaded.
+
+        Raises:
+            WorldFileError: the file cannot be written, or has no name.
+        """
+        target = filename or self.filename
+        if target is None:
+            raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
+        if self.changed or self.added:
+            self.source = splice(self.source, self.changed, self.added, self.encoding)
+            self._renumber()
+            self.changed.clear()
+            self.added.clear()
+        log.info("saving: %s", target)
+        try:
+            _write_whole(Path(target), self.source)
+        except OSError as fault:
+            raise WorldFileError(f"unable to save {str(target)!r}: {fault.strerror}") from None
+        return 0
+
+    def _renumber(self) -> None:
+        """Number the elements in document order again, after some were added."""
+        for number, node in enumerate(self.GetRootNode().walk()):
+            node.number = number
+
+
+def _encoding(root: etree._Element) -> str:
+    """The document's encoding, if Python knows it, else UTF-8."""
+    name = root.getroottree().docinfo.encoding or "utf-8"
+    try:
+        return codecs.lookup(name).name
+    except LookupError:
+        return "utf-8"
+
+
+def _write_whole(target: Path, data: bytes) -> None:
+    """Replace a file in one step, so that nobody ever sees half of it."""
+    target = target.resolve()
+    mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
+        path = Path(temporary.name)
+        try:
+            temporary.write(data)
+            temporary.flush()
+            path.chmod(mode)
+            path.replace(target)
+        except OSError:
+            path.unlink(missing_ok=True)
+            raise
+
+

@@ -1,0 +1,371 @@
+"""WorldFileNode: one element of a worldfile, with the getters of the old API.
+
+This is the one place where degrees become radians: files are in degrees, everything above is in radians.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+from libgz.errors import nearest
+from libgz.geometry import DTOR, RTOD, GzColor, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.worldfile.fault import Fault
+from libgz.worldfile.number import atof, atoi, rubbish
+from libgz.worldfile.spelling import ignored_tags, renamed_tags
+
+if TYPE_CHECKING:
+    from libgz.geometry import QuaternLike, VectorLike
+    from libgz.worldfile.file import WorldFile
+
+__all__ = ["WorldFileNode"]
+
+log = logging.getLogger("libgz.worldfile")
+
+T = TypeVar("T")
+_BLANK = " \t\r\n"
+
+
+class WorldFileNode:
+    """One element: tag `name` with namespace `prefix`, its children, and its text.
+
+    An attribute of a model is a child element; its text is the value. Each getter looks for `key` among (1) the XML
+    attributes of this element, (2) this element's own name, (3) its children, first come first served, then (4) among
+    the older spellings of the key. A value that is absent gives the default.
+    """
+
+    def __init__(self, file: WorldFile, parent: WorldFileNode | None, name: str, prefix: str | None, line: int,
+                 number: int, attributes: dict[str, str]) -> None:  # fmt: skip
+        self.file = file
+        self.parent = parent
+        self.name = name
+        self.prefix = prefix
+        self.line = line
+        self.number = number  # of this element in document order
+        self.attributes = attributes
+        self.children: list[WorldFileNode] = []
+        self.pieces: list[str | WorldFileNode] = []  # text and children in order
+        self.used = False
+        self.asked: dict[str, None] = {}  # keys that getters looked for: what could have stood here
+
+    def __repr__(self) -> str:
+        return f"<WorldFileNode {self.tag} at {self.file.label}:{self.line}>"
+
+    @property
+    def tag(self) -> str:
+        """The name with its prefix, as written."""
+        return f"{self.prefix}:{self.name}" if self.prefix else self.name
+
+    @property
+    def content(self) -> str:
+        """The text of this element and everything in it, untrimmed."""
+        return "".join(piece if isinstance(piece, str) else piece.content for piece in self.pieces)
+
+    # Faults ------------------------------------------------------------------------------------------------------
+
+    def error(self, message: str) -> None:
+        """Note a fault that keeps the world from loading; all are told together."""
+        self.file.faults.add(Fault(self.file.label, self.line, self.tag, message, "error"))
+
+    def warn(self, message: str) -> None:
+        """Note a fault with which the world still loads."""
+        self.file.faults.add(Fault(self.file.label, self.line, self.tag, message, "warning"))
+
+    # Structure ---------------------------------------------------------------------------------------------------
+
+    def GetName(self) -> str:
+        """The local tag name."""
+        return self.name
+
+    def GetNSPrefix(self) -> str | None:
+        """The namespace prefix; asking an element that has one marks it as used."""
+        self.used = self.used or self.prefix is not None
+        return self.prefix
+
+    def GetNext(self) -> WorldFileNode | None:
+        """The next element beside this one."""
+        if self.parent is None:
+            return None
+        beside = self.parent.children
+        index = beside.index(self) + 1
+        return beside[index] if index < len(beside) else None
+
+    def GetChild(self, name: str | None = None) -> WorldFileNode | None:
+        """The first child, or the first with this local name."""
+        return next((child for child in self.children if name is None or child.name == name), None)
+
+    def GetChildByNSPrefix(self, prefix: str) -> WorldFileNode | None:
+        """The first child with this prefix."""
+        return next((child for child in self.children if child.prefix == prefix), None)
+
+    def walk(self) -> Iterator[WorldFileNode]:
+        """This element and all below it, in document order."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+    # Look-up -----------------------------------------------------------------------------------------------------
+
+    def _find(self, key: str) -> tuple[WorldFileNode, str] | None:
+        """(element, text) of an attribute, marked as used; None if it is absent."""
+        self.asked.setdefault(key)
+        if key in self.attributes:
+            return self, self.attributes[key]
+        if key == self.name:
+            self.used = True
+            return self, self.content
+        old = self._find_old(key)
+        child = next((child for child in self.children if child.name == key and child.prefix != "model"), None)
+        if child is not None:
+            child.used = True
+            return child, child.content
+        return old
+
+    def _find_old(self, key: str) -> tuple[WorldFileNode, str] | None:
+        """The same under an older spelling."""
+        found = None
+        for renamed in renamed_tags(self.name, key):
+            node: WorldFileNode | None = self
+            for step in renamed.path:
+                node = node.GetChild(step) if node is not None else None
+                if node is not None:
+                    node.used = True
+            if node is not None and found is None:
+                found = node, renamed.convert(node.content, self.file.step_time)
+        return found
+
+    def _absent(self, key: str, require: int, default: T) -> T:
+        if require:
+            self.error(f"attribute <{key}> is missing and must be given{nearest(key, self._unused_names())}")
+        return default
+
+    def _unused_names(self) -> list[str]:
+        return [child.name for child in self.children if not child.used]
+
+    def IsDefined(self, key: str) -> bool:
+        """Whether the attribute is there; marks it as used."""
+        return self._find(key) is not None
+
+    def _number(self, node: WorldFileNode, text: str) -> float:
+        """A number as atof reads it, with a warning where that drops something."""
+        value = atof(text)
+        if rubbish(text):
+            node.warn(f"{text.strip()!r} is not a number, and is read as {value:g}")
+        if math.isnan(value):
+            node.error("'nan' is not allowed here")
+            return 0.0
+        return value
+
+    # Getters -----------------------------------------------------------------------------------------------------
+
+    def GetString(self, key: str, default: str | None = None, require: int = 0) -> str | None:
+        """The text as it stands, blanks included."""
+        found = self._find(key)
+        return found[1] if found else self._absent(key, require, default)
+
+    def GetInt(self, key: str, default: int = 0, require: int = 0) -> int:
+        """A whole number."""
+        found = self._find(key)
+        if not found:
+            return self._absent(key, require, default)
+        self._number(*found)
+        return atoi(found[1])
+
+    def GetDouble(self, key: str, default: float = 0.0, require: int = 0) -> float:
+        """A number."""
+        found = self._find(key)
+        return self._number(*found) if found else self._absent(key, require, default)
+
+    def GetLength(self, key: str, default: float = 0.0, require: int = 0) -> float:
+        """A length [m]."""
+        return self.GetDouble(key, default, require)
+
+    def GetTime(self, key: str, default: float = 0.0, require: int = 0) -> float:
+        """A time [s]."""
+        return self.GetDouble(key, default, require)
+
+    def GetAngle(self, key: str, default: float = 0.0, require: int = 0) -> float:
+        """An angle: degrees in the file, [rad] here and in `default`."""
+        found = self._find(key)
+        return DTOR(self._number(*found)) if found else self._absent(key, require, default)
+
+    def GetBool(self, key: str, default: bool = False, require: int = 0) -> bool:
+        """`true` or `false` in any case, or a number; anything else is false, with a warning."""
+        found = self._find(key)
+        if not found:
+            return self._absent(key, require, default)
+        node, text = found[0], found[1].strip().lower()
+        if text in ("true", "false"):
+            return text == "true"
+        if rubbish(text):
+            node.warn(f"{text!r} is neither true, false nor a number, and is read as false")
+            return False
+        return atoi(text) != 0
+
+    def GetPosition(self, key: str, default: VectorLike = (0.0, 0.0, 0.0)) -> GzVector:
+        """Three lengths [m]; missing ones are 0."""
+        values = self._tuple(key, 3)
+        return GzVector(*default) if values is None else GzVector(*values)
+
+    def GetRotation(self, key: str, default: QuaternLike = (1.0, 0.0, 0.0, 0.0)) -> GzQuatern:
+        """Roll, pitch, yaw in degrees, as a quaternion; missing ones are 0."""
+        values = self._tuple(key, 3)
+        return GzQuatern(*default) if values is None else GzQuaternFromEuler(*map(DTOR, values))
+
+    def GetColor(self, key: str, default: GzColor | None = None) -> GzColor:
+        """Red, green, blue and perhaps alpha; missing ones are 0, alpha 1."""
+        found = self._find(key)
+        if not found:
+            return default if default is not None else GzColor()
+        node, text = found
+        values = [self._number(node, token) for token in text.split()[:4]]
+        return GzColor(*values[:3], *[0.0] * (3 - len(values)), values[3] if len(values) > 3 else 1.0)
+
+    def _tuple(self, key: str, count: int) -> list[float] | None:
+        """`count` numbers, padded with 0; None if the attribute is absent or blank."""
+        found = self._find(key)
+        tokens = found[1].split() if found else []
+        if found is None or not tokens:
+            return None
+        values = [self._number(found[0], token) for token in tokens]
+        if len(values) > count:
+            found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is dropped")
+        for value in values:
+            if math.isinf(value):
+                found[0].error("infinite numbers are not allowed here")
+        return (values + [0.0] * count)[:count]
+
+    def token_count(self, key: str) -> int:
+        """How many blank-separated tokens the attribute has; 0 if it is absent."""
+        found = self._find(key)
+        return len(found[1].split()) if found else 0
+
+    def GetTupleString(self, key: str, index: int, default: str | None = None) -> str | None:
+        """The token number `index`; the default if the attribute is absent, None if it has fewer tokens."""
+        found = self._find(key)
+        if not found:
+            return default
+        tokens = found[1].split()
+        return tokens[index] if index < len(tokens) else None
+
+    def GetTupleDouble(self, key: str, index: int, default: float = 0.0) -> float:
+        """A number of a tuple."""
+        found = self._find(key)
+        tokens = found[1].split() if found else []
+        return self._number(found[0], tokens[index]) if found and index < len(tokens) else default
+
+    def GetTupleInt(self, key: str, index: int, default: int = 0) -> int:
+        """A whole number of a tuple."""
+        token = self.GetTupleString(key, index)
+        return default if token is None else atoi(token)
+
+    def GetTupleLength(self, key: str, index: int, default: float = 0.0) -> float:
+        """A length of a tuple [m]."""
+        return self.GetTupleDouble(key, index, default)
+
+    def GetTupleAngle(self, key: str, index: int, default: float = 0.0) -> float:
+        """An angle of a tuple: degrees in the file, [rad] here and in `default`."""
+        return DTOR(self.GetTupleDouble(key, index)) if self.token_count(key) > index else default
+
+    # Files -------------------------------------------------------------------------------------------------------
+
+    def ResolveFilename(self, name: str) -> str:
+        """A file name made absolute: relative ones lie in the worldfile's directory."""
+        return self.file.ResolveFilename(name)
+
+    def GetFilename(self, key: str, default: str | None = None, require: int = 0) -> str | None:
+        """A file name made absolute; whether the file exists is not checked."""
+        text = self.GetString(key, None, require)
+        return default if text is None or not text.strip() else self.ResolveFilename(text.strip())
+
+    def SearchFilename(self, key: str, path: str | None = None, default: str | None = None,
+                       require: int = 0) -> str | None:  # fmt: skip
+        """A file searched in the current directory, the worldfile's, and `path`; a miss is a warning."""
+        found = self._find(key)
+        if not found or not found[1].strip():
+            return self._absent(key, require, default) if not found else default
+        name = found[1].strip()
+        if name[0] in "/~":
+            places = [Path(name).expanduser()]
+        else:
+            places = [Path.cwd() / name, Path(self.ResolveFilename(name))]
+            places += [Path(path) / name] if path else []
+        for place in places:
+            if place.is_file():
+                return str(place)
+        tried = ", ".join(dict.fromkeys(str(place) for place in places))
+        found[0].warn(f"file {name!r} was not found; looked for {tried}")
+        return default
+
+    # Setters -----------------------------------------------------------------------------------------------------
+
+    def SetString(self, key: str, value: str) -> None:
+        """Change the text of an attribute that is there; `WorldFile.Save` writes it."""
+        if key in self.attributes:
+            self.attributes[key] = value
+            return
+        node = self if key == self.name else self.GetChild(key)
+        if node is not None and node.content.strip(_BLANK) != value:
+            node.pieces = [value]
+            self.file.changed[node.number] = value
+
+    def SetPosition(self, key: str, value: VectorLike, *, add: bool = False) -> None:
+        """Write three lengths [m] with three decimals; `add` makes the attribute if it is not there."""
+        self._set(key, " ".join(f"{_no_minus_zero(v, 3):.3f}" for v in value), add)
+
+    def SetRotation(self, key: str, value: QuaternLike, *, add: bool = False) -> None:
+        """Write roll, pitch, yaw in degrees: whole ones plain, others with three decimals."""
+        degrees = [_no_minus_zero(RTOD(angle), 3) for angle in GzQuaternToEuler(value)]
+        self._set(key, " ".join(f"{d:.0f}" if d == round(d) else f"{d:.3f}" for d in degrees), add)
+
+    def _set(self, key: str, text: str, add: bool) -> None:
+        if self.GetChild(key) is None and add:
+            self.file.add_child(self, key, text)
+        else:
+            self.SetString(key, text)
+
+    # Unused attributes -------------------------------------------------------------------------------------------
+
+    def note_unused(self) -> bool:
+        """Note a warning for each element below that nobody asked for; whether there was one."""
+        for path in ignored_tags(self.name):
+            node: WorldFileNode | None = self
+            for step in path:
+                node = node.GetChild(step) if node is not None else None
+            if node is not None and not node.used:
+                node.used = True
+                log.info("%s:%d: <%s> has no effect since Gazebo 0.5", self.file.label, node.line, node.tag)
+        found = False
+        for child in self.children:
+            if not child.used:
+                found = True
+                owner = f" by <{self.tag}>" if self.used else ""
+                child.warn(f"is not used{owner}{nearest(child.name, self.asked)}")
+            found = child.note_unused() or found
+        return found
+
+    def WarnUnused(self) -> bool:
+        """Log a warning for each element below this one that nobody asked for; whether there was one."""
+        before = set(self.file.faults.found)
+        found = self.note_unused()
+        for fault in self.file.faults.warnings:
+            if fault not in before:
+                log.warning("%s", fault)
+        return found
+
+    def Print(self) -> str:
+        """The element and what is in it, one line each, for debugging."""
+        lines = [f"{self.tag}: {self.content.strip()!r}" if not self.children else f"{self.tag}:"]
+        for child in self.children:
+            lines += ["  " + line for line in child.Print().splitlines()]
+        return "\n".join(lines)
+
+
+def _no_minus_zero(value: float, digits: int) -> float:
+    """Rounded, and 0 where that gives -0."""
+    return round(value, digits) + 0.0
+
+

@@ -1,0 +1,91 @@
+"""The worldfile's own bytes: new values are spliced in, so that comments and layout survive saving."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from xml.parsers import expat
+from xml.sax.saxutils import escape
+
+__all__ = ["Span", "element_spans", "splice"]
+
+
+@dataclass
+class Span:
+    """Where an element stands: byte offsets of its tags and its content."""
+
+    start: int
+    content: int
+    end: int = -1  # of the content
+    empty: bool = False  # <tag/>
+
+
+def element_spans(source: bytes) -> list[Span]:
+    """The spans of all elements in document order."""
+    spans: list[Span] = []
+    open_spans: list[Span] = []
+    parser = expat.ParserCreate()
+
+    def start(_name: str, _attributes: dict[str, str]) -> None:
+        # A '>' may stand inside a quoted attribute value: skip those.
+        index, quote = parser.CurrentByteIndex, 0
+        while quote or source[index] != ord(">"):
+            byte = source[index]
+            if quote:
+                quote = 0 if byte == quote else quote
+            elif byte in b"\"'":
+                quote = byte
+            index += 1
+        span = Span(parser.CurrentByteIndex, index + 1, empty=source[index - 1] == ord("/"))
+        spans.append(span)
+        open_spans.append(span)
+
+    def end(_name: str) -> None:
+        span = open_spans.pop()
+        span.end = span.content if span.empty else parser.CurrentByteIndex
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.Parse(source, True)
+    return spans
+
+
+def splice(source: bytes, texts: Mapping[int, str], children: Mapping[int, list[tuple[str, str]]],
+           encoding: str) -> bytes:  # fmt: skip
+    """New bytes with changed and added values.
+
+    Args:
+        source: the document.
+        texts: number of an element in document order -> its new text.
+        children: number of an element -> (tag, text) of children to add at its beginning.
+        encoding: of the document.
+    """
+    spans = element_spans(source)
+    edits: list[tuple[int, int, bytes]] = []
+    for number, text in texts.items():
+        span = spans[number]
+        new = escape(text).encode(encoding)
+        if span.empty:
+            tag = source[span.start + 1 : span.content].split(None, 1)[0].rstrip(b"/>")
+            edits.append((span.content - 2, span.content, b">" + new + b"</" + tag + b">"))
+        else:
+            edits.append((span.content, span.end, new))
+    for number, added in children.items():
+        span = spans[number]
+        indent = _indent(source, span)
+        lines = "".join(f"{indent}<{tag}>{escape(text)}</{tag}>" for tag, text in added).encode(encoding)
+        if span.empty:
+            tag = source[span.start + 1 : span.content].split(None, 1)[0].rstrip(b"/>")
+            edits.append((span.content - 2, span.content, b">" + lines + b"</" + tag + b">"))
+        else:
+            edits.append((span.content, span.content, lines))
+    for first, last, new in sorted(edits, reverse=True):
+        source = source[:first] + new + source[last:]
+    return source
+
+
+def _indent(source: bytes, span: Span) -> str:
+    """The blanks that set off the first thing inside an element."""
+    inside = source[span.content : span.end]
+    blanks = inside[: len(inside) - len(inside.lstrip())]
+    return blanks.decode("ascii", "replace") if blanks.strip(b" \t\r\n") == b"" else ""

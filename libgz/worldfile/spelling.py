@@ -1,0 +1,93 @@
+"""Older spellings: the tags of Gazebo 0.3 and 0.4, read as what they became in 0.5.
+
+Each element is judged by its own tags, whatever the file's age. Where both spellings stand, the newer wins.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from libgz.worldfile.number import atof
+
+__all__ = ["IGNORED", "OLD_ORIGIN_HEIGHT", "OLD_TAGS", "Renamed", "ignored_tags", "renamed_tags"]
+
+DEFAULT_STEP = 0.02  # [s]
+
+
+@dataclass(frozen=True)
+class Renamed:
+    """An older place of an attribute: its path below the model, and how its text becomes that of the newer one."""
+
+    path: tuple[str, ...]
+    convert: Callable[[str, float], str] = lambda text, _step: text
+
+
+def _rate_of_period(text: str, _step: float) -> str:
+    """A period [s] as a rate [Hz]."""
+    period = atof(text)
+    return repr(1.0 / period) if period > 0.0 else "0"
+
+
+def _hardness_of_cfm(text: str, step: float) -> str:
+    """ODE's constraint force mixing as a spring: kp = 1 / (step cfm) [N/m], without a damper."""
+    cfm = atof(text)
+    return f"{1.0 / (step * cfm)!r} 0" if cfm > 0.0 else "inf 0"
+
+
+def _is(word: str) -> Callable[[str, float], str]:
+    return lambda text, _step: "true" if text.strip().lower() == word else "false"
+
+
+_EVERYWHERE: dict[str, tuple[Renamed, ...]] = {
+    "updateRate": (Renamed(("updatePeriod",), _rate_of_period),),
+    "imageSize": (Renamed(("imgSize",)), Renamed(("window", "size"))),
+    "hfov": (Renamed(("lens", "hfov")),),
+    "nearClip": (Renamed(("lens", "nearClip")),),
+    "farClip": (Renamed(("lens", "farClip")),),
+    "textureFile": (Renamed(("texture2D",)),),
+}
+_BY_MODEL: dict[str, dict[str, tuple[Renamed, ...]]] = {
+    "ObserverCam": {
+        "displayRays": (Renamed(("displayLaser",)),),
+        "shadeSmooth": (Renamed(("shadeModel",), _is("smooth")),),
+        "polygonFill": (Renamed(("polygonMode",), _is("fill")),),
+    },
+    "SimpleSolid": {"surfaceHardness": (Renamed(("cfm",), _hardness_of_cfm),)},
+}
+
+# Paths that have no counterpart and change nothing, by model; "" is every model.
+IGNORED: dict[str, tuple[tuple[str, ...], ...]] = {
+    "": (
+        ("window",),
+        ("window", "title"),
+        ("window", "pos"),
+        ("window", "xyz"),
+        ("window", "enableInput"),
+        ("lens",),
+        ("lens", "vfov"),
+        ("canBeGrip",),
+    ),
+    "SonyVID30": (("displayLaser",),),
+    "CanonVCC4": (("displayLaser",),),
+    "MonoCam": (("displayLaser",),),
+    "GroundPlane": (("cfm",),),
+    "Terrain": (("errorBound",),),
+}
+
+# A file with a model that has one of these children, or of one of these kinds, was written for 0.4.
+OLD_TAGS = frozenset({"window", "lens", "updatePeriod", "displayLaser", "imgSize", "cfm"})
+OLD_MODELS = frozenset({"MapExtruder", "Pioneer2Sonars"})
+
+# Where the origin of 0.4 lay above that of 0.5 [m]; SimpleSolid's lay at its centre.
+OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}
+
+
+def renamed_tags(model: str, key: str) -> tuple[Renamed, ...]:
+    """Older places of `key` in a model of this kind."""
+    return _BY_MODEL.get(model, {}).get(key, ()) + _EVERYWHERE.get(key, ())
+
+
+def ignored_tags(model: str) -> tuple[tuple[str, ...], ...]:
+    """Paths that are known and without effect in a model of this kind."""
+    return IGNORED[""] + IGNORED.get(model, ())

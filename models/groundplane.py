@@ -1,0 +1,44 @@
+"""GroundPlane: an infinite, rigid plane."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from libgz.geometry import GzColor, GzVector
+from libgz.physics.body import Body
+from libgz.physics.geoms import PlaneGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import color, file, length, lengths, numbers, read, vector
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+
+@dataclass(frozen=True)
+class GroundPlaneAttributes:
+    """What `<model:GroundPlane>` may hold."""
+
+    normal: GzVector = vector((0.0, 0.0, 1.0), unit="", help="which way is up for the plane")
+    height: float = length(0.0, help="height of the plane along its normal")
+    color: GzColor = color(0.0, 0.5, 0.0, help="colour")
+    textureFile: Path | None = file(help="picture to cover the plane with")
+    textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="extent of one picture")
+    surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+
+
+class GroundPlane(Model):
+    """The ground. `xyz` and `rpy` do not move it: `height` and `normal` do."""
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(GroundPlaneAttributes, node)
+        self.fixed = True
+        body = Body(self.world, dummy=True)
+        self.AddBody(body, True)
+        self.plane = PlaneGeom(body, self.modelSpaceId, values.height, values.normal)
+        self.plane.SetColor(values.color)
+        self.plane.SetHardness(*values.surfaceHardness)
+        self.plane.SetFriction(*values.surfaceFriction)
+        self.plane.SetTexture2DFile(values.textureFile)
+        self.plane.SetTexture2DSize((*values.textureSize, 0.0))

@@ -1,0 +1,35 @@
+"""MonoCam: a small fixed camera."""
+
+from __future__ import annotations
+
+import math
+
+from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.models.camera import RobotCameraAttributes, announce_blindness, check_clips
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom, CylinderGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+
+class MonoCam(Model):
+    """A camera in a box of 5 cm; the origin is the centre of its bottom."""
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.values = read(RobotCameraAttributes, node)
+        check_clips(node, self.values)
+        body = Body(self.world)
+        self.AddBody(body, True)
+        self.box = BoxGeom(body, self.modelSpaceId, 0.05, 0.05, 0.05)
+        self.box.SetRelativePosition((0.0, 0.0, 0.025))
+        self.box.SetMass(0.1)
+        self.box.SetColor(GzColor(0.3, 0.3, 0.3))
+        lens = CylinderGeom(body, self.modelSpaceId, 0.024, 0.01)
+        lens.SetRelativePose(GzPose(GzVector(0.03, 0.0, 0.025), GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)))
+        lens.SetMass(0.0)
+        lens.SetColor(GzColor(1.0, 1.0, 1.0))
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        announce_blindness(self)

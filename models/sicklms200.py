@@ -1,0 +1,195 @@
+"""SickLMS200: SICK's scanning laser range-finder."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.geometry import GzColor
+from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial
+from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom, CylinderGeom
+from libgz.sensors.rays import RayProximity
+from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
+from libgz.transport.guard import Guard
+from libgz.worldfile.attributes import angle, integer, length, number, read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+EYE_HEIGHT = 0.07  # of the beams above the origin [m]
+SMOOTH = 0.10  # [m]; neighbouring rays that differ by less are interpolated
+MOST_READINGS = GZ_LASER_MAX_RANGES - 1
+FARTHEST = 1000.0  # [m]
+
+
+@dataclass(frozen=True)
+class SickAttributes:
+    """What `<model:SickLMS200>` may hold."""
+
+    rangeCount: int = integer(181, least=1, most=MOST_READINGS, help="readings in a scan")
+    rayCount: int = integer(91, least=1, most=10000, help="rays cast for them; readings in between are interpolated")
+    rangeMax: float = length(8.192, above=0.0, help="what a reading is that hits nothing")
+    rangeMin: float = length(0.20, least=0.0, help="where the rays begin")
+    scanRate: float = number(10.0, unit="Hz", least=0.0, help="scans per second of sim time")
+    minAngle: float = angle(-90.0, help="direction of the first reading, left positive")
+    maxAngle: float = angle(90.0, help="direction of the last reading")
+
+
+class SickLMS200(Model):
+    """A laser scanner of 7 kg; the origin is the centre of its bottom. Serves laser and fiducial."""
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(SickAttributes, node)
+        if values.rangeMin >= values.rangeMax:
+            node.error(f"rangeMin {values.rangeMin:g} m is not allowed; it must be below rangeMax, {values.rangeMax:g} m")
+            values = SickAttributes()
+        self.rangeMin, self.rangeMax = values.rangeMin, values.rangeMax
+        self.minAngle, self.maxAngle = values.minAngle, values.maxAngle
+        self.rayCount, self.rangeCount = values.rayCount, values.rangeCount
+        self.rate = UpdateRate(values.scanRate)
+        self.laser, self.fiducial = Laser(), Fiducial()
+        self._build()
+        self._aim()
+
+    def _build(self) -> None:
+        body = Body(self.world)
+        self.AddBody(body, True)
+        for size, place in (
+            ((0.15, 0.15, 0.04), (0.0, 0.0, 0.02)),
+            ((0.15, 0.15, 0.08), (0.0, 0.0, 0.16)),
+            ((0.075, 0.15, 0.18), (-0.0375, 0.0, 0.10)),
+        ):
+            box = BoxGeom(body, self.modelSpaceId, *size)
+            box.SetRelativePosition(place)
+            box.SetMass(7.0 / 3.0)
+            box.SetColor(GzColor(0.0, 0.0, 1.0))
+        window = CylinderGeom(body, self.modelSpaceId, 0.075, 0.18)
+        window.SetRelativePosition((0.0, 0.0, 0.10))
+        window.SetColor(GzColor(0.0, 0.0, 0.0))
+
+    def _aim(self) -> None:
+        """Lay out the rays, and which of them each reading is made from."""
+        count = self.rayCount
+        self.angles = np.linspace(self.minAngle, self.maxAngle, count) if count > 1 else np.array([self.minAngle])
+        self.rays = RayProximity(self.world, self.GetBody(), count)
+        for i, direction in enumerate(self.angles):
+            x, y = math.cos(direction), math.sin(direction)
+            near, far = self.rangeMin, self.rangeMax
+            self.rays.SetRay(i, (near * x, near * y, EYE_HEIGHT), (far * x, far * y, EYE_HEIGHT))
+        place = np.arange(self.rangeCount) * ((count - 1) / max(self.rangeCount - 1, 1))
+        self._first: NDArray[np.intp] = np.floor(place).astype(np.intp)
+        self._second = np.minimum(self._first + 1, count - 1)
+        self._share = place - self._first
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.guard = Guard(f"laser.{self.GetId()}")
+        owner = (self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        self.laser.create(self.world.gz_server, *owner)
+        self.fiducial.create(self.world.gz_server, *owner)
+
+    def Fini(self) -> None:  # noqa: D102
+        self.laser.destroy()
+        self.fiducial.destroy()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        now = self.world.GetSimTime()
+        if step == 0.0 or not self.rate.due(now):
+            return
+        self._take_command()
+        self.rays.Update()
+        self._publish_laser(now)
+        self._publish_fiducials(now)
+        self.laser.post()
+
+    # Commands ----------------------------------------------------------------------------------------------------
+
+    def _take_command(self) -> None:
+        """Lay the scan out anew if a client asks for it."""
+        if not self.laser.lock():
+            return
+        data = self.laser.data
+        wanted = None
+        if data.cmd_new_angle or data.cmd_new_length:
+            data.cmd_new_angle = data.cmd_new_length = 0
+            wanted = (data.cmd_min_angle, data.cmd_max_angle, data.cmd_max_range, data.cmd_range_count)
+        self.laser.unlock()
+        if wanted is None:
+            return
+        number = self.guard.number
+        low = number("cmd_min_angle", wanted[0], self.minAngle, math.pi)
+        high = number("cmd_max_angle", wanted[1], self.maxAngle, math.pi)
+        far = number("cmd_max_range", wanted[2], self.rangeMax, FARTHEST)
+        if high < low or far <= self.rangeMin or wanted[3] < 1:
+            self.guard.tell("cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
+                            f"are {wanted}, which is no scan, and are ignored")  # fmt: skip
+            return
+        self.minAngle, self.maxAngle, self.rangeMax = low, high, far
+        self.rangeCount = int(number("cmd_range_count", wanted[3], self.rangeCount, MOST_READINGS))
+        self._aim()
+
+    # Readings ----------------------------------------------------------------------------------------------------
+
+    def readings(self) -> NDArray[np.float64]:
+        """Distances from the sensor's centre [m], one a reading: linear between two rays, or the nearer of them."""
+        if "laserNoHitOffset" in self.world.engine.quirks:
+            distance, offset = np.minimum(self.rays.ranges, self.rangeMax), self.rangeMin
+        else:
+            distance, offset = np.minimum(self.rays.ranges, self.rangeMax - self.rangeMin) + self.rangeMin, 0.0
+        a, b = distance[self._first], distance[self._second]
+        between: NDArray[np.float64] = (1.0 - self._share) * a + self._share * b
+        return np.where(np.abs(a - b) < SMOOTH, between, np.minimum(a, b)) + offset
+
+    def _publish_laser(self, now: float) -> None:
+        if not self.laser.lock():
+            return
+        geoms = self.world.engine.geoms
+        bright = np.array([row >= 0 and geoms[row].GetRetro() >= 0.5 for row in self.rays.rows.tolist()], dtype=np.int32)
+        data = self.laser.data
+        data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
+        data.min_angle, data.max_angle = self.minAngle, self.maxAngle
+        data.res_angle = (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
+        self.laser.ranges[:] = self.readings()
+        self.laser.intensities[:] = bright[self._first] | bright[self._second]
+        self.laser.unlock()
+
+    def _publish_fiducials(self, now: float) -> None:
+        found = self.fiducials()
+        if not self.fiducial.lock():
+            return
+        data = self.fiducial.data
+        data.time, data.fid_count = now, len(found)
+        for fid, (number_, x, y, yaw) in zip(data.fids, found, strict=False):
+            fid.id, fid.pos[:], fid.rot[:] = number_, (x, y, 0.0), (0.0, 0.0, yaw)
+        self.fiducial.unlock()
+
+    def fiducials(self) -> list[tuple[int, float, float, float]]:
+        """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame.
+
+        Neighbouring rays that see one number are one object, in the middle of its two ends. From three rays on it faces
+        square to the line between them; with fewer, it faces the sensor.
+        """
+        geoms = self.world.engine.geoms
+        seen = [geoms[row].GetFiducial() if row >= 0 else -1 for row in self.rays.rows.tolist()]
+        found = []
+        i = 0
+        while i < len(seen):
+            j = i
+            while j + 1 < len(seen) and seen[j + 1] == seen[i]:
+                j += 1
+            if seen[i] >= 0:
+                (ax, ay), (bx, by) = self._point(i), self._point(j)
+                x, y = (ax + bx) / 2.0, (ay + by) / 2.0
+                yaw = math.atan2(by - ay, bx - ax) + math.pi / 2.0 if j - i >= 2 else math.atan2(y, x) + math.pi
+                found.append((seen[i], x, y, yaw))
+            i = j + 1
+        return found[:GZ_FIDUCIAL_MAX_FIDS]
+
+    def _point(self, ray: int) -> tuple[float, float]:
+        """Where a ray hit, in the sensor's plane [m]."""
+        distance, direction = self.rangeMin + float(self.rays.ranges[ray]), float(self.angles[ray])
+        return distance * math.cos(direction), distance * math.sin(direction)

@@ -1,0 +1,77 @@
+"""SimpleSolid: a box, cylinder or sphere that can be pushed, marked and textured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.physics.body import Body
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import boolean, choice, color, file, integer, number, numbers, read, rotation, text, vector
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+DEFAULT_SIZES = {"box": (0.5, 0.5, 0.5), "cylinder": (0.1, 0.5), "sphere": (0.5,)}
+
+
+@dataclass(frozen=True)
+class SimpleSolidAttributes:
+    """What `<model:SimpleSolid>` may hold, besides `size`, whose meaning hangs on the shape."""
+
+    shape: str = choice("box", tuple(DEFAULT_SIZES), help="what it is")
+    mass: float = number(1.0, unit="kg", above=0.0, help="mass")
+    color: GzColor = color(1.0, 1.0, 1.0, help="colour; alpha shows only if it is transparent")
+    transparent: bool = boolean(False, help="whether alpha shows")
+    surfaceHardness: tuple[float, ...] = numbers(1e6, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+    textureFile: Path | None = file(help="picture to cover it with")
+    skinFile: Path | None = file(help="mesh to draw in its place")
+    skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="place of the mesh, from the solid's centre")
+    skinRpy: GzPose = rotation(help="rotation of the mesh")
+    skinScale: GzVector = vector((1.0, 1.0, 1.0), unit="", help="scale of the mesh")
+    retro: float = number(0.0, help="laser retro-reflection: from 0.5 on a laser reports intensity 1")
+    fiducial: int = integer(-1, help="number that fiducial finders read; -1: none")
+    shadeModel: str = text("flat", help="without effect")
+    polygonMode: str = text("fill", help="without effect")
+
+
+class SimpleSolid(Model):
+    """A solid whose origin is the centre of its bottom; a cylinder stands upright.
+
+    `size` is x y z of a box, diameter and height of a cylinder, diameter of a sphere [m].
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(SimpleSolidAttributes, node)
+        body = Body(self.world)
+        self.AddBody(body, True)
+        size = tuple(node.GetTupleDouble("size", i, v) for i, v in enumerate(DEFAULT_SIZES[values.shape]))
+        geom = self._shape(body, values.shape, size)
+        geom.SetRelativePosition((0.0, 0.0, self.height / 2.0))
+        geom.SetMass(values.mass)
+        geom.SetHardness(*values.surfaceHardness)
+        geom.SetFriction(*values.surfaceFriction)
+        geom.SetColor(values.color)
+        geom.SetTransparency(values.transparent)
+        geom.SetTexture2DFile(values.textureFile)
+        geom.SetSkinFile(values.skinFile)
+        geom.SetSkinPose(GzPose(values.skinXyz, values.skinRpy.rot))
+        geom.SetSkinScale(values.skinScale)
+        geom.SetRetro(values.retro)
+        geom.SetFiducial(values.fiducial)
+        self.geom = geom
+
+    def _shape(self, body: Body, shape: str, size: tuple[float, ...]) -> Geom:
+        """The geom of a shape; sets `height` [m]."""
+        if any(not length > 0.0 for length in size):
+            raise ParameterError(f"size of a {shape} is {' '.join(map(str, size))}; all lengths must be above zero")
+        self.height = size[{"box": 2, "cylinder": 1, "sphere": 0}[shape]]
+        if shape == "box":
+            return BoxGeom(body, self.modelSpaceId, *size)
+        if shape == "cylinder":
+            return CylinderGeom(body, self.modelSpaceId, size[0] / 2.0, size[1])
+        return SphereGeom(body, self.modelSpaceId, size[0] / 2.0)

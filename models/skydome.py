@@ -1,0 +1,35 @@
+"""SkyDome: a sky that changes its colours with the time of day."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from libgz.geometry import GzColor
+from libgz.models.camera import announce_blindness
+from libgz.physics.body import Body
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import boolean, color, file, read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+
+@dataclass(frozen=True)
+class SkyDomeAttributes:
+    """What `<model:SkyDome>` may hold."""
+
+    toneMap: Path | None = file(help="picture of the sky's colours: midnight to midnight, zenith to horizon")
+    timeLapse: bool = boolean(True, help="whether the sky changes with sim time")
+    color: GzColor = color(0.0, 0.0, 0.0, help="without effect")
+
+
+class SkyDome(Model):
+    """The sky. It touches nothing."""
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.values = read(SkyDomeAttributes, node)
+        self.fixed = True
+        self.AddBody(Body(self.world, dummy=True), True)
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        announce_blindness(self)

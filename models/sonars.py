@@ -1,0 +1,70 @@
+"""SonarRing: ultrasonic sensors around a robot, and the interface that carries their ranges."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from libgz.interfaces.sonar import Sonar
+from libgz.physics.body import Body
+from libgz.sensors.rays import RayProximity
+from libgz.simulation.model import Model
+
+__all__ = ["SonarRing", "pioneer_ring"]
+
+MAX_RANGE = 5.0  # [m]
+
+_DIRECTIONS = (90, 50, 30, 10, -10, -30, -50, -90, -90, -130, -150, -170, 170, 150, 130, 90)  # [deg]
+_SIDES = (0.135, 0.135, 0.06642, -0.00216, 0.00216, -0.06642, -0.135, -0.135)  # y of the front half [m]
+
+
+def pioneer_ring(x: float, z: float) -> list[tuple[float, float, float, float]]:
+    """(x, y, z [m], direction [rad]) of a Pioneer 2's sixteen sonars, front ones at +x, rear ones at -x."""
+    sides = (*_SIDES, *(-y for y in _SIDES))
+    return [(x if i < 8 else -x, sides[i], z, math.radians(_DIRECTIONS[i])) for i in range(16)]
+
+
+class SonarRing:
+    """Sonars fixed to a body, each a ray of 5 m.
+
+    Args:
+        model: the robot.
+        body: what they are fixed to.
+        poses: (x, y, z [m], direction [rad]) of each, in the body frame.
+    """
+
+    def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
+        self.model = model
+        self.poses = np.array(poses)
+        self.rays = RayProximity(model.world, body, len(poses))
+        for i, (x, y, z, direction) in enumerate(poses):
+            end = (x + MAX_RANGE * math.cos(direction), y + MAX_RANGE * math.sin(direction), z)
+            self.rays.SetRay(i, (x, y, z), end)
+        self.interface = Sonar()
+
+    def Init(self) -> None:
+        """Make the interface under the model's id."""
+        model = self.model
+        self.interface.create(
+            model.world.gz_server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId()
+        )
+        with self.interface.locked() as data:
+            count = data.sonar_count = len(self.poses)
+            data.max_range = MAX_RANGE
+            self.interface.sonar_pos[:count] = self.poses[:, :3]
+            self.interface.sonar_rot[:count, 2] = self.poses[:, 3]
+            self.interface.sonar_ranges[:count] = MAX_RANGE
+
+    def Update(self, now: float) -> None:
+        """Cast the rays and publish, at sim time `now` [s]."""
+        self.rays.Update()
+        if self.interface.lock():
+            self.interface.data.time = now
+            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.ranges)
+            self.interface.unlock()
+
+    def Fini(self) -> None:
+        """Let the interface go."""
+        self.interface.destroy()

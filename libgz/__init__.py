@@ -14,6 +14,11 @@ from typing import Any
 
 from libgz._version import __version__ as __version__
 
+# In a source checkout interfaces/, models/ and worlds/ lie beside this package; installed, they lie in it.
+_ROOT = Path(__file__).resolve().parent.parent
+if not (Path(__file__).parent / "interfaces").is_dir() and (_ROOT / "interfaces" / "position.py").is_file():
+    __path__.append(str(_ROOT))
+
 
 @functools.cache
 def _exports() -> dict[str, str]:

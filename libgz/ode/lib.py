@@ -128,7 +128,7 @@ class OdeLibrary:
         """A C callback that formats one of ODE's messages and logs it."""
         vsnprintf = ctypes.CDLL(None).vsnprintf
         vsnprintf.argtypes = [ctypes.c_char_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_void_p]
-        level = {"Error": logging.CRITICAL, "Debug": logging.CRITICAL, "Message": logging.INFO}[kind]
+        level = {"Error": logging.CRITICAL, "Debug": logging.CRITICAL, "Message": logging.DEBUG}[kind]
 
         def handle(number: int, text: bytes, arguments: int) -> None:
             buffer = ctypes.create_string_buffer(1024)

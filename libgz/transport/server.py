@@ -17,7 +17,7 @@ from libgz.transport.semaphores import SemaphoreSet
 if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
-__all__ = ["LocalServer", "Server"]
+__all__ = ["LocalServer", "Server", "free_server_id"]
 
 log = logging.getLogger("libgz.transport")
 
@@ -253,6 +253,23 @@ class Server(LocalServer):
         if self._directory is not None:
             os.close(self._directory)
             self._directory = None
+
+
+def free_server_id() -> int:
+    """The lowest id that no server, dead or alive, has semaphores or a directory for.
+
+    Raises:
+        ServerError: the first thousand are all taken.
+    """
+    for server_id in range(1000):
+        try:
+            SemaphoreSet.attach(server_id)
+        except FileNotFoundError:
+            if not os.path.lexists(server_directory(server_id)):
+                return server_id
+        except OSError:
+            continue
+    raise ServerError("server ids 0 to 999 are all taken; name another one: -s")
 
 
 def _alive(pid: int) -> bool:

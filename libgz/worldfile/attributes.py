@@ -15,6 +15,7 @@ The declaration is what messages, and whatever describes the models, are made fr
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -173,7 +174,8 @@ def _read_file(node: WorldFileNode, key: str, default: None) -> Path | None:
 
 def installed_worlds() -> Path:
     """Where the ready worlds and their pictures are installed."""
-    return Path(__file__).parent.parent / "worlds"
+    spec = importlib.util.find_spec("libgz.worlds")
+    return Path(spec.origin).parent if spec is not None and spec.origin is not None else Path()
 
 
 def attributes_of(declaration: type[Any]) -> Mapping[str, Attribute]:

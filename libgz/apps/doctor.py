@@ -1,0 +1,95 @@
+"""libgz doctor: what this machine has of what libgz needs."""
+
+from __future__ import annotations
+
+import ctypes
+import importlib.metadata
+import os
+import platform
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from libgz._version import __version__
+from libgz.errors import GazeboError
+from libgz.ode.lib import ode
+from libgz.ode.step import native_path
+from libgz.physics.engine import Engine
+from libgz.transport.semaphores import SemaphoreSet
+
+__all__ = ["Finding", "examine"]
+
+PACKAGES = ("numpy", "lxml", "PyOpenGL")
+OSMESA = "libOSMesa.so.8"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing looked at."""
+
+    name: str
+    text: str
+    good: bool = True
+    needed: bool = True  # whether worlds cannot run without it
+
+    def __str__(self) -> str:
+        mark = "ok" if self.good else "MISSING" if self.needed else "absent"
+        return f"{mark:8}{self.name:14}{self.text}"
+
+
+def examine() -> Iterator[Finding]:
+    """Look at everything, one finding each."""
+    yield Finding("libgz", __version__)
+    yield Finding("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
+    for package in PACKAGES:
+        try:
+            yield Finding(package, importlib.metadata.version(package))
+        except importlib.metadata.PackageNotFoundError:
+            yield Finding(package, f"not installed; pip install {package}", good=False)
+    yield _try("ode", lambda: f"{ode().path}: {ode().configuration}")
+    yield _try("step", _step)
+    yield _try("semaphores", _semaphores)
+    yield _try("directory", _directory)
+    yield _osmesa()
+
+
+def _try(name: str, look: Callable[[], str]) -> Finding:
+    try:
+        return Finding(name, look())
+    except (GazeboError, OSError) as fault:
+        return Finding(name, str(fault), good=False)
+
+
+def _step() -> str:
+    """Which form of the step a new world takes, and why."""
+    engine = Engine()
+    form = engine.step_form.name
+    engine.close()
+    forced = os.environ.get("LIBGZ_STEP")
+    why = f"forced by LIBGZ_STEP={forced}" if forced else str(native_path() or "not built: there was no C compiler")
+    return f"{form} ({why})"
+
+
+def _semaphores() -> str:
+    """Whether semaphore sets can be made here."""
+    probe = 900_000_000 + os.getpid() % 1_000_000
+    semaphores = SemaphoreSet.create(probe)
+    semaphores.post()
+    semaphores.remove()
+    return "System V semaphores work"
+
+
+def _directory() -> str:
+    """Whether a server's directory can be made."""
+    place = os.environ.get("TMP", "/tmp")  # noqa: S108 - the wire's own default
+    with tempfile.TemporaryDirectory(dir=place):
+        return f"servers keep their files in {place}"
+
+
+def _osmesa() -> Finding:
+    try:
+        ctypes.CDLL(OSMESA)
+    except OSError:
+        text = f"{OSMESA} is not there; it draws pictures: apt-get install libosmesa6"
+        return Finding("osmesa", text, good=False, needed=False)
+    return Finding("osmesa", OSMESA)

@@ -1,0 +1,164 @@
+"""gazebo: run a worldfile and serve it to other programs."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from libgz._version import __version__
+from libgz.apps.console import USAGE_ERROR, Parser, set_up_messages
+from libgz.errors import GazeboError, ParameterError
+from libgz.simulation.pacing import Pacer
+from libgz.simulation.world import World
+from libgz.transport.server import free_server_id
+from libgz.worldfile.file import WorldFile
+
+__all__ = ["main"]
+
+log = logging.getLogger("libgz.gazebo")
+
+STATUS_PERIOD = 0.2  # [s] of real time
+
+
+def _server_id(text: str) -> int | None:
+    """A server id; None for `auto`."""
+    if text == "auto":
+        return None
+    number = int(text)
+    if number < 0:
+        raise ValueError
+    return number
+
+
+_server_id.__name__ = "server id"
+
+
+def _rate(text: str) -> float:
+    number = float(text)
+    if not 0.0 <= number < float("inf"):
+        raise ValueError
+    return number
+
+
+_rate.__name__ = "rate"
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The options of Gazebo 0.7, and a few more."""
+    parser = Parser(prog="gazebo", description="Run a worldfile and serve its models to other programs.")
+    add = parser.add_argument
+    add("worldfile", help="the worldfile to run")
+    add("-s", dest="server_id", metavar="ID", type=_server_id, default=0,
+        help="server id; several servers need different ones; `auto` takes a free one and prints it (default 0)")  # fmt: skip
+    add("-f", dest="force", action="store_true", help="take over a server id that something left behind")
+    add("-d", dest="level", metavar="LEVEL", type=int, choices=range(-1, 10), default=1,
+        help="message level, -1 none to 9 all (default 1); errors and warnings are always told")  # fmt: skip
+    add("-t", dest="seconds", metavar="SEC", type=_rate, default=None, help="quit after so many seconds of real time")
+    add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
+    add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
+    add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")
+    add("--rate", type=_rate, default=None, metavar="R",
+        help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)")  # fmt: skip
+    add("--seed", type=int, default=0, metavar="N", help="seed of everything random (default 0)")
+    add("--steps", type=int, default=None, metavar="N", help="quit after so many steps")
+    return parser
+
+
+class Run:
+    """One run of a world: the loop, its ends, and the status line."""
+
+    def __init__(self, world: World, options: argparse.Namespace) -> None:
+        self.world = world
+        self.steps: int | None = options.steps
+        self.deadline = None if options.seconds is None else time.monotonic() + options.seconds
+        rate = 0.0 if options.free else world.simSpeed if options.rate is None else options.rate
+        self.pacer = Pacer(rate)
+        self.stopped = False
+        self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
+
+    def stop(self, number: int, _frame: object) -> None:
+        """Signal handler: end after this step."""
+        self.stopped = True
+        log.info("ending: %s", signal.Signals(number).name)
+
+    def loop(self) -> None:
+        """Step until a signal, the time, or the number of steps ends it."""
+        world, done = self.world, 0
+        while not self.over(done):
+            world.Step()
+            done += 1
+            while not self.over(done) and not self.pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
+                pass
+            if self._next_status <= time.monotonic():
+                self.print_status()
+
+    def over(self, done: int) -> bool:
+        """Whether it is time to end."""
+        late = self.deadline is not None and time.monotonic() >= self.deadline
+        return self.stopped or late or (self.steps is not None and done >= self.steps)
+
+    def print_status(self) -> None:
+        """Real, sim and pause time, their ratio, and the processor's share, in place on one line."""
+        self._next_status = time.monotonic() + STATUS_PERIOD
+        world = self.world
+        real, simulated, paused = world.GetRealTime(), world.GetSimTime(), world.GetPauseTime()
+        ratio, busy = (simulated + paused) / max(real, 1e-9), time.process_time()
+        share = 100.0 * busy / max(real, 1e-9)
+        line = f"Time {real:.3f} {simulated:.3f} {paused:.3f} [{ratio:.3f}] {busy:.3f} [{share:3.0f}%]"
+        sys.stdout.write(f"\r{line} ")
+        sys.stdout.flush()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong."""
+    options = make_parser().parse_args(arguments)
+    path = Path(options.worldfile)
+    try:
+        set_up_messages(options.level, options.logfile)
+    except ParameterError as fault:
+        return _complain(str(fault), USAGE_ERROR)
+    if options.steps is not None and options.steps < 0:
+        return _complain(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
+    if not path.is_file():
+        what = "is a directory" if path.is_dir() else "does not exist"
+        return _complain(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
+    try:
+        return _run(path, options)
+    except GazeboError as fault:
+        return _complain(str(fault), 1)
+
+
+def _run(path: Path, options: argparse.Namespace) -> int:
+    server_id = free_server_id() if options.server_id is None else options.server_id
+    world = World(server_id, options.force, seed=options.seed)
+    try:
+        file = WorldFile.from_file(path)
+        world.Load(file)
+        run = Run(world, options)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, run.stop)
+        world.Initialize()
+        if options.server_id is None:
+            print(f"server id {server_id}", flush=True)
+        run.loop()
+        if sys.stdout.isatty():
+            run.print_status()
+            print()
+    finally:
+        world.close()
+    return 0
+
+
+def _complain(message: str, code: int) -> int:
+    for line in message.splitlines():
+        log.error("%s", line)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Ready worlds, and the pictures they use; models look here for files that are nowhere else."""

@@ -47,10 +47,12 @@ class Client(WireClient):
     def __enter__(self) -> Client:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.disconnect()
 
-    def open(self, interface: I, id: str) -> I:  # noqa: A002 - the wire's word
+    def open(self, interface: I, id: str) -> I:
         """Open an interface object, or give the one of this kind and id that is open already.
 
         Raises:
@@ -66,26 +68,26 @@ class Client(WireClient):
         """The clock, and the buttons pause, reset and save."""
         return self.open(Sim(), "default")
 
-    def position(self, id: str) -> Position:  # noqa: A002
+    def position(self, id: str) -> Position:
         """A robot's odometry and velocity commands."""
         return self.open(Position(), id)
 
-    def power(self, id: str) -> Power:  # noqa: A002
+    def power(self, id: str) -> Power:
         """A robot's batteries."""
         return self.open(Power(), id)
 
-    def sonar(self, id: str) -> Sonar:  # noqa: A002
+    def sonar(self, id: str) -> Sonar:
         """A robot's sonars."""
         return self.open(Sonar(), id)
 
-    def laser(self, id: str) -> Laser:  # noqa: A002
+    def laser(self, id: str) -> Laser:
         """A laser range-finder."""
         return self.open(Laser(), id)
 
-    def fiducial(self, id: str) -> Fiducial:  # noqa: A002
+    def fiducial(self, id: str) -> Fiducial:
         """The marked objects a sensor recognises."""
         return self.open(Fiducial(), id)
 
-    def ptz(self, id: str) -> Ptz:  # noqa: A002
+    def ptz(self, id: str) -> Ptz:
         """A pan-tilt-zoom head."""
         return self.open(Ptz(), id)

@@ -38,7 +38,9 @@ class LaserData(Data):
     res_angle: float = double(SERVER, "rad", "angle between readings")
     max_range: float = double(SERVER, "m", "what a reading is that hits nothing")
     range_count: int = int32(SERVER, "", "how many readings there are, at most 400")
-    ranges: Array[float] = double(SERVER, "m", "distance from the sensor's centre, counter-clockwise", GZ_LASER_MAX_RANGES)
+    ranges: Array[float] = double(
+        SERVER, "m", "distance from the sensor's centre, counter-clockwise", GZ_LASER_MAX_RANGES
+    )
     intensity: Array[int] = int32(SERVER, "", "1 where a retro-reflector was hit", GZ_LASER_MAX_RANGES)
     cmd_new_angle: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
     cmd_new_length: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")

@@ -75,7 +75,7 @@ QuaternLike: TypeAlias = "Sequence[float] | GzQuatern | NDArray[np.float64]"
 class _Struct:
     """Iteration, indexing and numpy conversion for the structs below."""
 
-    __slots__ = ()
+    __slots__: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[float]:
         return (getattr(self, name) for name in self.__slots__)

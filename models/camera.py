@@ -50,5 +50,8 @@ def announce_blindness(model: Model) -> None:
     """Say, once a world, that cameras do all but draw."""
     if model.world not in _told:
         _told.add(model.world)
-        log.warning("this version of libgz draws no pictures yet: %s %r and all other cameras stay blind",
-                    model.GetName(), model.GetId())  # fmt: skip
+        log.warning(
+            "this version of libgz draws no pictures yet: %s %r and all other cameras stay blind",
+            model.GetName(),
+            model.GetId(),
+        )

@@ -25,8 +25,14 @@ class CanonVCC4(PanTiltCamera):
         self.AddBody(middle)
         self.AddBody(base, True)
         space = self.modelSpaceId
-        self.add_part(head, BoxGeom(head, space, 0.113, 0.101, 0.09), GzPose(GzVector(0.0, 0.0, 0.045)), 0.25 * MASS, GREY)
+        self.add_part(
+            head, BoxGeom(head, space, 0.113, 0.101, 0.09), GzPose(GzVector(0.0, 0.0, 0.045)), 0.25 * MASS, GREY
+        )
         self.add_lens(head, 0.0555, 0.045)
-        self.add_part(middle, BoxGeom(middle, space, 0.057, 0.105, 0.025), GzPose(GzVector(0.0, 0.0, 0.09)), 0.25 * MASS, RED)
-        self.add_part(base, CylinderGeom(base, space, 0.071, 0.028), GzPose(GzVector(0.0, 0.0, 0.1025)), 0.5 * MASS, GREY)
+        self.add_part(
+            middle, BoxGeom(middle, space, 0.057, 0.105, 0.025), GzPose(GzVector(0.0, 0.0, 0.09)), 0.25 * MASS, RED
+        )
+        self.add_part(
+            base, CylinderGeom(base, space, 0.071, 0.028), GzPose(GzVector(0.0, 0.0, 0.1025)), 0.5 * MASS, GREY
+        )
         return base, middle, head

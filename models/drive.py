@@ -33,7 +33,11 @@ class RobotAttributes:
     updateRate: float = number(10.0, unit="Hz", least=0.0, help="updates of the interfaces per second of sim time")
     batteryLevel: float = number(12.4, unit="V", least=0.0, help="charge at the start")
     batteryCurve: tuple[float, ...] = numbers(
-        2.0 / 3600.0, 2.0 / 1e4, unit="V/s, V/m^2", least=0.0, help="charge lost with time, and with squared wheel travel"
+        2.0 / 3600.0,
+        2.0 / 1e4,
+        unit="V/s, V/m^2",
+        least=0.0,
+        help="charge lost with time, and with squared wheel travel",
     )
 
 

@@ -34,7 +34,10 @@ class PanTiltAttributes(RobotCameraAttributes):
     """What the element of a pan-tilt-zoom camera may hold."""
 
     zoomLimits: tuple[float, ...] = numbers(
-        1.0, 10.0, above=0.0, help="smallest and largest zoom factor; or fields of view in degrees, if both are 5 or more"
+        1.0,
+        10.0,
+        above=0.0,
+        help="smallest and largest zoom factor; or fields of view in degrees, if both are 5 or more",
     )
     motionGain: float = number(2.0, unit="1/s", least=0.0, help="speed of pan and tilt per radian of error")
     zoomGain: float = number(2.0, unit="1/s", least=0.0, help="how fast the zoom approaches what is commanded")
@@ -79,7 +82,9 @@ class PanTiltCamera(Model):
         along_x = GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)
         self.add_part(head, lens, GzPose(GzVector(x, 0.0, z), along_x), 0.0, None)
 
-    def _hinge(self, name: str, moving: Body, base: Body, anchor: tuple[float, ...], axis: tuple[float, ...]) -> HingeJoint:
+    def _hinge(
+        self, name: str, moving: Body, base: Body, anchor: tuple[float, ...], axis: tuple[float, ...]
+    ) -> HingeJoint:
         hinge = HingeJoint(self.world, name=name)
         hinge.Attach(moving, base)
         hinge.SetAnchor(anchor)

@@ -46,7 +46,9 @@ class SickLMS200(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SickAttributes, node)
         if values.rangeMin >= values.rangeMax:
-            node.error(f"rangeMin {values.rangeMin:g} m is not allowed; it must be below rangeMax, {values.rangeMax:g} m")
+            node.error(
+                f"rangeMin {values.rangeMin:g} m is not allowed; it must be below rangeMax, {values.rangeMax:g} m"
+            )
             values = SickAttributes()
         self.rangeMin, self.rangeMax = values.rangeMin, values.rangeMax
         self.minAngle, self.maxAngle = values.minAngle, values.maxAngle
@@ -125,8 +127,10 @@ class SickLMS200(Model):
         high = number("cmd_max_angle", wanted[1], self.maxAngle, math.pi)
         far = number("cmd_max_range", wanted[2], self.rangeMax, FARTHEST)
         if high < low or far <= self.rangeMin or wanted[3] < 1:
-            self.guard.tell("cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
-                            f"are {wanted}, which is no scan, and are ignored")  # fmt: skip
+            self.guard.tell(
+                "cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
+                f"are {wanted}, which is no scan, and are ignored",
+            )
             return
         self.minAngle, self.maxAngle, self.rangeMax = low, high, far
         self.rangeCount = int(number("cmd_range_count", wanted[3], self.rangeCount, MOST_READINGS))
@@ -148,7 +152,9 @@ class SickLMS200(Model):
         if not self.laser.lock():
             return
         geoms = self.world.engine.geoms
-        bright = np.array([row >= 0 and geoms[row].GetRetro() >= 0.5 for row in self.rays.rows.tolist()], dtype=np.int32)
+        bright = np.array(
+            [row >= 0 and geoms[row].GetRetro() >= 0.5 for row in self.rays.rows.tolist()], dtype=np.int32
+        )
         data = self.laser.data
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle

@@ -11,7 +11,19 @@ from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
 from libgz.simulation.model import Model
-from libgz.worldfile.attributes import boolean, choice, color, file, integer, number, numbers, read, rotation, text, vector
+from libgz.worldfile.attributes import (
+    boolean,
+    choice,
+    color,
+    file,
+    integer,
+    number,
+    numbers,
+    read,
+    rotation,
+    text,
+    vector,
+)
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 

@@ -61,7 +61,10 @@ def _drive(server_id: int, world: Path, seconds: float) -> None:
             factor = sim.sim_time / sim.real_time if sim.real_time > 0.0 else math.nan
             nearest_sonar = float(sonar.ranges.min()) if len(sonar.ranges) else math.nan
             nearest_beam = float(laser.ranges.min()) if len(laser.ranges) else math.nan
-            print(f"{sim.sim_time:10.2f}{x:10.3f}{y:10.3f}{math.degrees(yaw):11.1f}{nearest_sonar:15.3f}"
-                  f"{nearest_beam:15.3f}{power.level:13.4f}{factor:18.3f}", flush=True)  # fmt: skip
+            print(
+                f"{sim.sim_time:10.2f}{x:10.3f}{y:10.3f}{math.degrees(yaw):11.1f}{nearest_sonar:15.3f}"
+                f"{nearest_beam:15.3f}{power.level:13.4f}{factor:18.3f}",
+                flush=True,
+            )
         robot.command()
         print(f"\ndriven {distance:.2f} m by odometry; the robot stands again")

@@ -81,7 +81,7 @@ def _semaphores() -> str:
 
 def _directory() -> str:
     """Whether a server's directory can be made."""
-    place = os.environ.get("TMP", "/tmp")  # noqa: S108 - the wire's own default
+    place = os.environ.get("TMP", "/tmp")  # the wire's own default
     with tempfile.TemporaryDirectory(dir=place):
         return f"servers keep their files in {place}"
 

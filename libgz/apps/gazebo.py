@@ -53,17 +53,35 @@ def make_parser() -> argparse.ArgumentParser:
     parser = Parser(prog="gazebo", description="Run a worldfile and serve its models to other programs.")
     add = parser.add_argument
     add("worldfile", help="the worldfile to run")
-    add("-s", dest="server_id", metavar="ID", type=_server_id, default=0,
-        help="server id; several servers need different ones; `auto` takes a free one and prints it (default 0)")  # fmt: skip
+    add(
+        "-s",
+        dest="server_id",
+        metavar="ID",
+        type=_server_id,
+        default=0,
+        help="server id; several servers need different ones; `auto` takes a free one and prints it (default 0)",
+    )
     add("-f", dest="force", action="store_true", help="take over a server id that something left behind")
-    add("-d", dest="level", metavar="LEVEL", type=int, choices=range(-1, 10), default=1,
-        help="message level, -1 none to 9 all (default 1); errors and warnings are always told")  # fmt: skip
+    add(
+        "-d",
+        dest="level",
+        metavar="LEVEL",
+        type=int,
+        choices=range(-1, 10),
+        default=1,
+        help="message level, -1 none to 9 all (default 1); errors and warnings are always told",
+    )
     add("-t", dest="seconds", metavar="SEC", type=_rate, default=None, help="quit after so many seconds of real time")
     add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
     add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")
-    add("--rate", type=_rate, default=None, metavar="R",
-        help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)")  # fmt: skip
+    add(
+        "--rate",
+        type=_rate,
+        default=None,
+        metavar="R",
+        help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)",
+    )
     add("--seed", type=int, default=0, metavar="N", help="seed of everything random (default 0)")
     add("--steps", type=int, default=None, metavar="N", help="quit after so many steps")
     return parser

@@ -39,7 +39,7 @@ _C_TYPES: dict[str, Any] = {
     "reals": ctypes.c_void_p,
 }
 _PROTOTYPE = re.compile(r"(\w+) (\w+)\((.*)\)")
-_RETURNS_VECTOR = ctypes.POINTER(ctypes.c_double * 4)
+_POINTER_RESULTS = {"reals": ctypes.POINTER(ctypes.c_double * 4), "matrix": ctypes.POINTER(ctypes.c_double * 12)}
 _MESSAGE_HANDLER = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.c_char_p, ctypes.c_void_p)
 
 
@@ -51,7 +51,7 @@ def _parse(prototypes: str) -> dict[str, tuple[Any, list[Any]]]:
         if match is None:
             raise LibraryError(f"malformed prototype {line!r}")
         result, name, arguments = match.groups()
-        restype = _RETURNS_VECTOR if result == "reals" else _C_TYPES[result]
+        restype = _POINTER_RESULTS.get(result) or _C_TYPES[result]
         declared[name] = (restype, [_C_TYPES[a] for a in arguments.split(", ") if a])
     return declared
 
@@ -98,7 +98,7 @@ class OdeLibrary:
         except AttributeError:
             function = _absent(name, self._shared._name)
         else:
-            function.restype, function.argtypes = self._declared[name]  # type: ignore[attr-defined]
+            function.restype, function.argtypes = self._declared[name]
         setattr(self, name, function)
         return function
 

@@ -1,7 +1,8 @@
 """The ODE functions the project calls, each declared once, in the C header's words.
 
-``real`` is a double, ``id`` any handle, ``reals`` the address of doubles, ``data`` any other address. An undeclared
-function that returns a double would return garbage; that is why a function is callable only if it stands here.
+``real`` is a double, ``id`` any handle, ``reals`` the address of doubles (as a result, of four), ``matrix`` that of
+twelve, ``data`` any other address. An undeclared function that returns a double would return garbage; that is why a
+function is callable only if it stands here.
 """
 
 PROTOTYPES = """
@@ -103,6 +104,9 @@ id dGeomGetBody(id)
 void dGeomSetPosition(id, real, real, real)
 void dGeomSetQuaternion(id, reals)
 void dGeomCopyPosition(id, reals)
+reals dGeomGetPosition(id)
+matrix dGeomGetRotation(id)
+void dGeomSetRotation(id, reals)
 void dGeomGetQuaternion(id, reals)
 void dGeomSetOffsetPosition(id, real, real, real)
 void dGeomSetOffsetQuaternion(id, reals)
@@ -122,6 +126,8 @@ id dCreateBox(id, real, real, real)
 void dGeomBoxSetLengths(id, real, real, real)
 id dCreateCylinder(id, real, real)
 void dGeomCylinderSetParams(id, real, real)
+void dGeomCylinderGetParams(id, reals, reals)
+void dGeomCapsuleGetParams(id, reals, reals)
 id dCreateCapsule(id, real, real)
 void dGeomCapsuleSetParams(id, real, real)
 id dCreatePlane(id, real, real, real, real)

@@ -6,6 +6,7 @@
  * equal to the last bit, and a test says so.
  */
 #include <float.h>
+#include <math.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -34,6 +35,12 @@ typedef struct {
     X(void, dSpaceCollide2, (void *, void *, void *, near_callback *))          \
     X(int, dCollide, (void *, void *, int, contact_geom *, int))                \
     X(int, dGeomIsSpace, (void *))                                              \
+    X(int, dGeomGetClass, (void *))                                             \
+    X(const double *, dGeomGetPosition, (void *))                               \
+    X(const double *, dGeomGetRotation, (void *))                               \
+    X(void, dGeomSetRotation, (void *, const double *))                         \
+    X(void, dGeomCylinderGetParams, (void *, double *, double *))               \
+    X(void, dGeomCapsuleGetParams, (void *, double *, double *))                \
     X(void *, dGeomGetBody, (void *))                                           \
     X(void *, dGeomGetData, (void *))                                           \
     X(void, dGeomGetAABB, (void *, double *))                                   \
@@ -85,7 +92,8 @@ void gz_step_bind(void *const *addresses)
 
 /* Mirrored by StepContext in step.py; gz_step_context_size() guards against drift. */
 typedef struct {
-    void *world, *space, *contacts, *ray, *probe;
+    void *world, *space, *contacts, *ray, *probe, *stand_in;
+    int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */
     double step;
     int64_t quick;         /* 1: dWorldQuickStep */
     uint64_t seed;         /* ODE's random state, one per world */
@@ -105,6 +113,7 @@ typedef struct {
 size_t gz_step_context_size(void) { return sizeof(context); }
 
 enum { MAX_CONTACTS = 10, JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
+enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3 };
 enum { BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, APPROX1 = 0x3000 };
 
 /* A contact is a spring and damper in series with its partner: erp = h kp / (h kp + kd), cfm = 1 / (h kp + kd). */
@@ -127,13 +136,91 @@ static void make_surface(const context *c, const double *a, const double *b, sur
         s->mode |= BOUNCE;
 }
 
+static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+
+/* Put the stand-in where a cylinder is: a box `radial` long towards the other's axis, `tangential` across it. */
+static void place_stand_in(void *box, const double *position, const double *x, const double *y, const double *axis,
+                           double radial, double tangential, double length)
+{
+    double rotation[12];
+    int k;
+    for (k = 0; k < 3; k++) {
+        rotation[4 * k] = x[k];
+        rotation[4 * k + 1] = y[k];
+        rotation[4 * k + 2] = axis[k];
+        rotation[4 * k + 3] = 0.0;
+    }
+    dGeomBoxSetLengths(box, 2.0 * radial, 2.0 * tangential, length);
+    dGeomSetPosition(box, position[0], position[1], position[2]);
+    dGeomSetRotation(box, rotation);
+}
+
+/* Contacts of a cylinder with a cylinder or capsule, which ODE lacks without libccd. The cylinder is taken as two
+ * boxes inside it: a strip that points at the other's axis, so that sides touch at the true radius, and the square
+ * inscribed in its ends, so that one can stand on the other. */
+static int collide_cylinder(const context *c, void *geom1, void *geom2, int class2, contact *points)
+{
+    void *cylinder = class2 == CYLINDER_CLASS ? geom2 : geom1, *other = cylinder == geom2 ? geom1 : geom2;
+    const double *p = dGeomGetPosition(cylinder), *q = dGeomGetPosition(other);
+    const double *r = dGeomGetRotation(cylinder), *s = dGeomGetRotation(other);
+    double radius, length, other_radius, other_length, along, square, t, size;
+    double axis[3], other_axis[3], gap[3], aim[3], side[3];
+    int k, count;
+
+    dGeomCylinderGetParams(cylinder, &radius, &length);
+    if (dGeomGetClass(other) == CYLINDER_CLASS)
+        dGeomCylinderGetParams(other, &other_radius, &other_length);
+    else
+        dGeomCapsuleGetParams(other, &other_radius, &other_length);
+    for (k = 0; k < 3; k++) {
+        axis[k] = r[4 * k + 2];
+        other_axis[k] = s[4 * k + 2];
+        gap[k] = q[k] - p[k];
+    }
+    /* The point of the other's axis that is nearest to ours, seen across our axis. */
+    along = dot(gap, axis);
+    t = dot(other_axis, axis);
+    for (k = 0; k < 3; k++) {
+        gap[k] = gap[k] - along * axis[k];
+        other_axis[k] = other_axis[k] - t * axis[k];
+    }
+    square = dot(other_axis, other_axis);
+    t = square > 1e-9 ? -dot(gap, other_axis) / square : 0.0;
+    if (t > 0.5 * other_length)
+        t = 0.5 * other_length;
+    if (t < -0.5 * other_length)
+        t = -0.5 * other_length;
+    for (k = 0; k < 3; k++)
+        aim[k] = gap[k] + t * other_axis[k];
+    size = dot(aim, aim);
+    if (size < 1e-18) {
+        for (k = 0; k < 3; k++)
+            aim[k] = r[4 * k];
+        size = 1.0;
+    }
+    size = sqrt(size);
+    for (k = 0; k < 3; k++)
+        aim[k] = aim[k] / size;
+    side[0] = axis[1] * aim[2] - axis[2] * aim[1];
+    side[1] = axis[2] * aim[0] - axis[0] * aim[2];
+    side[2] = axis[0] * aim[1] - axis[1] * aim[0];
+
+    place_stand_in(c->stand_in, p, aim, side, axis, radius, 0.2 * radius, length);
+    geom1 = cylinder == geom1 ? c->stand_in : geom1;
+    geom2 = cylinder == geom2 ? c->stand_in : geom2;
+    count = dCollide(geom1, geom2, MAX_CONTACTS / 2, &points[0].geom, sizeof(contact));
+    place_stand_in(c->stand_in, p, aim, side, axis, radius * 0.70710678118654752, radius * 0.70710678118654752, length);
+    count += dCollide(geom1, geom2, MAX_CONTACTS / 2, &points[count].geom, sizeof(contact));
+    return count;
+}
+
 static void collide(void *data, void *geom1, void *geom2)
 {
     context *c = data;
     contact points[MAX_CONTACTS];
     surface_parameters surface;
     void *body1, *body2;
-    int count, i;
+    int count, i, class1, class2;
 
     if (dGeomIsSpace(geom1) || dGeomIsSpace(geom2)) {
         dSpaceCollide2(geom1, geom2, c, collide);
@@ -145,7 +232,13 @@ static void collide(void *data, void *geom1, void *geom2)
         return;
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, JOINT_CONTACT))
         return;
-    count = dCollide(geom1, geom2, MAX_CONTACTS, &points[0].geom, sizeof(contact));
+    class1 = dGeomGetClass(geom1);
+    class2 = dGeomGetClass(geom2);
+    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
+                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
+        count = collide_cylinder(c, geom1, geom2, class2, points);
+    else
+        count = dCollide(geom1, geom2, MAX_CONTACTS, &points[0].geom, sizeof(contact));
     if (!count)
         return;
     make_surface(c, c->surface + 4 * (intptr_t)dGeomGetData(geom1), c->surface + 4 * (intptr_t)dGeomGetData(geom2),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import math
 import os
 import sys
 from ctypes import c_double, c_int64, c_uint64, c_void_p
@@ -20,7 +21,7 @@ from numpy.typing import NDArray
 from libgz.errors import LibraryError, ParameterError
 from libgz.geometry import rotate
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.types import Contact, ContactGeom, ContactMode, JointType, SurfaceParameters
+from libgz.ode.types import Contact, ContactGeom, ContactMode, GeomClass, JointType, SurfaceParameters
 
 __all__ = ["MAX_CONTACTS", "NO_HIT", "NativeStep", "PythonStep", "Step", "StepContext", "choose_step", "native_path"]
 
@@ -42,6 +43,8 @@ class StepContext(ctypes.Structure):
         ("contacts", c_void_p),
         ("ray", c_void_p),
         ("probe", c_void_p),
+        ("stand_in", c_void_p),
+        ("no_cylinder_pairs", c_int64),
         ("step", c_double),
         ("quick", c_int64),
         ("seed", c_uint64),
@@ -88,8 +91,14 @@ class Step(Protocol):
     def forget(self, geom: int) -> None:
         """Drop what is remembered of a geom, because it was destroyed or given to another body."""
 
-    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
-             rows: NDArray[np.int64]) -> None:  # fmt: skip
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
         """Cast rays from a frame; see gz_scan in step.c."""
 
 
@@ -165,8 +174,14 @@ class NativeStep:
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c remembers no geom."""
 
-    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
-             rows: NDArray[np.int64]) -> None:  # fmt: skip
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
         """Cast rays from a frame."""
         self._scan(
             self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
@@ -190,12 +205,14 @@ class PythonStep:
         self._pairs: dict[tuple[int, int], tuple[int, list[int]]] = {}
         self._pairs_valid_for: tuple[int, float] = (-1, 0.0)
         self._geoms: dict[int, tuple[int, int]] = {}
+        self._round: dict[int, GeomClass] = {}  # cylinders and capsules
         self._contact_arrays: list[Any] = []
         self._near = self._make_near()
 
     def forget(self, geom: int) -> None:
         """Drop what is remembered of a geom, because it was destroyed or given to another body."""
         self._geoms.pop(geom, None)
+        self._round.pop(geom, None)
 
     def _make_near(self) -> Any:
         """The near-callback, with everything it touches in local names: it runs once per pair and step."""
@@ -205,6 +222,7 @@ class PythonStep:
         geoms, pairs, context = self._geoms, self._pairs, self._context
         contact_type, size = int(JointType.CONTACT), ctypes.sizeof(Contact)
         look_up_geom, look_up_pair = self._look_up_geom, self._look_up_pair
+        round_, collide_cylinder, cylinder = self._round, self._collide_cylinder, GeomClass.CYLINDER
         world, group = context.world, context.contacts
 
         def near(_data: int, geom1: int, geom2: int) -> None:
@@ -220,7 +238,10 @@ class PythonStep:
                 elif not body2:
                     return
                 first, addresses = pairs.get((row1, row2)) or look_up_pair(row1, row2)
-                count = collide(geom1, geom2, MAX_CONTACTS, first, size)
+                if geom1 in round_ and geom2 in round_ and cylinder in (round_[geom1], round_[geom2]):
+                    count = collide_cylinder(geom1, geom2, first)
+                else:
+                    count = collide(geom1, geom2, MAX_CONTACTS, first, size)
                 if count:
                     context.contact_count += count
                     for address in addresses[:count]:
@@ -238,6 +259,9 @@ class PythonStep:
             found = (-1, 0)
         else:
             found = (self._ode.dGeomGetData(geom) or 0, self._ode.dGeomGetBody(geom) or 0)
+            kind = self._ode.dGeomGetClass(geom)
+            if self._context.no_cylinder_pairs and kind in (GeomClass.CYLINDER, GeomClass.CAPSULE):
+                self._round[geom] = GeomClass(kind)
         self._geoms[geom] = found
         return found
 
@@ -252,6 +276,58 @@ class PythonStep:
         found = (start + Contact.geom.offset, [start + i * size for i in range(MAX_CONTACTS)])
         self._pairs[row1, row2] = found
         return found
+
+    def _collide_cylinder(self, geom1: int, geom2: int, first: int) -> int:
+        """Contacts of a cylinder with a cylinder or capsule; collide_cylinder in step.c, operation by operation."""
+        ode_, box = self._ode, self._context.stand_in
+        cylinder = geom2 if self._round[geom2] == GeomClass.CYLINDER else geom1
+        other = geom1 if cylinder == geom2 else geom2
+        p, q = ode_.dGeomGetPosition(cylinder).contents[:3], ode_.dGeomGetPosition(other).contents[:3]
+        r, s = self._columns(cylinder), self._columns(other)
+        radius, length = self._round_size(cylinder)
+        _, other_length = self._round_size(other)
+        axis, other_axis = r[2], s[2]
+        gap = [b - a for a, b in zip(p, q, strict=True)]
+        along, t = _dot(gap, axis), _dot(other_axis, axis)
+        gap = [g - along * a for g, a in zip(gap, axis, strict=True)]
+        other_axis = [o - t * a for o, a in zip(other_axis, axis, strict=True)]
+        square = _dot(other_axis, other_axis)
+        t = -_dot(gap, other_axis) / square if square > 1e-9 else 0.0
+        t = max(min(t, 0.5 * other_length), -0.5 * other_length)
+        aim = [g + t * o for g, o in zip(gap, other_axis, strict=True)]
+        size = _dot(aim, aim)
+        if size < 1e-18:
+            aim, size = r[0], 1.0
+        size = math.sqrt(size)
+        aim = [a / size for a in aim]
+        side = [
+            axis[1] * aim[2] - axis[2] * aim[1],
+            axis[2] * aim[0] - axis[0] * aim[2],
+            axis[0] * aim[1] - axis[1] * aim[0],
+        ]
+        rotation = (c_double * 12)(*(v for k in range(3) for v in (aim[k], side[k], axis[k], 0.0)))
+        one, two = (box if geom == cylinder else geom for geom in (geom1, geom2))
+        count = 0
+        for radial, tangential in ((radius, 0.2 * radius), (radius * 0.70710678118654752,) * 2):
+            ode_.dGeomBoxSetLengths(box, 2.0 * radial, 2.0 * tangential, length)
+            ode_.dGeomSetPosition(box, *p)
+            ode_.dGeomSetRotation(box, rotation)
+            at = first + count * ctypes.sizeof(Contact)
+            count += ode_.dCollide(one, two, MAX_CONTACTS // 2, at, ctypes.sizeof(Contact))
+        return count
+
+    def _columns(self, geom: int) -> list[list[float]]:
+        """The axes of a geom: the columns of its rotation matrix."""
+        m = self._ode.dGeomGetRotation(geom).contents
+        return [[m[0], m[4], m[8]], [m[1], m[5], m[9]], [m[2], m[6], m[10]]]
+
+    def _round_size(self, geom: int) -> tuple[float, float]:
+        """Radius and length of a cylinder or capsule."""
+        radius, length = c_double(), c_double()
+        kind = self._round[geom]
+        get = self._ode.dGeomCylinderGetParams if kind == GeomClass.CYLINDER else self._ode.dGeomCapsuleGetParams
+        get(geom, ctypes.byref(radius), ctypes.byref(length))
+        return radius.value, length.value
 
     def _surface(self, a: list[float], b: list[float]) -> SurfaceParameters:
         """The contact rule; make_surface in step.c, operation by operation."""
@@ -301,8 +377,14 @@ class PythonStep:
             if tables.joint_ids[row]:
                 read_joint(self._ode, tables, row)
 
-    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
-             rows: NDArray[np.int64]) -> None:  # fmt: skip
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
         """Cast rays from a frame."""
         ranges[:] = NO_HIT
         rows[:] = -1
@@ -331,7 +413,8 @@ class PythonStep:
 
     def _gather(self, owner: int) -> list[tuple[int, int]]:
         """(geom, row) of all geoms whose bounding box meets the probe's, without those of body `owner`."""
-        ode_, context, seen = self._ode, self._context, []
+        ode_, context = self._ode, self._context
+        seen: list[tuple[int, int]] = []
         probe = context.probe
 
         def near(_data: int, geom1: int, geom2: int) -> None:
@@ -350,6 +433,10 @@ class PythonStep:
         ode_.dSpaceCollide2(probe, context.space, None, address)
         self._raise_fault()
         return seen
+
+
+def _dot(a: list[float], b: list[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:

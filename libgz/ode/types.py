@@ -6,7 +6,7 @@ import ctypes
 import enum
 import math
 
-__all__ = ["Contact", "ContactGeom", "ContactMode", "JointType", "Mass", "SurfaceParameters", "dInfinity"]
+__all__ = ["Contact", "ContactGeom", "ContactMode", "GeomClass", "JointType", "Mass", "SurfaceParameters", "dInfinity"]
 
 dInfinity = math.inf
 
@@ -25,11 +25,26 @@ class SurfaceParameters(ctypes.Structure):
 
     _fields_ = [
         ("mode", ctypes.c_int),
-        *((name, ctypes.c_double) for name in (
-            "mu", "mu2", "rho", "rho2", "rhoN", "bounce", "bounce_vel", "soft_erp", "soft_cfm",
-            "motion1", "motion2", "motionN", "slip1", "slip2",
-        )),
-    ]  # fmt: skip
+        *(
+            (name, ctypes.c_double)
+            for name in (
+                "mu",
+                "mu2",
+                "rho",
+                "rho2",
+                "rhoN",
+                "bounce",
+                "bounce_vel",
+                "soft_erp",
+                "soft_cfm",
+                "motion1",
+                "motion2",
+                "motionN",
+                "slip1",
+                "slip2",
+            )
+        ),
+    ]
 
 
 class ContactGeom(ctypes.Structure):
@@ -59,6 +74,15 @@ class ContactMode(enum.IntFlag):
     SOFT_ERP = 0x008
     SOFT_CFM = 0x010
     APPROX1 = 0x3000  # pyramid along both friction directions, as dContactApprox1 was in ODE 0.5
+
+
+class GeomClass(enum.IntEnum):
+    """Classes of geoms, as far as they are told apart."""
+
+    SPHERE = 0
+    BOX = 1
+    CAPSULE = 2
+    CYLINDER = 3
 
 
 class JointType(enum.IntEnum):

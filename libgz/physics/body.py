@@ -107,7 +107,8 @@ class Body:
             if self._closed:
                 raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
             engine.read_body(row)
-        return engine.body_values[16 * row + first : 16 * row + last].tolist()
+        values: list[float] = engine.body_values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
+        return values
 
     def GetPose(self) -> GzPose:
         """Global pose of the body frame [m]."""

@@ -6,7 +6,6 @@ bodies, joints and sensors read the tables, never ODE one value at a time.
 
 from __future__ import annotations
 
-import contextlib
 import weakref
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -122,10 +121,12 @@ class Engine:
             lib.dGeomSetCategoryBits(geom, LASER_COLLIDE)
             lib.dGeomSetCollideBits(geom, ALL_COLLIDE & ~LASER_COLLIDE)
         lib.dGeomRaySetClosestHit(ray, 1)
-        self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe)
+        stand_in = lib.dCreateBox(None, 1.0, 1.0, 1.0)
+        self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
+        self._context.no_cylinder_pairs = "libccd" not in lib.configuration
         self.step_form: Step = choose_step(self._context, self)
         self._publish_tables()
-        self._destroy = weakref.finalize(self, _destroy_world, lib, world, top, contacts, (probe, ray))
+        self._destroy = weakref.finalize(self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in))
         self.step_time = step_time
         self.solver = solver
         self.seed = seed
@@ -177,8 +178,8 @@ class Engine:
         context.body_state, context.joint_state = self.body_state.ctypes.data, self.joint_state.ctypes.data
         context.joints, context.joint_types = self.joint_ids.ctypes.data, self.joint_types.ctypes.data
         context.body_count, context.joint_count = self.bodies_used, self.joints_used
-        self.body_values = memoryview(self.body_state.reshape(-1))
-        self.joint_values = memoryview(self.joint_state.reshape(-1))
+        self.body_values = _flat(self.body_state)
+        self.joint_values = _flat(self.joint_state)
         self.body_fresh = bytearray(len(self.body_ids))
         self.joint_fresh = bytearray(len(self.joint_ids))
         self._all_bodies = (b"\1" if self.step_form.reads_all else b"\0") * len(self.body_ids)
@@ -347,8 +348,14 @@ class Engine:
         if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
 
-    def scan(self, frame: NDArray[np.float64], rays: NDArray[np.float64], owner: int, ranges: NDArray[np.float64],
-             rows: NDArray[np.int64]) -> None:  # fmt: skip
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
         """Cast rays.
 
         Args:
@@ -365,14 +372,21 @@ class Engine:
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""
         if not self._destroy.alive:
             return
-        for part in [*self.joints.values(), *self.geoms.values(), *self.bodies.values(), *self.spaces]:
-            with contextlib.suppress(ClosedError):
-                part.close()
+        parts: list[Joint | Geom | Body | Space] = [*self.joints.values(), *self.bodies.values()]
+        parts += [*self.geoms.values(), *self.spaces]
+        for part in parts:
+            part.close()
         self._destroy()
 
     @property
     def _tables(self) -> Engine:
         return self
+
+
+def _flat(table: NDArray[np.float64]) -> memoryview[float]:
+    """A table's values in one row, through which single ones are read faster than through numpy."""
+    buffer: Any = table.reshape(-1)
+    return memoryview(buffer)
 
 
 def _destroy_world(lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...]) -> None:

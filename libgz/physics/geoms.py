@@ -147,8 +147,9 @@ class HeightfieldGeom(Geom):
     # ODE's field lies in x and z with heights along y; turned about x, its y is our z and its z our -y.
     extra_rotation = GzQuaternFromAxis(1.0, 0.0, 0.0, math.pi / 2.0)
 
-    def __init__(self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float,
-                 thickness: float = 1.0) -> None:  # fmt: skip
+    def __init__(
+        self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float, thickness: float = 1.0
+    ) -> None:
         self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64)
         if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not np.isfinite(self.heights).all():
             raise ParameterError("heights must be at least 2 x 2 finite numbers")
@@ -177,7 +178,7 @@ class RayGeom(Geom):
         self._start, self._direction, self._length = GzVector(), GzVector(1.0, 0.0, 0.0), 1.0
         self.depth = math.inf
 
-    def Set(self, pos: VectorLike, dir: VectorLike) -> None:  # noqa: A002 - the old API's name
+    def Set(self, pos: VectorLike, dir: VectorLike) -> None:
         """Place the ray: start [m] and direction, global."""
         self._start = GzVector(*finite_tuple(pos, 3, "ray start [m]"))
         self._direction = GzVector(*unit_axis(dir, "ray direction"))
@@ -234,5 +235,3 @@ class FrustrumGeom(Geom):
     def SetFOV(self, fov: float) -> None:
         """Horizontal field of view [rad]."""
         self.fov = positive(fov, "field of view [rad]")
-
-

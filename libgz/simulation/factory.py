@@ -62,7 +62,7 @@ class ModelFactory:
         # By name, for the models stand above this package: they import it, it does not import them.
         self._builtin = dict(importlib.import_module("libgz.models").MODELS)
 
-    def RegisterModel(self, type: str, classname: str, fn: Callable[[World], Model]) -> None:  # noqa: A002
+    def RegisterModel(self, type: str, classname: str, fn: Callable[[World], Model]) -> None:
         """Take in one class or function World -> Model; `type` is a word for the log."""
         if classname in self._builtin or classname in self._plugins:
             log.debug("%s is registered already; the first registration holds", classname)
@@ -74,8 +74,9 @@ class ModelFactory:
         """Take in all that a plugin file registered."""
         for name, kind in plugin.registered:
             if name in self._builtin:
-                log.warning("plugin %s registers %r, which is a built-in model: the built-in one is used",
-                            plugin.path, name)  # fmt: skip
+                log.warning(
+                    "plugin %s registers %r, which is a built-in model: the built-in one is used", plugin.path, name
+                )
             self.RegisterModel("plugin", name, kind)
 
     def NewModel(self, world: World, classname: str) -> Model | None:

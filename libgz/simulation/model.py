@@ -186,8 +186,9 @@ class Model:
         """
         names = {joint.name: joint for joint in self.joints if joint.name}
         if name not in names:
-            raise NotFoundError(f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}"
-                                + nearest(name, names))  # fmt: skip
+            raise NotFoundError(
+                f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}" + nearest(name, names)
+            )
         return names[name]
 
     # Pose --------------------------------------------------------------------------------------------------------
@@ -259,7 +260,7 @@ class Model:
 
     # Names and numbers -------------------------------------------------------------------------------------------
 
-    def SetId(self, id: str) -> None:  # noqa: A002 - the old API's name
+    def SetId(self, id: str) -> None:
         """Name the model and its interfaces."""
         self._id = id
 
@@ -305,5 +306,3 @@ class Model:
         for body in self.bodies:
             body.close()
         self.modelSpaceId.close()
-
-

@@ -94,8 +94,10 @@ def find_plugin(name: str, worldfile: str | None) -> Path:
         if not folder.is_dir():
             tried.append(f"  {folder}/ ({why}): there is no such directory")
         elif name.endswith(".so") and (folder / Path(name).name).is_file():
-            tried.append(f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
-                         f"port it to Python as {names[0]}")  # fmt: skip
+            tried.append(
+                f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
+                f"port it to Python as {names[0]}"
+            )
         else:
             tried.append(f"  {folder}/ ({why}): has no {names[0]}")
     raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
@@ -135,7 +137,7 @@ def load_plugin(path: Path) -> Plugin:
         raise PluginError(f"plugin init failed: gazebo_plugin_init() of {path} returned {initialised}")
     if not plugin.registered:
         raise PluginError(
-            f"plugin {path} registers no model; it must end with a line like GZ_REGISTER_PLUGIN(\"MyModel\", MyModel)"
+            f'plugin {path} registers no model; it must end with a line like GZ_REGISTER_PLUGIN("MyModel", MyModel)'
         )
     _loaded[path] = plugin
     return plugin

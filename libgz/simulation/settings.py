@@ -35,7 +35,9 @@ class GlobalAttributes:
     pause: bool = boolean(False, help="whether the simulation starts paused")
     dayTime: float = number(-1.0, unit="s", help="time since midnight at the start; negative: the local clock's")
     utcOffset: float = number(0.0, unit="s", help="UTC at sim time 0")
-    utmZone: int = integer(0, least=-60, most=60, help="UTM zone of the world's origin; negative in the south; 0: unset")
+    utmZone: int = integer(
+        0, least=-60, most=60, help="UTM zone of the world's origin; negative in the south; 0: unset"
+    )
     utmOffset: GzVector = vector((0.0, 0.0, 0.0), help="UTM easting, northing and altitude of the world's origin")
     skyColor: GzColor = color(0.7, 0.7, 0.9, help="colour of the sky and of the fog")
     fogDensity: float = number(0.25, least=0.0, help="density of the fog; there is fog only if this is given")

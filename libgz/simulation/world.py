@@ -52,7 +52,9 @@ class World:
         LibraryError: ODE is absent or unfit.
     """
 
-    def __init__(self, server_id: int | None = None, force: bool = False, *, seed: int = 0, solver: str = "world") -> None:
+    def __init__(
+        self, server_id: int | None = None, force: bool = False, *, seed: int = 0, solver: str = "world"
+    ) -> None:
         self.server_id = server_id
         self.gz_server: LocalServer = LocalServer() if server_id is None else Server(server_id, force)
         self.engine = Engine(seed=seed, solver=solver)
@@ -118,7 +120,9 @@ class World:
     def __enter__(self) -> World:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.close()
 
     @property
@@ -262,7 +266,9 @@ class World:
         except GazeboError as fault:
             raise PluginError(f"{where}: Init of model {model.GetId()!r}: {fault}") from fault
         except Exception as fault:
-            raise PluginError(f"{where}: Init of model {model.GetId()!r} failed with\n{own_traceback(fault)}") from fault
+            raise PluginError(
+                f"{where}: Init of model {model.GetId()!r} failed with\n{own_traceback(fault)}"
+            ) from fault
 
     def Finalize(self) -> int:
         """Let all models go, then the server; 0. Can be called twice."""
@@ -341,8 +347,9 @@ class World:
             except Exception as fault:  # noqa: BLE001 - a plugin may raise anything
                 failed = True
                 model.failed = fault
-                log.error("model %r stopped, its motors off: its Update failed with\n%s",
-                          model.GetId(), own_traceback(fault))  # fmt: skip
+                log.error(
+                    "model %r stopped, its motors off: its Update failed with\n%s", model.GetId(), own_traceback(fault)
+                )
         if failed:
             for model in self._updating:
                 if model.failed is not None:
@@ -439,7 +446,7 @@ class World:
         """The top space, in which the models' own spaces lie."""
         return self.engine.top
 
-    def model(self, id: str) -> Model:  # noqa: A002
+    def model(self, id: str) -> Model:
         """The first model with this id.
 
         Raises:
@@ -467,7 +474,7 @@ class World:
         """
         return self.model(model).GetJoint(name)
 
-    def interface(self, type: str, id: str) -> Interface[Any]:  # noqa: A002
+    def interface(self, type: str, id: str) -> Interface[Any]:
         """An interface that a model serves, by its type and id; commands to it act at the model's next tick.
 
         Raises:
@@ -476,8 +483,9 @@ class World:
         found = self.gz_server.interfaces.get((type, id))
         if found is None:
             names = [f"{kind}.{name}" for kind, name in self.gz_server.interfaces]
-            raise InterfaceError(f"no model serves {type}.{id}; there are {', '.join(names)}"
-                                 + nearest(f"{type}.{id}", names))  # fmt: skip
+            raise InterfaceError(
+                f"no model serves {type}.{id}; there are {', '.join(names)}" + nearest(f"{type}.{id}", names)
+            )
         return found
 
 

@@ -11,7 +11,7 @@ import mmap
 import os
 import time
 from collections.abc import Iterator
-from typing import Any, ClassVar, Generic, TypeVar, overload
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ __all__ = ["Interface", "View"]
 log = logging.getLogger("libgz.transport")
 
 D = TypeVar("D", bound=Data)
+_DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 
 SERVER_PATIENCE = 0.02  # [s] a server waits for a lock that a client holds
 _POLL = 0.0002  # [s]
@@ -67,7 +68,7 @@ class Interface(Generic[D]):
     """
 
     type: ClassVar[str]
-    data_class: ClassVar[type[Data]]
+    data_class: ClassVar[_DataClass]
     has_post: ClassVar[bool] = True
 
     def __init__(self) -> None:
@@ -116,8 +117,14 @@ class Interface(Generic[D]):
 
     # Server's side -----------------------------------------------------------------------------------------------
 
-    def create(self, server: LocalServer, id: str | None, model_type: str = "", model_id: int = 0,  # noqa: A002
-               parent_model_id: int = 0) -> None:  # fmt: skip
+    def create(
+        self,
+        server: LocalServer,
+        id: str | None,
+        model_type: str = "",
+        model_id: int = 0,
+        parent_model_id: int = 0,
+    ) -> None:
         """Make the interface on a server.
 
         If the server has one of this type and id already, this one becomes memory of this process that nobody reads,
@@ -169,7 +176,7 @@ class Interface(Generic[D]):
 
     # Client's side -----------------------------------------------------------------------------------------------
 
-    def open(self, client: Client, id: str | None) -> None:  # noqa: A002
+    def open(self, client: Client, id: str | None) -> None:
         """Open an interface that a server serves.
 
         Raises:

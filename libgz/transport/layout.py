@@ -15,6 +15,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
@@ -49,11 +50,14 @@ GAZEBO_MAX_MODEL_TYPE = 128
 
 SERVER, CLIENT, BOTH = "S", "C", "S/C"
 
-T = TypeVar("T")
+T_co = TypeVar("T_co", covariant=True)
 S = TypeVar("S", bound=type)
 
 
-class Array(Protocol[T]):
+_DECLARED: dict[type, dict[str, Field]] = {}
+
+
+class Array(Protocol[T_co]):
     """A C array: indexed and sliced, of fixed length."""
 
     def __getitem__(self, index: Any) -> Any:
@@ -64,6 +68,9 @@ class Array(Protocol[T]):
 
     def __len__(self) -> int:
         """How many elements."""
+
+    def __iter__(self) -> Iterator[T_co]:
+        """The elements in order."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +93,7 @@ class Field:
 
 
 def _scalar(ctype: Any) -> Any:
-    def declare(writer: str, unit: str, help: str, *shape: int) -> Any:  # noqa: A002
+    def declare(writer: str, unit: str, help: str, *shape: int) -> Any:
         return Field(ctype, writer, unit, help, shape)
 
     return declare
@@ -101,7 +108,7 @@ byte = _scalar(ctypes.c_uint8)
 char = _scalar(ctypes.c_char)
 
 
-def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:  # noqa: A002
+def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:
     """An array of structs."""
     return Field(kind, writer, "", help, (count,))
 
@@ -143,15 +150,14 @@ def layout(declaration: S) -> S:
         raise ParameterError(f"{declaration.__name__} declares no field")
     for name in declared:
         delattr(declaration, name)
-    declaration._fields_ = [(name, spec.whole_ctype) for name, spec in declared.items()]  # type: ignore[attr-defined]
-    declaration._declared_ = declared  # type: ignore[attr-defined]
+    setattr(declaration, "_fields_", [(name, spec.whole_ctype) for name, spec in declared.items()])  # noqa: B010
+    _DECLARED[declaration] = declared
     return declaration
 
 
 def fields_of(data: type[ctypes.Structure]) -> dict[str, Field]:
     """Name -> declaration of the fields of a struct, without its head."""
-    declared: dict[str, Field] = data._declared_  # type: ignore[attr-defined]
-    return declared
+    return _DECLARED[data]
 
 
 def numpy_type(field: Field) -> Any:

@@ -52,7 +52,7 @@ class _Errors:
     logged = True
 
 
-def gz_error_init(print: int, level: int) -> None:  # noqa: A002 - the old API's name
+def gz_error_init(print: int, level: int) -> None:
     """Switch the logging of errors on or off; level 5 and up logs files being opened and closed, too."""
     _Errors.logged = bool(print)
     log.setLevel(logging.DEBUG if level >= 5 else logging.INFO if level >= 1 else logging.WARNING)
@@ -166,8 +166,15 @@ class LegacyFunctions(Generic[I]):
     def free(self, interface: I) -> None:
         """Nothing to do."""
 
-    def create(self, interface: I, server: LocalServer, id: str | None, model_type: str = "", model_id: int = 0,  # noqa: A002
-               parent_model_id: int = 0) -> int:  # fmt: skip
+    def create(
+        self,
+        interface: I,
+        server: LocalServer,
+        id: str | None,
+        model_type: str = "",
+        model_id: int = 0,
+        parent_model_id: int = 0,
+    ) -> int:
         """Make the interface on a server."""
         return _attempt(lambda: interface.create(server, id, model_type, model_id, parent_model_id))
 
@@ -175,7 +182,7 @@ class LegacyFunctions(Generic[I]):
         """Take the interface off its server."""
         return _attempt(interface.destroy)
 
-    def open(self, interface: I, client: Client, id: str | None) -> int:  # noqa: A002
+    def open(self, interface: I, client: Client, id: str | None) -> int:
         """Open an interface that a server serves."""
         return _attempt(lambda: interface.open(client, id))
 

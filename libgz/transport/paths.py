@@ -22,7 +22,7 @@ def server_directory(server_id: int) -> str:
     Raises:
         ParameterError: the path is longer than old clients can hold.
     """
-    path = f"{os.environ.get('TMP', '/tmp')}/gazebo-{os.environ.get('USER', 'nobody')}-{server_id}"  # noqa: S108
+    path = f"{os.environ.get('TMP', '/tmp')}/gazebo-{os.environ.get('USER', 'nobody')}-{server_id}"
     if len(os.fsencode(path)) > LONGEST_PATH:
         raise ParameterError(f"the server's directory {path!r} is longer than {LONGEST_PATH} bytes; set TMP shorter")
     return path

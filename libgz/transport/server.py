@@ -117,8 +117,10 @@ class Server(LocalServer):
                 os.mkdir(self.path, 0o700)  # noqa: PTH102
             self._directory = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
         except OSError as fault:
-            raise ServerError(f"cannot use {self.path} as the server's directory: {fault.strerror}; "
-                              "set TMP to a directory you may write in, or use another server id: -s") from None  # fmt: skip
+            raise ServerError(
+                f"cannot use {self.path} as the server's directory: {fault.strerror}; "
+                "set TMP to a directory you may write in, or use another server id: -s"
+            ) from None
         about = os.fstat(self._directory)
         if about.st_uid != os.geteuid():
             self._close_directory()
@@ -217,8 +219,11 @@ class Server(LocalServer):
             self._semaphores.post()
         except OSError as fault:
             self._gone = True
-            log.warning("the semaphores of server %d were removed (%s): clients cannot wait any more",
-                        self.server_id, fault.strerror)  # fmt: skip
+            log.warning(
+                "the semaphores of server %d were removed (%s): clients cannot wait any more",
+                self.server_id,
+                fault.strerror,
+            )
 
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""

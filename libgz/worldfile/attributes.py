@@ -79,25 +79,32 @@ def _limits(above: float | None, least: float | None, most: float | None) -> tup
     return " and ".join(words), lambda v: low <= v <= high and (above is None or v > above)
 
 
-def number(default: float, *, unit: str = "", help: str, above: float | None = None, least: float | None = None,  # noqa: A002
-           most: float | None = None) -> float:  # fmt: skip
+def number(
+    default: float,
+    *,
+    unit: str = "",
+    help: str,
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+) -> float:
     """A number."""
     allowed, check = _limits(above, least, most)
     return _field(default, Attribute("number", unit, help, WorldFileNode.GetDouble, allowed, check))  # type: ignore[no-any-return]
 
 
-def length(default: float, *, help: str, above: float | None = None, least: float | None = None) -> float:  # noqa: A002
+def length(default: float, *, help: str, above: float | None = None, least: float | None = None) -> float:
     """A length [m]."""
     return number(default, unit="m", help=help, above=above, least=least)
 
 
-def integer(default: int, *, unit: str = "", help: str, least: int | None = None, most: int | None = None) -> int:  # noqa: A002
+def integer(default: int, *, unit: str = "", help: str, least: int | None = None, most: int | None = None) -> int:
     """A whole number."""
     allowed, check = _limits(None, least, most)
     return _field(default, Attribute("whole number", unit, help, WorldFileNode.GetInt, allowed, check))  # type: ignore[no-any-return]
 
 
-def angle(default_degrees: float, *, help: str, above: float | None = None, most: float | None = None) -> float:  # noqa: A002
+def angle(default_degrees: float, *, help: str, above: float | None = None, most: float | None = None) -> float:
     """An angle: degrees in the file and in this declaration, radians once read."""
     allowed, check = _limits(above, None, most)
     in_degrees = None if check is None else lambda radians: check(math.degrees(radians))
@@ -105,12 +112,12 @@ def angle(default_degrees: float, *, help: str, above: float | None = None, most
     return _field(DTOR(default_degrees), attribute)  # type: ignore[no-any-return]
 
 
-def boolean(default: bool, *, help: str) -> bool:  # noqa: A002
+def boolean(default: bool, *, help: str) -> bool:
     """True or false."""
     return _field(default, Attribute("bool", "", help, WorldFileNode.GetBool, "true or false"))  # type: ignore[no-any-return]
 
 
-def text(default: str, *, help: str) -> str:  # noqa: A002
+def text(default: str, *, help: str) -> str:
     """A word."""
     return _field(default, Attribute("text", "", help, _read_text))  # type: ignore[no-any-return]
 
@@ -119,23 +126,23 @@ def _read_text(node: WorldFileNode, key: str, default: str) -> str:
     return (node.GetString(key, default) or "").strip()
 
 
-def choice(default: str, allowed: tuple[str, ...], *, help: str) -> str:  # noqa: A002
+def choice(default: str, allowed: tuple[str, ...], *, help: str) -> str:
     """One of several words."""
     words = f"one of {', '.join(allowed)}"
     return _field(default, Attribute("word", "", help, _read_text, words, allowed.__contains__))  # type: ignore[no-any-return]
 
 
-def color(r: float, g: float, b: float, a: float = 1.0, *, help: str) -> GzColor:  # noqa: A002
+def color(r: float, g: float, b: float, a: float = 1.0, *, help: str) -> GzColor:
     """Red, green, blue and perhaps alpha."""
     return _field(GzColor(r, g, b, a), Attribute("colour", "", help, WorldFileNode.GetColor))  # type: ignore[no-any-return]
 
 
-def vector(default: VectorLike, *, unit: str = "m", help: str) -> GzVector:  # noqa: A002
+def vector(default: VectorLike, *, unit: str = "m", help: str) -> GzVector:
     """Three numbers."""
     return _field(GzVector(*default), Attribute("3 numbers", unit, help, WorldFileNode.GetPosition))  # type: ignore[no-any-return]
 
 
-def rotation(*, help: str) -> GzPose:  # noqa: A002
+def rotation(*, help: str) -> GzPose:
     """Roll, pitch and yaw in degrees; a pose without a position once read."""
     return _field(GzPose(), Attribute("3 angles", "deg", help, _read_rotation))  # type: ignore[no-any-return]
 
@@ -144,8 +151,13 @@ def _read_rotation(node: WorldFileNode, key: str, default: GzPose) -> GzPose:
     return GzPose(GzVector(), node.GetRotation(key, default.rot))
 
 
-def numbers(*default: float, unit: str = "", help: str, above: float | None = None,  # noqa: A002
-            least: float | None = None) -> tuple[float, ...]:  # fmt: skip
+def numbers(
+    *default: float,
+    unit: str = "",
+    help: str,
+    above: float | None = None,
+    least: float | None = None,
+) -> tuple[float, ...]:
     """Several numbers; those that a file leaves out have their defaults."""
     allowed, check = _limits(above, least, None)
     test = None if check is None else lambda values: all(map(check, values))
@@ -153,7 +165,7 @@ def numbers(*default: float, unit: str = "", help: str, above: float | None = No
     return _field(tuple(default), Attribute(kind, unit, help, _read_numbers, allowed and f"{allowed} each", test))  # type: ignore[no-any-return]
 
 
-def lengths(*default: float, help: str) -> tuple[float, ...]:  # noqa: A002
+def lengths(*default: float, help: str) -> tuple[float, ...]:
     """Several lengths [m], each above zero."""
     return numbers(*default, unit="m", help=help, above=0.0)
 
@@ -162,7 +174,7 @@ def _read_numbers(node: WorldFileNode, key: str, default: tuple[float, ...]) -> 
     return tuple(node.GetTupleDouble(key, i, value) for i, value in enumerate(default))
 
 
-def file(*, help: str) -> Path | None:  # noqa: A002
+def file(*, help: str) -> Path | None:
     """A file beside the worldfile, in the current directory, or among the installed worlds."""
     return _field(None, Attribute("file", "", help, _read_file))  # type: ignore[no-any-return]
 

@@ -79,9 +79,14 @@ class WorldFile:
             raise WorldFileError(f"this WorldFile holds {self.label} already; use a new one for {label}")
         self.filename, self.label, self.source = filename, label, source
         parser = etree.XMLParser(
-            recover=True, resolve_entities=False, no_network=True, load_dtd=False, dtd_validation=False,
-            remove_comments=False, huge_tree=False,
-        )  # fmt: skip
+            recover=True,
+            resolve_entities=False,
+            no_network=True,
+            load_dtd=False,
+            dtd_validation=False,
+            remove_comments=False,
+            huge_tree=False,
+        )
         try:
             root = etree.fromstring(source, parser)
         except etree.XMLSyntaxError as fault:
@@ -101,13 +106,14 @@ class WorldFile:
 
     def _node(self, element: etree._Element, parent: WorldFileNode | None) -> WorldFileNode:
         """The node of an element, with all below it."""
-        name = etree.QName(element).localname
+        name, sourceline = etree.QName(element).localname, element.sourceline
+        line = sourceline if isinstance(sourceline, int) else 0
         if element.prefix is None and ":" in name:
             prefix, _, local = name.partition(":")
             undeclared = f"prefix {prefix!r} is not declared, so this element is skipped; add xmlns:{prefix}='...'"
-            self.faults.add(Fault(self.label, int(element.sourceline or 0), f"{prefix}:{local}", undeclared, "warning"))
+            self.faults.add(Fault(self.label, line, f"{prefix}:{local}", undeclared, "warning"))
         attributes = {str(k): str(v) for k, v in element.attrib.items()}
-        line, number = int(element.sourceline or 0), self._numbered
+        number = self._numbered
         self._numbered += 1
         node = WorldFileNode(self, parent, name, element.prefix, line, number, attributes)
         node.pieces.append(element.text or "")
@@ -123,11 +129,15 @@ class WorldFile:
         """Worlds of later Gazebos are other languages: refuse them whole instead of reading half."""
         root = self.GetRootNode()
         if root.prefix == "gazebo":
-            raise WorldFileError(f"{self.label}:{root.line}: <{root.tag}>: this is a world of Gazebo 0.8 - 0.10, "
-                                 "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>")  # fmt: skip
+            raise WorldFileError(
+                f"{self.label}:{root.line}: <{root.tag}>: this is a world of Gazebo 0.8 - 0.10, "
+                "which libgz does not read; worlds of 0.3 - 0.7 have a root like <gz:world>"
+            )
         if root.prefix is None and root.name in LATER_ROOTS:
-            raise WorldFileError(f"{self.label}:{root.line}: <{root.tag}>: this is {LATER_ROOTS[root.name]}, "
-                                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>")  # fmt: skip
+            raise WorldFileError(
+                f"{self.label}:{root.line}: <{root.tag}>: this is {LATER_ROOTS[root.name]}, "
+                "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
+            )
 
     def GetRootNode(self) -> WorldFileNode:
         """The root element.
@@ -240,5 +250,3 @@ def _write_whole(target: Path, data: bytes) -> None:
         except OSError:
             path.unlink(missing_ok=True)
             raise
-
-

@@ -37,8 +37,16 @@ class WorldFileNode:
     the older spellings of the key. A value that is absent gives the default.
     """
 
-    def __init__(self, file: WorldFile, parent: WorldFileNode | None, name: str, prefix: str | None, line: int,
-                 number: int, attributes: dict[str, str]) -> None:  # fmt: skip
+    def __init__(
+        self,
+        file: WorldFile,
+        parent: WorldFileNode | None,
+        name: str,
+        prefix: str | None,
+        line: int,
+        number: int,
+        attributes: dict[str, str],
+    ) -> None:
         self.file = file
         self.parent = parent
         self.name = name
@@ -222,7 +230,8 @@ class WorldFileNode:
             return default if default is not None else GzColor()
         node, text = found
         values = [self._number(node, token) for token in text.split()[:4]]
-        return GzColor(*values[:3], *[0.0] * (3 - len(values)), values[3] if len(values) > 3 else 1.0)
+        r, g, b = [*values, 0.0, 0.0, 0.0][:3]
+        return GzColor(r, g, b, values[3] if len(values) > 3 else 1.0)
 
     def _tuple(self, key: str, count: int) -> list[float] | None:
         """`count` numbers, padded with 0; None if the attribute is absent or blank."""
@@ -281,8 +290,9 @@ class WorldFileNode:
         text = self.GetString(key, None, require)
         return default if text is None or not text.strip() else self.ResolveFilename(text.strip())
 
-    def SearchFilename(self, key: str, path: str | None = None, default: str | None = None,
-                       require: int = 0) -> str | None:  # fmt: skip
+    def SearchFilename(
+        self, key: str, path: str | None = None, default: str | None = None, require: int = 0
+    ) -> str | None:
         """A file searched in the current directory, the worldfile's, and `path`; a miss is a warning."""
         found = self._find(key)
         if not found or not found[1].strip():
@@ -367,5 +377,3 @@ class WorldFileNode:
 def _no_minus_zero(value: float, digits: int) -> float:
     """Rounded, and 0 where that gives -0."""
     return round(value, digits) + 0.0
-
-

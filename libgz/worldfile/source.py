@@ -50,8 +50,9 @@ def element_spans(source: bytes) -> list[Span]:
     return spans
 
 
-def splice(source: bytes, texts: Mapping[int, str], children: Mapping[int, list[tuple[str, str]]],
-           encoding: str) -> bytes:  # fmt: skip
+def splice(
+    source: bytes, texts: Mapping[int, str], children: Mapping[int, list[tuple[str, str]]], encoding: str
+) -> bytes:
     """New bytes with changed and added values.
 
     Args:

@@ -1,0 +1,30 @@
+# make demo: set up everything and run the main job.  make test: set up everything and run all tests.
+.PHONY: demo test lint types trials bench setup clean
+
+BIN := .venv/bin
+
+demo: setup
+	@$(BIN)/libgz demo
+
+test: lint types
+	@$(BIN)/pytest -q -n 2 -m "not trial"
+
+lint: setup
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check -q .
+
+# From another directory, so that mypy checks the installed package, interfaces and models included.
+types: setup
+	@cd build && ../$(BIN)/mypy --config-file ../pyproject.toml -p libgz
+
+trials: setup
+	@$(BIN)/pytest -q -m trial
+
+bench: setup
+	@$(BIN)/python benchmarks/step.py
+
+setup:
+	@./scripts/setup.sh
+
+clean:
+	rm -rf .venv build *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

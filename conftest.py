@@ -1,0 +1,93 @@
+"""Fixtures: servers of the real `gazebo` command, each under its own TMP and server id."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
+
+_numbers = itertools.count()
+START = 30.0  # [s]
+
+
+def new_server_id() -> int:
+    """A server id that no other test, in this process or a parallel one, uses."""
+    return 1000 + (os.getpid() * 64 + next(_numbers)) % 100_000_000
+
+
+class GazeboProcess:
+    """A running `gazebo`: `id`, the environment its clients need, and what it said."""
+
+    def __init__(self, world: Path, arguments: tuple[str, ...], env: dict[str, str], server_id: int) -> None:
+        self.id = server_id
+        self.env = env
+        self.directory = Path(env["TMP"]) / f"gazebo-{env['USER']}-{server_id}"
+        command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", str(server_id), *arguments, str(world)]
+        self.process = subprocess.Popen(
+            command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=env["TMP"]
+        )
+
+    def wait_ready(self) -> None:
+        """Until `sim` is served, or the process ended."""
+        end = time.monotonic() + START
+        while not (self.directory / "sim.default").exists():
+            if self.process.poll() is not None:
+                raise AssertionError(f"gazebo ended at once: {self.process.communicate()}")
+            assert time.monotonic() < end, "gazebo did not start"
+            select.select([], [], [], 0.02)
+
+    def stop(self, number: int = signal.SIGTERM) -> tuple[int, str, str]:
+        """End it; (exit code, stdout, stderr)."""
+        if self.process.poll() is None:
+            self.process.send_signal(number)
+        out, err = self.process.communicate(timeout=START)
+        return self.process.returncode, out, err
+
+
+@pytest.fixture
+def wire(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
+    """A server id and a TMP of this test's own; nothing of it may be left behind."""
+    # Under /tmp, for the old library's paths are short.
+    folder = Path("/tmp") / f"gz{os.getpid()}-{next(_numbers)}"
+    folder.mkdir(mode=0o700)
+    monkeypatch.setenv("TMP", str(folder))
+    monkeypatch.setenv("USER", "tester")
+    server_id = new_server_id()
+    yield server_id
+    left = sorted(path.name for path in folder.rglob("*"))
+    try:
+        SemaphoreSet.attach(server_id).remove()
+        left.append(f"semaphores {GZ_SEM_KEY + server_id:#x}")
+    except FileNotFoundError:
+        pass
+    for path in sorted(folder.rglob("*"), reverse=True):
+        path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
+    folder.rmdir()
+    assert not left, f"left behind: {left}"
+
+
+@pytest.fixture
+def gazebo(wire: int) -> Iterator[Callable[..., GazeboProcess]]:
+    """Starts `gazebo WORLD [options]` and waits until it serves."""
+    started: list[GazeboProcess] = []
+
+    def start(world: Path, *arguments: str, ready: bool = True) -> GazeboProcess:
+        process = GazeboProcess(world, arguments, dict(os.environ), wire + len(started))
+        started.append(process)
+        if ready:
+            process.wait_ready()
+        return process
+
+    yield start
+    for process in started:
+        process.stop()

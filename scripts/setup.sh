@@ -1,0 +1,49 @@
+#!/bin/sh
+# Sets up everything that `make demo` and `make test` need: Debian's libraries by apt, a virtual environment, the package.
+# Needs python3, and root or sudo where something of Debian's is missing; says in one sentence what is missing otherwise.
+set -eu
+cd "$(dirname "$0")/.."
+
+has_library() { python3 -c "import ctypes, sys; ctypes.CDLL(sys.argv[1])" "$1" 2>/dev/null; }
+has_venv() { python3 -c "import venv, ensurepip" 2>/dev/null; }
+
+command -v python3 >/dev/null || { echo "libgz needs python3: install Debian's package python3." >&2; exit 1; }
+
+missing=
+has_library libode.so.8 || missing="$missing libode8"
+has_library libOSMesa.so.8 || missing="$missing libosmesa6"
+has_venv || missing="$missing python3-venv"
+
+if [ -n "$missing" ]; then
+    as_root=
+    if [ "$(id -u)" -ne 0 ]; then
+        command -v sudo >/dev/null && sudo -n true 2>/dev/null && as_root="sudo -n" || as_root=none
+    fi
+    if [ "$as_root" = none ] || ! command -v apt-get >/dev/null; then
+        echo "libgz needs these packages of Debian 12, and this user cannot install them:$missing;" \
+            "have them installed with: apt-get install$missing" >&2
+        exit 1
+    fi
+    echo "installing$missing"
+    export DEBIAN_FRONTEND=noninteractive
+    log=$(mktemp)
+    # shellcheck disable=SC2086 # lists of words
+    if ! { $as_root apt-get -q update && $as_root apt-get -q install -y --no-install-recommends $missing; } >"$log" 2>&1
+    then
+        tail -n 5 "$log" >&2
+        echo "libgz needs these packages of Debian 12, and apt-get could not install them:$missing" >&2
+        exit 1
+    fi
+    rm -f "$log"
+fi
+
+[ -x .venv/bin/python ] || python3 -m venv .venv
+
+# Install anew when a file was added or removed, or what is built has changed: the installed tree links to ours.
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg setup.py pyproject.toml libgz/ode/step.c; } | cksum)
+if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
+    echo "installing the package into .venv"
+    rm -rf build
+    .venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev]' --config-settings editable_mode=strict
+    echo "$state" >.venv/installed
+fi

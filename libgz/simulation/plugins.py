@@ -43,12 +43,12 @@ def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
     """(why, directory) of all places where plugins are looked for, in order."""
     named = [("GAZEBOPATH", Path(d)) for d in os.environ.get("GAZEBOPATH", "").split(os.pathsep) if d]
     home = (Path(worldfile).parent if worldfile else Path()).resolve()
-    package = Path(__file__).resolve().parent.parent
+    models = importlib.util.find_spec("libgz.models")
     return [
         *named,
         ("the worldfile's directory", home),
         ("the installed plugins", Path(sys.prefix) / "lib" / "gazebo" / "plugins"),
-        ("the installed models", package / "models"),
+        ("the installed models", Path(models.origin).parent if models and models.origin else Path("libgz/models")),
     ]
 
 
@@ -146,12 +146,9 @@ def load_plugin(path: Path) -> Plugin:
 def own_traceback(fault: BaseException, path: Path | None = None) -> str:
     """The traceback of a fault from the user's own code on: without the frames of libgz and importlib above it."""
     frames = traceback.extract_tb(fault.__traceback__)
-    package = str(Path(__file__).resolve().parent.parent)
-    first = 0
-    for i, frame in enumerate(frames):
-        inside = frame.filename.startswith((package, "<frozen")) or "importlib" in frame.filename
-        if not inside or (path is not None and frame.filename == str(path)):
-            first = i
-            break
+    package = Path(__file__).parent.parent
+    above = (str(package), str(package.resolve()), "<frozen importlib")
+    own = [i for i, f in enumerate(frames) if f.filename == str(path) or not f.filename.startswith(above)]
+    first = own[0] if own else 0
     lines = traceback.format_list(frames[first:]) + traceback.format_exception_only(fault)
     return "".join(lines).rstrip()

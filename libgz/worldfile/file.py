@@ -106,7 +106,7 @@ class WorldFile:
 
     def _node(self, element: etree._Element, parent: WorldFileNode | None) -> WorldFileNode:
         """The node of an element, with all below it."""
-        name, sourceline = etree.QName(element).localname, element.sourceline
+        name, sourceline = str(element.tag).rpartition("}")[2], element.sourceline
         line = sourceline if isinstance(sourceline, int) else 0
         if element.prefix is None and ":" in name:
             prefix, _, local = name.partition(":")

@@ -323,7 +323,7 @@ class WorldFileNode:
             self.file.changed[node.number] = value
 
     def SetPosition(self, key: str, value: VectorLike, *, add: bool = False) -> None:
-        """Write three lengths [m] with three decimals; `add` makes the attribute if it is not there."""
+        """Write three lengths [m] with three decimals; `add` makes the attribute if it is missing."""
         self._set(key, " ".join(f"{_no_minus_zero(v, 3):.3f}" for v in value), add)
 
     def SetRotation(self, key: str, value: QuaternLike, *, add: bool = False) -> None:
@@ -332,10 +332,10 @@ class WorldFileNode:
         self._set(key, " ".join(f"{d:.0f}" if d == round(d) else f"{d:.3f}" for d in degrees), add)
 
     def _set(self, key: str, text: str, add: bool) -> None:
-        if self.GetChild(key) is None and add:
-            self.file.add_child(self, key, text)
-        else:
+        if self.GetChild(key) is not None:
             self.SetString(key, text)
+        elif add and any(atof(token) for token in text.split()):  # an absent one reads as zeros
+            self.file.add_child(self, key, text)
 
     # Unused attributes -------------------------------------------------------------------------------------------
 

@@ -1,0 +1,208 @@
+"""The commands, run as users run them."""
+
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import libgz
+from libgz.worldfile.attributes import installed_worlds
+
+WORLD = installed_worlds() / "pioneer2at.world"
+
+
+def run(module, *arguments, timeout=60, **options):
+    return subprocess.run(
+        [sys.executable, "-m", f"libgz.apps.{module}", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        **options,
+    )
+
+
+def test_a_client_drives_the_robot_of_a_running_server(gazebo):
+    server = gazebo(WORLD, "--rate", "10")
+    with libgz.Client(server.id) as client:
+        robot, sonar, laser = client.position("robot1"), client.sonar("robot1"), client.laser("laser1")
+        robot.command(vx=0.3)
+        end = time.monotonic() + 30
+        while robot.pose[0] < 0.5 and time.monotonic() < end:
+            assert client.wait(timeout=10.0)
+        assert robot.pose[0] >= 0.5
+        assert robot.vel_pos[0] == pytest.approx(0.3, rel=0.05)
+        assert len(sonar.ranges) == 16
+        assert len(laser.ranges) == 181
+        assert client.sim().sim_time > 1.0
+    code, out, err = server.stop()
+    assert (code, out) == (0, "")
+    assert "ending: SIGTERM" in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_signals_end_it_cleanly(gazebo, number):
+    server = gazebo(WORLD)
+    assert server.stop(number)[0] == 0
+    assert not server.directory.exists()
+
+
+def test_pause_reset_and_save_over_the_wire(gazebo, tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
+        "<model:Pioneer2AT><id>r</id><xyz>1 0 0</xyz></model:Pioneer2AT></gz:world>"
+    )
+    server = gazebo(path, "--rate", "20")
+
+    def wait_for(condition):
+        end = time.monotonic() + 30
+        while not condition():
+            assert time.monotonic() < end
+            client.wait(timeout=5.0)
+
+    with libgz.Client(server.id) as client:
+        sim, robot = client.sim(), client.position("r")
+        robot.command(vx=0.4)
+        wait_for(lambda: robot.pose[0] > 0.5)
+        robot.command()
+        sim.save()
+        wait_for(lambda: not sim.data.save)
+        sim.paused = True
+        wait_for(lambda: sim.pause_time > 0.1)
+        before = sim.sim_time
+        client.wait(timeout=1.0)
+        assert sim.sim_time == before
+        sim.paused = False
+        sim.reset()
+        wait_for(lambda: not sim.data.reset)
+    saved = path.read_text()
+    assert float(saved.partition("<xyz>")[2].split()[0]) > 1.4
+
+
+def test_a_second_server_on_one_id_is_refused(gazebo):
+    server = gazebo(WORLD)
+    second = run("gazebo", "-s", server.id, WORLD)
+    assert second.returncode == 1
+    assert f"another server running with id {server.id}" in second.stderr
+    assert server.process.poll() is None
+
+
+def test_servers_run_side_by_side(gazebo):
+    one, two = gazebo(WORLD), gazebo(WORLD)
+    with libgz.Client(one.id) as a, libgz.Client(two.id) as b:
+        assert a.wait(timeout=10.0)
+        assert b.wait(timeout=10.0)
+
+
+def test_a_killed_server_is_succeeded_without_force(gazebo):
+    first = gazebo(WORLD)
+    first.process.kill()
+    first.process.wait()
+    assert first.directory.exists()
+    again = run("gazebo", "-s", first.id, "--steps", "5", "-n", WORLD)
+    assert again.returncode == 0, again.stderr
+    assert not first.directory.exists()
+
+
+def test_steps_time_and_speed(wire):
+    began = time.monotonic()
+    assert run("gazebo", "-s", wire, "--steps", "500", "-n", WORLD).returncode == 0
+    assert time.monotonic() - began < 9.0  # ten simulated seconds
+    assert run("gazebo", "-s", wire, "-t", "0.3", WORLD).returncode == 0
+
+
+def test_a_free_id_is_taken_and_printed(wire):
+    done = run("gazebo", "-s", "auto", "--steps", "1", "-n", WORLD)
+    assert done.stdout.startswith("server id ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--fast", "x.world"], "unrecognized arguments: --fast"),
+        ([], "the following arguments are required: worldfile"),
+        (["-s", "minus", "x.world"], "invalid server id value: 'minus'"),
+        (["-s", "-4", "x.world"], "-s"),
+        (["-d", "10", "x.world"], "invalid choice"),
+        (["--rate", "nan", "x.world"], "invalid rate value"),
+        (["--steps", "-1", str(WORLD)], "--steps is -1"),
+        (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
+        (["/tmp"], "worldfile '/tmp' is a directory"),
+        (["-l", "/no/such/dir/log", str(WORLD)], "cannot write log file"),
+    ],
+)
+def test_a_wrong_command_line_is_one_sentence_and_code_2(arguments, sentence):
+    done = run("gazebo", *arguments)
+    assert done.returncode == 2
+    assert sentence in done.stderr
+    assert len(done.stderr.strip().splitlines()) == 1
+    assert done.stdout == ""
+
+
+def test_a_bad_world_is_told_and_code_1(wire, tmp_path):
+    path = tmp_path / "bad.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'>\n<model:SimpleSolid><mass>-1</mass></model:SimpleSolid></gz:world>"
+    )
+    done = run("gazebo", "-s", wire, path)
+    assert done.returncode == 1
+    assert f"error   : {path}:2: <mass>: '-1' is not allowed; mass [kg] must be above 0" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_messages_go_to_the_log_file(wire, tmp_path):
+    log = tmp_path / "log"
+    done = run("gazebo", "-s", wire, "--steps", "1", "-n", "-l", log, "-d", "-1", WORLD)
+    assert done.returncode == 0
+    assert "loaded Pioneer2AT 'robot1'" in log.read_text()
+    assert done.stderr == ""
+
+
+def test_the_status_line_is_for_terminals_only(wire):
+    parent, child = pty.openpty()
+    command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", str(wire), "--steps", "50", str(WORLD)]
+    with subprocess.Popen(command, stdout=child, stderr=subprocess.DEVNULL) as process:
+        os.close(child)
+        seen = b""
+        while True:
+            try:
+                data = os.read(parent, 4096)
+            except OSError:
+                break
+            if not data:
+                break
+            seen += data
+        assert process.wait(30) == 0
+    os.close(parent)
+    assert b"\rTime " in seen
+    assert b" 1.000 0.000 [" in seen
+
+
+def test_version_and_help():
+    assert run("gazebo", "-v").stdout == f"gazebo (libgz) {libgz.__version__}\n"
+    assert "worldfile" in run("gazebo", "-h").stdout
+    assert run("libgz", "--version").stdout == f"libgz {libgz.__version__}\n"
+
+
+def test_doctor():
+    done = run("libgz", "doctor")
+    assert done.returncode == 0, done.stdout
+    assert "ODE_double_precision" in done.stdout
+    forced = run("libgz", "doctor", env={**os.environ, "LIBGZ_STEP": "python"})
+    assert "python (forced by LIBGZ_STEP=python)" in forced.stdout
+    broken = run("libgz", "doctor", env={**os.environ, "LIBGZ_ODE": "libnothere.so"})
+    assert broken.returncode == 1
+    assert "apt-get install libode8" in broken.stdout
+
+
+def test_demo(wire):
+    done = run("libgz", "demo", "--seconds", "4", "--rate", "8", timeout=90)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert "battery [V]" in lines[2]
+    assert len(lines) >= 12
+    assert float(lines[-1].split()[1]) > 0.8

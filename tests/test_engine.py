@@ -1,0 +1,489 @@
+"""Physics against formulas, and the native step against the Python one."""
+
+import math
+import zlib
+
+import numpy as np
+import pytest
+
+import libgz
+from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.ode.lib import ode
+from libgz.ode.step import native_path
+from libgz.physics.engine import Engine, Space
+
+G = 9.8
+INF = math.inf
+
+
+def ground(engine, friction=1.0):
+    body, space = libgz.Body(engine, dummy=True), Space(engine)
+    space.set_fixed()
+    plane = libgz.PlaneGeom(body, space, 0.0, (0, 0, 1))
+    plane.SetHardness(INF, 0)
+    plane.SetFriction(friction)
+    return plane
+
+
+def solid(engine, make, mass=1.0, position=(0, 0, 0), friction=1.0, kp=1e6, kd=0.0):
+    body = libgz.Body(engine)
+    geom = make(body, Space(engine))
+    geom.SetMass(mass)
+    geom.SetFriction(friction)
+    geom.SetHardness(kp, kd)
+    body.SetPosition(position)
+    return body
+
+
+def box(*size):
+    return lambda body, space: libgz.BoxGeom(body, space, *size)
+
+
+def test_free_fall_is_semi_implicit_euler():
+    engine = Engine(step_time=0.01)
+    body = solid(engine, box(0.1, 0.2, 0.3), position=(0, 0, 100))
+    body.SetLinearVel((1.0, 0, 0))
+    n, h = 200, 0.01
+    for _ in range(n):
+        engine.step()
+    assert body.GetPosition().z == pytest.approx(100 - G * h * h * n * (n + 1) / 2, abs=1e-4)
+    assert body.GetLinearVel().z == pytest.approx(-G * h * n, abs=1e-9)
+    assert body.GetPosition().x == pytest.approx(n * h, abs=1e-9)
+
+
+@pytest.mark.parametrize("slope", [10, 20, 30])
+def test_box_on_a_slope_slides_by_its_friction(slope):
+    angle, friction, seconds = math.radians(slope), math.tan(math.radians(20)), 1.0
+    # Tilt gravity instead of the ground: the friction pyramid then lies along the slope.
+    engine = Engine(gravity=(G * math.sin(angle), 0, -G * math.cos(angle)), step_time=0.002)
+    ground(engine)
+    body = solid(engine, box(0.4, 0.4, 0.1), position=(0, 0, 0.05), friction=friction, kp=1e6, kd=1e4)
+    for _ in range(round(seconds / 0.002)):
+        engine.step()
+    acceleration = max(0.0, G * (math.sin(angle) - friction * math.cos(angle)))
+    assert body.GetPosition().x == pytest.approx(acceleration / 2 * seconds**2, rel=0.02, abs=2e-3)
+
+
+def test_pendulum_keeps_its_energy():
+    engine = Engine(step_time=0.001)
+    length, mass, radius = 1.0, 2.0, 0.05
+    bob = solid(engine, lambda b, s: libgz.SphereGeom(b, s, radius), mass, (length, 0, 0))
+    hinge = libgz.HingeJoint(engine)
+    hinge.Attach(bob, None)
+    hinge.SetAnchor((0, 0, 0))
+    hinge.SetAxis((0, 1, 0))
+    inertia = mass * length**2 + 0.4 * mass * radius**2
+    energies = []
+    for _ in range(5000):
+        engine.step()
+        energies.append(mass * G * bob.GetPosition().z + inertia * hinge.GetAngleRate() ** 2 / 2)
+    assert max(map(abs, energies)) < 0.01 * mass * G * length
+    assert math.hypot(bob.GetPosition().x, bob.GetPosition().z) == pytest.approx(length, abs=1e-3)
+
+
+def test_wheel_rolls_its_circumference():
+    engine = Engine(step_time=0.01)
+    ground(engine)
+    chassis = solid(engine, box(0.4, 0.2, 0.1), 2.0, (0, 0, 0.2))
+    for x in (0.15, -0.15):
+        for y in (0.15, -0.15):
+            wheel = solid(engine, lambda b, s: libgz.WheelGeom(b, s, 0.1, 0.03), 0.5, (x, y, 0.1))
+            hinge = libgz.HingeJoint(engine)
+            hinge.Attach(wheel, chassis)
+            hinge.SetAnchor((x, y, 0.1))
+            hinge.SetAxis((0, 1, 0))
+            hinge.SetParam(libgz.dParamVel, 2 * math.pi)
+            hinge.SetParam(libgz.dParamFMax, 5.0)
+    for _ in range(100):
+        engine.step()
+    start = chassis.GetPosition().x
+    for _ in range(500):
+        engine.step()
+    assert chassis.GetPosition().x - start == pytest.approx(5.0 * 2 * math.pi * 0.1, rel=0.01)
+
+
+def test_contact_is_a_spring():
+    engine = Engine()
+    ground(engine)
+    body = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.15), position=(0, 0, 0.15), kp=1e5, kd=500)
+    for _ in range(500):
+        engine.step()
+    assert body.GetPosition().z - 0.15 == pytest.approx(-1.0 * G / 1e5, rel=1e-3)
+
+
+def test_bounce_gives_speed_back():
+    engine = Engine(step_time=0.001)
+    ground(engine)
+    body = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.1), position=(0, 0, 1.1), kp=1e9, kd=1e6)
+    body.GetGeoms()[0].SetBounce(0.5)
+    peak, falling = 0.0, True
+    for _ in range(1000):
+        engine.step()
+        velocity = body.GetLinearVel().z
+        falling = falling and velocity <= 0
+        if not falling:
+            peak = max(peak, body.GetPosition().z - 0.1)
+    assert peak == pytest.approx(0.25, abs=0.01)  # e^2 h
+
+
+def test_slider_and_force():
+    engine = Engine(gravity=(0, 0, 0), step_time=0.01)
+    body = solid(engine, box(0.1, 0.1, 0.1), 2.0)
+    slider = libgz.SliderJoint(engine)
+    slider.Attach(body, None)
+    slider.SetAxis(1, 0, 0)
+    for _ in range(100):
+        slider.SetSliderForce(4.0)
+        engine.step()
+    assert slider.GetPositionRate() == pytest.approx(2.0, rel=1e-6)
+    assert slider.GetPosition() == pytest.approx(body.GetPosition().x)
+
+
+def test_torque_turns_a_hinge():
+    engine = Engine(gravity=(0, 0, 0), step_time=0.01)
+    body = solid(engine, box(0.2, 0.2, 0.2), 3.0)
+    hinge = libgz.HingeJoint(engine)
+    hinge.Attach(body, None)
+    hinge.SetAxis((0, 0, 1))
+    for _ in range(100):
+        hinge.SetTorque(0.1)
+        engine.step()
+    inertia = 3.0 * (0.2**2 + 0.2**2) / 12
+    assert hinge.GetAngleRate() == pytest.approx(0.1 / inertia, rel=1e-6)
+    assert body.GetAngularRate().z == pytest.approx(hinge.GetAngleRate())
+
+
+def test_hinge2_steers_and_rolls():
+    engine = Engine(gravity=(0, 0, 0), step_time=0.01)
+    chassis = solid(engine, box(1, 1, 1), 1000.0)
+    wheel = solid(engine, lambda b, s: libgz.WheelGeom(b, s, 0.1, 0.03), position=(1, 1, 0))
+    joint = libgz.Hinge2Joint(engine)
+    joint.Attach(chassis, wheel)
+    joint.SetAnchor((1, 1, 0))
+    joint.SetAxis1((0, 0, -1))
+    joint.SetAxis2((0, -1, 0))
+    joint.SetParam(libgz.dParamVel2, 3.0)
+    joint.SetParam(libgz.dParamFMax2, 5.0)
+    joint.SetParam(libgz.dParamFMax, 5.0)
+    for _ in range(50):
+        joint.SetParam(libgz.dParamVel, 10 * (0.4 - joint.GetAngle1()))
+        engine.step()
+    assert joint.GetAngle1() == pytest.approx(0.4, abs=0.01)
+    assert joint.GetAngle2Rate() == pytest.approx(3.0, rel=0.02)
+    assert joint.GetAxis2().x > 0.3  # positive steers left: the axle's right end came forward
+
+
+def test_universal_and_ball_and_fixed_hold():
+    engine = Engine(step_time=0.005)
+    for kind in (libgz.UniversalJoint, libgz.BallJoint, libgz.FixedJoint):
+        body = solid(engine, box(0.1, 0.1, 0.1), position=(0.5, 0, 0))
+        joint = kind(engine)
+        joint.Attach(body, None)
+        joint.SetAnchor((0, 0, 0))
+        if kind is libgz.UniversalJoint:
+            joint.SetAxis1((1, 0, 0))
+            joint.SetAxis2((0, 1, 0))
+        if kind is libgz.FixedJoint:
+            joint.SetFixed()
+        for _ in range(200):
+            engine.step()
+        assert np.linalg.norm(tuple(body.GetPosition())) == pytest.approx(0.5, abs=5e-3)
+        if kind is libgz.FixedJoint:
+            assert body.GetPosition().x == pytest.approx(0.5, abs=1e-4)
+
+
+def test_geoms_place_the_centre_of_mass():
+    engine = Engine()
+    body, space = libgz.Body(engine), Space(engine)
+    body.SetPosition((1, 2, 3))
+    for x, mass in ((0.0, 1.0), (1.0, 3.0)):
+        geom = libgz.BoxGeom(body, space, 0.1, 0.1, 0.1)
+        geom.SetRelativePosition((x, 0, 0))
+        geom.SetMass(mass)
+    assert body.mass == pytest.approx(4.0)
+    assert tuple(body.GetPosition()) == pytest.approx((1, 2, 3))
+    assert tuple(body.GetCoMPose().pos) == pytest.approx((1.75, 2, 3))
+    assert tuple(body.GetGeoms()[1].GetPose().pos) == pytest.approx((2, 2, 3))
+    # Parallel axes: 1 kg and 3 kg, 0.75 m and 0.25 m from the common centre.
+    own = (1.0 + 3.0) * (0.1**2 + 0.1**2) / 12
+    assert body.GetMass().I[10] == pytest.approx(own + 1.0 * 0.75**2 + 3.0 * 0.25**2)
+
+
+def test_massless_geoms():
+    engine = Engine()
+    body, space = libgz.Body(engine), Space(engine)
+    plate = libgz.BoxGeom(body, space, 1, 1, 1)
+    plate.SetMass(0)
+    assert body.mass == pytest.approx(1.0)  # all massless: what the volume weighs at 1 kg/m^3
+    heavy = libgz.BoxGeom(body, space, 1, 1, 1)
+    heavy.SetMass(5)
+    assert body.mass == pytest.approx(5.0)
+
+
+def pair_rests(first, second, height):
+    engine = Engine(step_time=0.01)
+    ground(engine)
+    lower = solid(engine, first, position=(0, 0, 0.25), kp=1e5, kd=300)
+    upper = solid(engine, second, position=(0, 0, 0.25 + height + 0.002), kp=1e5, kd=300)
+    for _ in range(300):
+        engine.step()
+    assert upper.GetPosition().z - lower.GetPosition().z == pytest.approx(height, abs=0.005)
+    assert np.linalg.norm(tuple(upper.GetLinearVel())) < 0.01
+
+
+def cylinder(body, space):
+    return libgz.CylinderGeom(body, space, 0.2, 0.5)
+
+
+def test_cylinders_collide():
+    pair_rests(cylinder, cylinder, 0.5)
+
+
+def test_cylinders_touch_at_their_radius():
+    engine = Engine(gravity=(0, 0, 0), step_time=0.005)
+    still = solid(engine, cylinder, position=(0, 0, 0), kp=1e5, kd=1000)
+    mover = solid(engine, cylinder, position=(-0.6, 0, 0), kp=1e5, kd=1000)
+    mover.SetLinearVel((1.0, 0, 0))
+    closest = 1.0
+    for _ in range(200):
+        engine.step()
+        closest = min(closest, still.GetPosition().x - mover.GetPosition().x)
+    assert closest == pytest.approx(0.4, abs=1e-3)
+    assert still.GetLinearVel().x > 0.3
+
+
+def test_capsule_meets_cylinder():
+    engine = Engine(gravity=(0, 0, 0), step_time=0.005)
+    still = solid(engine, cylinder, kp=1e5, kd=1000)
+    capsule = solid(engine, lambda b, s: libgz.CapsuleGeom(b, s, 0.1, 0.3), position=(-0.5, 0, 0), kp=1e5, kd=1000)
+    capsule.SetLinearVel((1.0, 0, 0))
+    for _ in range(200):
+        engine.step()
+    assert still.GetLinearVel().x > 0.2
+
+
+def test_box_on_a_mesh_and_on_a_heightfield():
+    for make in (
+        lambda b, s: libgz.TriMeshGeom(
+            b, s, [(-2, -2, 0.5), (2, -2, 0.5), (2, 2, 0.5), (-2, 2, 0.5)], [(0, 1, 2), (0, 2, 3)]
+        ),
+        lambda b, s: libgz.HeightfieldGeom(b, s, np.full((5, 5), 0.5), 4.0, 4.0),
+    ):
+        engine = Engine(step_time=0.01)
+        body, space = libgz.Body(engine, dummy=True), Space(engine)
+        floor = make(body, space)
+        floor.SetHardness(1e6, 0)
+        box_ = solid(engine, box(0.3, 0.3, 0.3), position=(0.4, 0.3, 0.7), kp=1e5, kd=300)
+        for _ in range(300):
+            engine.step()
+        assert box_.GetPosition().z == pytest.approx(0.65, abs=0.01)
+
+
+def cast(engine, start, direction, length=20.0, owner=0):
+    ranges, rows = np.empty(1), np.empty(1, dtype=np.int64)
+    frame = np.array([*start, 1, 0, 0, 0], dtype=float)
+    engine.scan(frame, np.array([[0, 0, 0, *direction, length]], dtype=float), owner, ranges, rows)
+    return ranges[0], engine.geoms.get(rows[0])
+
+
+def test_heightfield_lies_as_its_rows_and_columns_say():
+    engine = Engine()
+    body, space = libgz.Body(engine, dummy=True), Space(engine)
+    heights = np.zeros((5, 9))
+    heights[4, 8] = 1.0  # the corner at +x, +y
+    heights[0, 8] = 2.0  # the corner at +x, -y
+    field = libgz.HeightfieldGeom(body, space, heights, 8.0, 4.0)
+    for x, y, height in ((4, 2, 1.0), (4, -2, 2.0), (-4, 2, 0.0), (0, 0, 0.0)):
+        distance, geom = cast(engine, (x * 0.999, y * 0.999, 5), (0, 0, -1))
+        assert 5 - distance == pytest.approx(height, abs=0.02)  # a thousandth off the corner, on a slope
+        assert geom is field
+
+
+def test_rays_see_shapes_at_their_distances():
+    engine = Engine()
+    plane = ground(engine)
+    ball = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.5), position=(5, 0, 1))
+    crate = solid(engine, box(1, 1, 1), position=(-5, 0, 1))
+    can = solid(engine, cylinder, position=(0, 5, 1))
+    capsule = solid(engine, lambda b, s: libgz.CapsuleGeom(b, s, 0.3, 1.0), position=(0, -5, 1))
+    for direction, distance, body in (
+        ((1, 0, 0), 4.5, ball),
+        ((-1, 0, 0), 4.5, crate),
+        ((0, 1, 0), 4.8, can),
+        ((0, -1, 0), 4.7, capsule),
+    ):
+        found, geom = cast(engine, (0, 0, 1), direction)
+        assert found == pytest.approx(distance, abs=1e-9)
+        assert geom is body.GetGeoms()[0]
+    found, geom = cast(engine, (0, 0, 1), (0, 0, -1))
+    assert found == pytest.approx(1.0, abs=1e-12)
+    assert geom is plane
+    assert cast(engine, (0, 0, 1), (1, 0, 0), length=4.0)[1] is None
+    assert cast(engine, (0, 0, 1), (1, 0, 0), owner=ball.number)[1] is None
+
+
+def busy_world():
+    engine = Engine(seed=7, solver="quick")
+    ground(engine)
+    generator = np.random.default_rng(3)
+    makers = (
+        box(0.3, 0.2, 0.4),
+        cylinder,
+        lambda b, s: libgz.SphereGeom(b, s, 0.2),
+        lambda b, s: libgz.CapsuleGeom(b, s, 0.1, 0.3),
+    )
+    bodies = [
+        solid(engine, makers[i % 4], position=(*generator.uniform(-0.5, 0.5, 2), 0.5 + 0.5 * i), friction=0.7)
+        for i in range(16)
+    ]
+    for one, two in zip(bodies[::4], bodies[1::4], strict=True):
+        hinge = libgz.HingeJoint(engine)
+        hinge.Attach(one, two)
+        hinge.SetAnchor(one.GetPosition())
+        hinge.SetAxis((0, 1, 0))
+    return engine
+
+
+def run_busy_world(solver, steps=400):
+    engine = busy_world()
+    engine.solver = solver
+    contacts = 0
+    for _ in range(steps):
+        engine.step()
+        contacts += engine.contact_count
+    rays = np.array([[0, 0, 0.3, math.cos(a), math.sin(a), 0, 6.0] for a in np.linspace(0, 6, 50)])
+    ranges, rows = np.empty(50), np.empty(50, dtype=np.int64)
+    engine.scan(np.array([-2.0, 0, 0, 1, 0, 0, 0]), rays, 0, ranges, rows)
+    joints = [j.GetAngleRate() for j in engine.joints.values()]
+    return engine.step_form.name, (engine.states.tobytes(), ranges.tobytes(), rows.tobytes(), tuple(joints), contacts)
+
+
+@pytest.mark.parametrize("solver", ["world", "quick"])
+def test_native_and_python_step_agree_to_the_bit(solver, monkeypatch):
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    monkeypatch.setenv("LIBGZ_STEP", "native")
+    native = run_busy_world(solver)
+    monkeypatch.setenv("LIBGZ_STEP", "python")
+    python = run_busy_world(solver)
+    assert (native[0], python[0]) == ("native", "python")
+    assert native[1] == python[1]
+    assert native[1][4] > 1000  # contacts there were
+
+
+def test_two_worlds_do_not_disturb_each_other():
+    alone = run_busy_world("quick", 200)[1][0]
+    first, second = busy_world(), busy_world()
+    for _ in range(200):
+        first.step()
+        second.step()
+        second.step()
+    assert zlib.crc32(first.states.tobytes()) == zlib.crc32(alone)
+
+
+def test_python_step_raises_what_a_callback_raises(monkeypatch):
+    monkeypatch.setenv("LIBGZ_STEP", "python")
+    engine = Engine()
+    ground(engine)
+    solid(engine, box(1, 1, 1), position=(0, 0, 0.4))
+
+    def broken(*_):
+        raise RuntimeError("inside the callback")
+
+    monkeypatch.setattr(engine.step_form, "_look_up_pair", broken)
+    engine.step_form._near = engine.step_form._make_near()
+    with pytest.raises(RuntimeError, match="inside the callback"):
+        engine.step()
+
+
+def test_unknown_step_form(monkeypatch):
+    monkeypatch.setenv("LIBGZ_STEP", "fast")
+    with pytest.raises(ParameterError, match="auto, native, python"):
+        Engine()
+
+
+@pytest.mark.parametrize(
+    "misuse",
+    [
+        lambda e, b: libgz.BoxGeom(b, Space(e), 1, 0, 1),
+        lambda e, b: libgz.SphereGeom(b, Space(e), math.nan),
+        lambda e, b: libgz.PlaneGeom(b, Space(e), 0, (0, 0, 0)),
+        lambda e, b: b.SetPosition((0, math.nan, 0)),
+        lambda e, b: b.SetRotation((0, 0, math.inf, 0)),
+        lambda e, b: b.SetLinearVel((math.inf, 0, 0)),
+        lambda e, b: b.AddForce(math.nan, 0, 0),
+        lambda e, b: libgz.BoxGeom(b, Space(e), 1, 1, 1).SetMass(-1),
+        lambda e, b: libgz.BoxGeom(b, Space(e), 1, 1, 1).SetHardness(0, 0),
+        lambda e, b: libgz.HingeJoint(e).SetAxis((0, 0, 0)),
+        lambda e, b: libgz.HingeJoint(e).SetParam(99, 0),
+        lambda e, b: libgz.HingeJoint(e).SetParam(libgz.dParamVel, math.nan),
+        lambda e, b: libgz.HingeJoint(e).Attach(b, b),
+        lambda e, b: libgz.TriMeshGeom(b, Space(e), [(0, 0, 0)], [(0, 1, 2)]),
+        lambda e, b: Engine(step_time=0),
+        lambda e, b: Engine(solver="fast"),
+    ],
+)
+def test_bad_arguments_are_refused_before_ode_sees_them(misuse):
+    engine = Engine()
+    with pytest.raises(ParameterError):
+        misuse(engine, libgz.Body(engine))
+
+
+def test_parts_close_in_any_order():
+    engine = Engine()
+    body = solid(engine, box(1, 1, 1))
+    other = solid(engine, box(1, 1, 1), position=(3, 0, 0))
+    hinge = libgz.HingeJoint(engine)
+    hinge.Attach(body, other)
+    hinge.SetAxis((0, 0, 1))
+    body.close()
+    body.close()
+    with pytest.raises(ClosedError):
+        hinge.GetAngle()
+    with pytest.raises(ClosedError):
+        body.GetPose()
+    engine.step()
+    new = solid(engine, box(1, 1, 1), position=(0, 0, 9))
+    engine.step()
+    assert new.GetPosition().z == pytest.approx(9 - G * 0.02**2)
+    engine.close()
+    engine.close()
+    with pytest.raises(ClosedError):
+        engine.step()
+    with pytest.raises(GazeboError):
+        other.SetPosition((0, 0, 0))
+
+
+def test_worlds_are_freed_without_being_closed():
+    import gc
+    import weakref
+
+    engine = busy_world()
+    engine.step()
+    gone = weakref.ref(engine)
+    del engine
+    gc.collect()
+    assert gone() is None
+
+
+def test_undeclared_and_absent_functions_explain_themselves(monkeypatch):
+    library = ode()
+    with pytest.raises(AttributeError, match="did you mean 'dWorldStep'"):
+        _ = library.dWorldStepp
+    monkeypatch.setitem(library._declared, "dNoSuchFunction", (None, []))
+    with pytest.raises(libgz.LibraryError, match="has no function dNoSuchFunction"):
+        library.dNoSuchFunction()
+
+
+def test_all_declared_functions_exist():
+    library = ode()
+    missing = [name for name in library._declared if not hasattr(library._shared, name)]
+    assert missing == []
+
+
+def test_a_missing_library_says_how_to_install_it(monkeypatch):
+    from libgz.ode import lib
+
+    monkeypatch.setenv("LIBGZ_ODE", "libnothere.so.1")
+    with pytest.raises(libgz.LibraryError, match="apt-get install libode8"):
+        lib.OdeLibrary()

@@ -1,0 +1,452 @@
+"""The wire: layouts, server start and end, locks, semaphores, and clients that misbehave."""
+
+import ctypes
+import fcntl
+import importlib
+import json
+import math
+import os
+import pkgutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libgz
+import libgz.interfaces
+from libgz.interfaces.laser import Laser
+from libgz.interfaces.position import Position
+from libgz.interfaces.sim import Sim
+from libgz.transport.interface import Interface
+from libgz.transport.layout import Data, fields_of
+from libgz.transport.paths import LOCK_FILE, server_directory
+from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
+from libgz.transport.server import LocalServer, Server, free_server_id
+
+LAYOUT = json.loads((Path(__file__).parent / "data" / "libgazebo-layout.json").read_text())
+
+
+def interface_kinds():
+    kinds = []
+    for module in pkgutil.iter_modules(libgz.interfaces.__path__):
+        for value in vars(importlib.import_module(f"libgz.interfaces.{module.name}")).values():
+            if isinstance(value, type) and issubclass(value, Interface) and value.__module__.endswith(module.name):
+                kinds.append(value)
+    return kinds
+
+
+KINDS = interface_kinds()
+
+
+@pytest.fixture
+def server(wire):
+    running = Server(wire)
+    running.start()
+    yield running
+    running.stop()
+
+
+def serve(server, kind=Position, name="robot1"):
+    interface = kind()
+    interface.create(server, name, "Tester", 7, 3)
+    return interface
+
+
+# Layouts ---------------------------------------------------------------------------------------------------------
+
+
+def check_struct(struct, expected):
+    assert ctypes.sizeof(struct) == expected["size"]
+    for name, (offset, size, _) in expected["fields"].items():
+        field = getattr(struct, name)
+        assert (field.offset, field.size) == (offset, size), name
+    declared = {name for name, *_ in struct._fields_} | ({"head"} if issubclass(struct, Data) else set())
+    assert declared == set(expected["fields"])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)
+def test_structs_lie_as_they_did(kind):
+    described = LAYOUT["_files"][kind.type]
+    check_struct(kind.data_class, LAYOUT[described["struct"]])
+    assert kind.has_post == described["post_function"]
+    for field in fields_of(kind.data_class).values():
+        if issubclass(field.ctype, ctypes.Structure):
+            typedef = {"FiducialFid": "gz_fiducial_fid"}[field.ctype.__name__]
+            check_struct(field.ctype, LAYOUT[typedef])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)
+def test_old_functions_exist_for_every_interface(kind):
+    module = importlib.import_module(kind.__module__)
+    for verb in ("alloc", "free", "create", "destroy", "open", "close", "lock", "unlock"):
+        assert callable(getattr(module, f"gz_{kind.type}_{verb}"))
+        assert getattr(libgz, f"gz_{kind.type}_{verb}") is not None
+    assert hasattr(module, f"gz_{kind.type}_post") == kind.has_post
+
+
+def test_the_head_is_filled_in(server):
+    interface = serve(server)
+    head = interface.data.head
+    assert (head.version, head.size, head.model_type, head.model_id, head.parent_model_id) == (
+        0x060,
+        312,
+        b"Tester",
+        7,
+        3,
+    )
+    raw = (Path(server.path) / "position.robot1").read_bytes()
+    assert len(raw) == 312
+    assert raw[:4] == (0x060).to_bytes(4, "little")
+
+
+def test_ids_larger_than_an_int_are_masked(server):
+    interface = Position()
+    interface.create(server, "a", "T", 0x7F00_9000_0001, 0)
+    assert interface.data.head.model_id == -0x70000000 + 1
+
+
+# Directory -------------------------------------------------------------------------------------------------------
+
+
+def test_directory_is_named_by_tmp_user_and_id(monkeypatch):
+    monkeypatch.setenv("TMP", "/somewhere")
+    monkeypatch.setenv("USER", "ahoward")
+    assert server_directory(0) == "/somewhere/gazebo-ahoward-0"
+    monkeypatch.delenv("USER")
+    monkeypatch.delenv("TMP")
+    assert server_directory(3) == "/tmp/gazebo-nobody-3"
+    monkeypatch.setenv("USER", "")
+    assert server_directory(3) == "/tmp/gazebo--3"
+    monkeypatch.setenv("TMP", "/" + "x" * 130)
+    with pytest.raises(libgz.ParameterError, match="longer than 127"):
+        server_directory(0)
+
+
+def test_modes_and_semaphores(server):
+    serve(server)
+    assert Path(server.path).stat().st_mode & 0o777 == 0o700
+    assert (Path(server.path) / "position.robot1").stat().st_mode & 0o777 == 0o600
+    lines = Path("/proc/sysvipc/sem").read_text().splitlines()
+    fields = [line.split() for line in lines[1:] if int(line.split()[0]) == GZ_SEM_KEY + server.server_id]
+    assert [(f[2], f[3]) for f in fields] == [("700", str(CLIENTS))]
+
+
+def test_a_live_server_is_never_disturbed(server):
+    interface = serve(server)
+    for force in (False, True):
+        with pytest.raises(
+            libgz.ServerError, match=f"another server running with id {server.server_id} .pid {os.getpid()}"
+        ):
+            Server(server.server_id, force).start()
+    interface.data.pos[0] = 1.0
+    server.post()
+    assert (Path(server.path) / "position.robot1").exists()
+
+
+def test_a_dead_servers_leavings_are_reclaimed(wire):
+    script = (
+        f"import os; from libgz.transport.server import Server; from libgz.interfaces.position import Position\n"
+        f"s = Server({wire}); s.start(); p = Position(); p.create(s, 'old'); s.post(); os._exit(9)"
+    )
+    assert subprocess.run([sys.executable, "-c", script], timeout=30).returncode == 9
+    folder = Path(server_directory(wire))
+    assert (folder / "position.old").exists()
+    assert SemaphoreSet.attach(wire)
+    server = Server(wire)
+    server.start()
+    assert sorted(p.name for p in folder.iterdir()) == [LOCK_FILE]
+    server.stop()
+    server.stop()
+    assert not folder.exists()
+
+
+def test_semaphores_of_a_live_foreign_server_are_respected(wire):
+    # A server of another kind holds no lock of ours, but posts to its semaphores.
+    script = (
+        f"import sys; from libgz.transport.semaphores import SemaphoreSet\n"
+        f"s = SemaphoreSet.create({wire}); s.post(); print('up', flush=True); sys.stdin.read(); s.remove()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout.readline() == "up\n"
+        with pytest.raises(libgz.ServerError, match="-f if you definitely want"):
+            Server(wire).start()
+        assert not Path(server_directory(wire)).exists()
+        forced = Server(wire, force=True)
+        forced.start()
+        forced.stop()
+        other.communicate("", timeout=30)
+
+
+def test_links_in_a_shared_tmp_are_not_followed(wire, tmp_path):
+    target = tmp_path / "target"
+    target.mkdir()
+    folder = Path(server_directory(wire))
+    folder.symlink_to(target)
+    with pytest.raises(libgz.ServerError, match="cannot use"):
+        Server(wire).start()
+    folder.unlink()
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    folder.mkdir(mode=0o755)
+    (folder / "position.robot1").symlink_to(victim)
+    server = Server(wire)
+    server.start()
+    assert folder.stat().st_mode & 0o777 == 0o700
+    serve(server)
+    server.stop()
+    assert victim.read_text() == "precious"
+
+
+def test_ids_that_cannot_be_used(server):
+    for name, message in ((None, "is NULL"), ("a.b", "must not contain '.'"), ("a/b", "must not contain '/'")):
+        with pytest.raises(libgz.InterfaceError, match=message):
+            Position().create(server, name)
+    empty = serve(server, name="")
+    assert (Path(server.path) / "position.").exists()
+    empty.destroy()
+
+
+def test_the_first_of_two_with_one_id_is_served(server, caplog):
+    first, second = serve(server), serve(server)
+    assert "second position interface with id 'robot1'" in caplog.text
+    second.data.pos[0] = 5.0
+    assert first.data.pos[0] == 0.0
+    second.destroy()
+    assert (Path(server.path) / "position.robot1").exists()
+
+
+def test_the_directory_may_vanish_under_a_running_server(server, caplog):
+    first = serve(server)
+    for path in Path(server.path).iterdir():
+        path.unlink()
+    Path(server.path).rmdir()
+    with first.locked() as data:
+        data.pos[0] = 1.0
+    serve(server, name="robot2")
+    assert "was removed under the running server" in caplog.text
+    assert (Path(server.path) / "position.robot2").exists()
+
+
+def test_a_free_server_id(wire):
+    number = free_server_id()
+    with pytest.raises(FileNotFoundError):
+        SemaphoreSet.attach(number)
+
+
+# Client ----------------------------------------------------------------------------------------------------------
+
+
+def test_the_old_functions(server, caplog):
+    robot = serve(server)
+    client = libgz.gz_client_alloc()
+    assert libgz.gz_client_query(client, server.server_id) == 0
+    assert libgz.gz_client_connect(client, server.server_id) == 0
+    position = libgz.gz_position_alloc()
+    assert libgz.gz_position_open(position, client, "robot1") == 0
+    assert libgz.gz_position_lock(position, 1) == 0
+    position.data.cmd_vel_pos[0] = 0.2
+    libgz.gz_position_unlock(position)
+    assert robot.data.cmd_vel_pos[0] == 0.2
+    assert libgz.gz_position_close(position) == 0
+    assert libgz.gz_position_open(libgz.gz_position_alloc(), client, "nobody") == -1
+    assert "nobody" in libgz.gz_error_str()
+    assert "nobody" in caplog.text
+    assert libgz.gz_client_connect_wait(client, server.server_id, 16) == -1
+    assert libgz.gz_client_connect_wait(client, server.server_id + 1, 0) == -1
+    assert "does not appear to be running" in libgz.gz_error_str()
+    assert libgz.gz_client_query(client, server.server_id + 1) == 1
+    assert libgz.gz_client_connect_wait(client, server.server_id, 3) == 0
+    server.post()
+    assert libgz.gz_client_wait(client) == 0
+    assert libgz.gz_client_disconnect(client) == 0
+
+
+def test_the_pythonic_client(server):
+    robot = serve(server)
+    serve(server, Sim, "default")
+    robot.data.pos[0] = 1.5
+    with libgz.Client(server.server_id) as client:
+        view = client.position("robot1")
+        assert client.position("robot1") is view
+        assert isinstance(view.pos, np.ndarray)
+        robot.data.pos[1] = 2.5
+        assert view.pos.tolist() == [1.5, 2.5, 0.0]  # a view, not a copy
+        view.command(vx=0.2, vyaw=0.1)
+        assert robot.data.cmd_vel_rot[2] == 0.1
+        view.cmd_vel_pos[0] = 9.0
+        assert robot.data.cmd_vel_pos[0] == 9.0
+        kept = view.pos
+        assert client.interfaces() == [("position", "robot1"), ("sim", "default")]
+    with pytest.raises(libgz.ClosedError):
+        _ = view.data
+    assert kept[0] == 1.5  # memory lives as long as a view of it does
+
+
+def test_a_client_without_a_server(wire):
+    with pytest.raises(libgz.ServerError, match=f"server {wire} does not appear to be running"):
+        libgz.Client(wire, timeout=0.05)
+
+
+def test_an_interface_that_is_not_there_is_answered_with_its_neighbours(server):
+    serve(server)
+    serve(server, Sim, "default")
+    with libgz.Client(server.server_id) as client:
+        with pytest.raises(libgz.InterfaceError, match="its position interfaces are 'robot1'; did you mean 'robot1'"):
+            client.position("robt1")
+        with pytest.raises(libgz.InterfaceError, match="serves no laser interface"):
+            client.laser("laser1")
+
+
+def test_a_file_too_short_is_refused(server):
+    serve(server, Sim, "default")
+    (Path(server.path) / "laser.short").write_bytes(bytes(100))
+    with libgz.Client(server.server_id) as client, pytest.raises(libgz.InterfaceError, match="expected file size"):
+        client.laser("short")
+    (Path(server.path) / "laser.old").write_bytes(bytes(Laser.size()))
+    with libgz.Client(server.server_id) as client, pytest.raises(libgz.InterfaceError, match="expected file size"):
+        client.laser("old")
+
+
+# Waiting ---------------------------------------------------------------------------------------------------------
+
+
+def test_post_is_a_flag_for_each_client(server):
+    one, two = (SemaphoreSet.attach(server.server_id) for _ in range(2))
+    for _ in range(10):
+        server.post()
+    assert one.wait(0, 1.0)
+    assert not one.wait(0, 0.0)  # ten posts wake once
+    assert two.wait(1, 1.0)  # each client has its own flag
+    assert not two.wait(1, 0.05)
+
+
+def test_wait_sleeps_until_the_post(server):
+    waiting = SemaphoreSet.attach(server.server_id)
+    threading.Timer(0.1, server.post).start()
+    begin = time.monotonic()
+    assert waiting.wait(5, 10.0)
+    assert 0.05 < time.monotonic() - begin < 5.0
+
+
+def test_a_client_learns_that_the_server_ended(wire):
+    server = Server(wire)
+    server.start()
+    serve(server, Sim, "default")
+    client = libgz.Client(wire)
+    threading.Timer(0.1, server.stop).start()
+    with pytest.raises(libgz.ServerGoneError, match=f"server {wire} ended"):
+        client.wait(timeout=10.0)
+    client.disconnect()
+
+
+def test_signals_do_not_end_a_wait(server):
+    waiting = SemaphoreSet.attach(server.server_id)
+    seen = []
+    before = signal.signal(signal.SIGUSR1, lambda *_: seen.append(1))
+    try:
+        threading.Timer(0.05, os.kill, (os.getpid(), signal.SIGUSR1)).start()
+        threading.Timer(0.2, server.post).start()
+        assert waiting.wait(2, 10.0)
+    finally:
+        signal.signal(signal.SIGUSR1, before)
+    assert seen
+
+
+@pytest.mark.parametrize("timeout", [-1, math.nan])
+def test_timeouts_are_checked(server, timeout):
+    with pytest.raises(libgz.ParameterError, match="timeout"):
+        SemaphoreSet.attach(server.server_id).wait(0, timeout)
+
+
+# Clients that misbehave ------------------------------------------------------------------------------------------
+
+
+def test_a_held_lock_does_not_stop_the_server(server, caplog):
+    robot = serve(server)
+    descriptor = os.open(Path(server.path) / "position.robot1", os.O_RDWR)
+    fcntl.flock(descriptor, fcntl.LOCK_EX)
+    begin = time.monotonic()
+    assert not robot.lock()
+    first = time.monotonic() - begin
+    assert not robot.lock()
+    assert time.monotonic() - begin - first < first + 0.01  # it has learned: no waiting any more
+    assert caplog.text.count("holds the lock of position.robot1") == 1
+    fcntl.flock(descriptor, fcntl.LOCK_UN)
+    assert robot.lock()
+    robot.unlock()
+    os.close(descriptor)
+
+
+def test_a_lock_is_shared_with_other_descriptors(server):
+    robot = serve(server)
+    with robot.locked():
+        client = libgz.gz_client_alloc()
+        libgz.gz_client_connect(client, server.server_id)
+        other = Position()
+        other.open(client, "robot1")
+        assert not other.lock(timeout=0.05)
+    assert other.lock(timeout=0.05)
+    other.unlock()
+    client.disconnect()
+
+
+def test_a_file_cut_short_is_mended(server, caplog):
+    robot = serve(server)
+    os.truncate(Path(server.path) / "position.robot1", 0)
+    with robot.locked() as data:
+        data.pos[0] = 1.0
+        assert (data.head.version, data.head.size, data.head.model_type) == (0x060, 312, b"Tester")
+    assert "cut position.robot1 short" in caplog.text
+    assert (Path(server.path) / "position.robot1").stat().st_size == 312
+
+
+def test_a_removed_file_goes_on_in_memory(server):
+    robot = serve(server)
+    (Path(server.path) / "position.robot1").unlink()
+    with robot.locked() as data:
+        data.pos[0] = 1.0
+    robot.destroy()
+
+
+def test_removed_semaphores_are_told_once(wire, caplog):
+    server = Server(wire)
+    server.start()
+    SemaphoreSet.attach(wire).remove()
+    server.post()
+    server.post()
+    assert caplog.text.count("semaphores of server") == 1
+    server.stop()
+
+
+# In process ------------------------------------------------------------------------------------------------------
+
+
+def test_interfaces_without_a_wire():
+    server = LocalServer()
+    robot = serve(server)
+    robot.command(vx=0.5)
+    assert robot.data.cmd_vel_pos[0] == 0.5
+    assert robot.lock()
+    robot.unlock()
+    robot.post()
+    assert server.interfaces == {("position", "robot1"): robot}
+    server.stop()
+    assert server.interfaces == {}
+
+
+def test_every_field_is_described():
+    for kind in KINDS:
+        for name, field in fields_of(kind.data_class).items():
+            assert field.help, (kind.type, name)
+            assert field.writer in ("S", "C", "S/C")
+
+
+def test_view_docstrings_carry_units():
+    assert Position.vel_pos.__doc__.startswith("velocity in the robot's frame, forward first [m/s], shape (3,)")

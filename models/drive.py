@@ -67,7 +67,9 @@ class DifferentialRobot(Model):
         self.batteryCurve = values.batteryCurve
         self.odometry = [0.0, 0.0, 0.0]  # x [m], y [m], yaw [rad]
         self.velocity = (0.0, 0.0)  # [m/s], [rad/s], from the wheels
-        self.command = (0.0, 0.0)
+        self.command = (0.0, 0.0)  # wanted, [m/s] and [rad/s]
+        self.enabled = True
+        self._driven: tuple[float, float] | None = None  # what the motors were last set to
         self.build()
 
     def add_wheel(self, name: str, position: GzVector, tireRadius: float, mass: float, color: GzColor) -> None:
@@ -109,11 +111,10 @@ class DifferentialRobot(Model):
         self._integrate(step)
         now = self.world.GetSimTime()
         if self.rate.due(now):
-            self._take_command()
+            self._exchange(now)
             self._drive()
             if self.sonars is not None:
                 self.sonars.Update(now)
-            self._publish(now)
 
     def _integrate(self, step: float) -> None:
         """Odometry and battery from the wheels' rates."""
@@ -132,40 +133,35 @@ class DifferentialRobot(Model):
         drain = with_time * step + with_travel * (left * left + right * right)
         self.batteryLevel = max(0.0, self.batteryLevel - drain)
 
-    def _take_command(self) -> None:
-        """What the client wants, if its lock can be had and its numbers are sane."""
-        if not self.position.lock():
-            return
-        data = self.position.data
-        enabled, speed, turn = data.cmd_enable_motors, data.cmd_vel_pos[0], data.cmd_vel_rot[2]
-        self.position.unlock()
-        self.command = (
-            self.guard.number("cmd_vel_pos[0]", speed, self.command[0], LARGEST_COMMAND),
-            self.guard.number("cmd_vel_rot[2]", turn, self.command[1], LARGEST_COMMAND),
-        )
-        if not enabled:
-            self.command = (0.0, 0.0)
-
-    def _drive(self) -> None:
-        """Set the wheels' motors."""
-        speed, turn = self.command
-        half = turn * self.wheelSep / 2.0
-        for joints, rate in ((self.left, speed - half), (self.right, speed + half)):
-            for joint in joints:
-                joint.SetParam(dParamVel, 2.0 * rate / self.wheelDiam)
-                joint.SetParam(dParamFMax, self.maxTorque)
-
-    def _publish(self, now: float) -> None:
-        """Write position and power."""
+    def _exchange(self, now: float) -> None:
+        """Publish position and power, and take the client's command if its numbers are sane."""
         if self.position.lock():
             data = self.position.data
+            enabled, speed, turn = data.cmd_enable_motors, data.cmd_vel_pos[0], data.cmd_vel_rot[2]
             data.time = now
             pos, rot = data.pos, data.rot
             pos[0], pos[1], rot[2] = self.odometry
             data.vel_pos[0], data.vel_rot[2] = self.velocity
             data.stall = 0
             self.position.unlock()
+            self.command = (
+                self.guard.number("cmd_vel_pos[0]", speed, self.command[0], LARGEST_COMMAND),
+                self.guard.number("cmd_vel_rot[2]", turn, self.command[1], LARGEST_COMMAND),
+            )
+            self.enabled = bool(enabled)
         if self.power.lock():
             self.power.data.time = now
             self.power.data.levels[0] = self.batteryLevel
             self.power.unlock()
+
+    def _drive(self) -> None:
+        """Set the wheels' motors, if the command changed."""
+        speed, turn = self.command if self.enabled else (0.0, 0.0)
+        if (speed, turn) == self._driven:
+            return
+        self._driven = (speed, turn)
+        half = turn * self.wheelSep / 2.0
+        for joints, rate in ((self.left, speed - half), (self.right, speed + half)):
+            for joint in joints:
+                joint.SetParam(dParamVel, 2.0 * rate / self.wheelDiam)
+                joint.SetParam(dParamFMax, self.maxTorque)

@@ -116,6 +116,13 @@ class OdeLibrary:
         """The address of a C function, for the native step."""
         return ctypes.cast(self._shared[name], ctypes.c_void_p).value or 0
 
+    def unchecked(self, name: str, result: Any) -> Callable[..., Any]:
+        """A declared function that takes ctypes objects as they are: twice as fast to call, and nothing is checked."""
+        _ = self._declared[name]
+        function = self._shared[name]  # a new one at each look-up, with types of its own
+        function.restype = result
+        return function
+
     def ensure_thread(self) -> None:
         """Give the calling thread ODE's per-thread data; collision in a thread without them crashes."""
         if not getattr(self._threads, "ready", False):

@@ -7,13 +7,15 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import logging
 import math
 import os
 import sys
+from collections.abc import Sequence
 from ctypes import c_double, c_int64, c_uint64, c_void_p
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,8 +32,23 @@ log = logging.getLogger("libgz.ode")
 MAX_CONTACTS = 10
 NO_HIT = sys.float_info.max
 
-_NEAR_CALLBACK = ctypes.CFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
+# ODE is called with the interpreter lock held (PyDLL), so its callbacks need not take it.
+_NEAR_CALLBACK = ctypes.PYFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 _CHOICES = ("auto", "native", "python")
+
+
+class _Handle(c_void_p):
+    """A handle that stays one: a result of plain c_void_p becomes an int, and must be made an argument again."""
+
+
+# What a pair is: two spaces, nothing that moves, one body and something static, two bodies, or two bodies whose shapes
+# ODE itself cannot collide.
+_SPACES, _STATIC, _PLAIN, _BODIES, _CYLINDERS = range(5)
+_Pair: TypeAlias = (
+    "tuple[int, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, Sequence[tuple[c_void_p, ...]]]"  # see near()
+)
+_ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
+MOST_PAIRS = 100_000  # remembered; each is some hundred bytes
 
 
 class StepContext(ctypes.Structure):
@@ -135,7 +152,7 @@ class NativeStep:
     def __init__(self, context: StepContext, path: Path) -> None:
         self._shared = self._bind(path)
         self._address = ctypes.addressof(context)
-        self._step = self._shared.gz_step
+        self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
         self._scan = self._shared.gz_scan
 
     @classmethod
@@ -147,7 +164,6 @@ class NativeStep:
         library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
         library.gz_step_context_size.restype = ctypes.c_size_t
         library.gz_step_bind.argtypes = [c_void_p]
-        library.gz_step.argtypes = [c_void_p]
         library.gz_read.argtypes = [c_void_p]
         library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
         library.gz_scan.restype = None
@@ -165,7 +181,7 @@ class NativeStep:
 
     def step(self) -> bool:
         """Collide, step and copy all states out."""
-        return bool(self._step(self._address))
+        return bool(self._step())
 
     def read(self) -> None:
         """Copy all states out."""
@@ -202,85 +218,92 @@ class PythonStep:
         self._tables = tables
         self._ode: OdeLibrary = ode()
         self._fault: BaseException | None = None
-        self._pairs: dict[tuple[int, int], tuple[int, list[int]]] = {}
+        self._pairs: dict[tuple[int, int], _Pair] = {}
         self._pairs_valid_for: tuple[int, float] = (-1, 0.0)
-        self._geoms: dict[int, tuple[int, int]] = {}
-        self._round: dict[int, GeomClass] = {}  # cylinders and capsules
-        self._contact_arrays: list[Any] = []
+        self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
+        self._contact_count = 0
         self._near = self._make_near()
 
     def forget(self, geom: int) -> None:
         """Drop what is remembered of a geom, because it was destroyed or given to another body."""
-        self._geoms.pop(geom, None)
-        self._round.pop(geom, None)
+        self._pairs.clear()
 
     def _make_near(self) -> Any:
-        """The near-callback, with everything it touches in local names: it runs once per pair and step."""
-        ode_ = self._ode
-        collide, attach, create = ode_.dCollide, ode_.dJointAttach, ode_.dJointCreateContact
-        connected, collide2 = ode_.dAreConnectedExcluding, ode_.dSpaceCollide2
-        geoms, pairs, context = self._geoms, self._pairs, self._context
-        contact_type, size = int(JointType.CONTACT), ctypes.sizeof(Contact)
-        look_up_geom, look_up_pair = self._look_up_geom, self._look_up_pair
-        round_, collide_cylinder, cylinder = self._round, self._collide_cylinder, GeomClass.CYLINDER
-        world, group = context.world, context.contacts
+        """The near-callback, with everything it touches in local names: it runs once per pair and step.
+
+        What it needs of a pair is looked up once and kept as ready-made C arguments.
+        """
+        collide = self._ode.unchecked("dCollide", ctypes.c_int)
+        collide2 = self._ode.unchecked("dSpaceCollide2", None)
+        connected = self._ode.unchecked("dAreConnectedExcluding", ctypes.c_int)
+        create = self._ode.unchecked("dJointCreateContact", _Handle)
+        attach = self._ode.unchecked("dJointAttach", None)
+        pairs, look_up = self._pairs, self._look_up_pair
+        world, group = c_void_p(self._context.world), c_void_p(self._context.contacts)
+        most, size, contact_type = (ctypes.c_int(v) for v in (MAX_CONTACTS, ctypes.sizeof(Contact), JointType.CONTACT))
 
         def near(_data: int, geom1: int, geom2: int) -> None:
             try:
-                row1, body1 = geoms.get(geom1) or look_up_geom(geom1)
-                row2, body2 = geoms.get(geom2) or look_up_geom(geom2)
-                if row1 < 0 or row2 < 0:
-                    collide2(geom1, geom2, None, callback)
+                pair = pairs.get((geom1, geom2)) or look_up(geom1, geom2)
+                kind, one, two, body1, body2, first, contacts = pair
+                if kind == _PLAIN:
+                    count = collide(one, two, most, first, size)
+                elif kind == _SPACES:
+                    collide2(one, two, None, callback)
                     return
-                if body1:
-                    if body2 and connected(body1, body2, contact_type):
-                        return
-                elif not body2:
+                elif kind == _STATIC or connected(body1, body2, contact_type):
                     return
-                first, addresses = pairs.get((row1, row2)) or look_up_pair(row1, row2)
-                if geom1 in round_ and geom2 in round_ and cylinder in (round_[geom1], round_[geom2]):
-                    count = collide_cylinder(geom1, geom2, first)
+                elif kind == _BODIES:
+                    count = collide(one, two, most, first, size)
                 else:
-                    count = collide(geom1, geom2, MAX_CONTACTS, first, size)
+                    count = self._collide_cylinder(geom1, geom2, first.value or 0)
                 if count:
-                    context.contact_count += count
-                    for address in addresses[:count]:
-                        attach(create(world, group, address), body1, body2)
+                    self._contact_count += count
+                    for contact in contacts[count]:
+                        attach(create(world, group, contact), body1, body2)
             except BaseException as fault:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
                 self._fault = fault
 
-        callback = ctypes.cast(keep := _NEAR_CALLBACK(near), c_void_p).value
-        self._keep = keep
+        self._keep = _NEAR_CALLBACK(near)
+        callback = ctypes.cast(self._keep, c_void_p)
         return callback
 
-    def _look_up_geom(self, geom: int) -> tuple[int, int]:
-        """(table row, body) of a geom; row -1 for a space."""
-        if self._ode.dGeomIsSpace(geom):
-            found = (-1, 0)
+    def _look_up_pair(self, geom1: int, geom2: int) -> _Pair:
+        """What a pair of geoms or spaces is, and what it collides with; remembered until a geom goes or changes."""
+        lib, one, two = self._ode, c_void_p(geom1), c_void_p(geom2)
+        if len(self._pairs) > MOST_PAIRS:
+            self._pairs.clear()
+        if lib.dGeomIsSpace(geom1) or lib.dGeomIsSpace(geom2):
+            pair: _Pair = (_SPACES, one, two, one, two, one, [])
         else:
-            found = (self._ode.dGeomGetData(geom) or 0, self._ode.dGeomGetBody(geom) or 0)
-            kind = self._ode.dGeomGetClass(geom)
-            if self._context.no_cylinder_pairs and kind in (GeomClass.CYLINDER, GeomClass.CAPSULE):
-                self._round[geom] = GeomClass(kind)
-        self._geoms[geom] = found
-        return found
+            body1, body2 = (lib.dGeomGetBody(geom) or 0 for geom in (geom1, geom2))
+            kinds = {lib.dGeomGetClass(geom) for geom in (geom1, geom2)}
+            kind = _BODIES if body1 and body2 else _PLAIN if body1 or body2 else _STATIC
+            if kind == _BODIES and self._context.no_cylinder_pairs and GeomClass.CYLINDER in kinds <= _ROUND:
+                kind = _CYLINDERS
+            rows = [lib.dGeomGetData(geom) or 0 for geom in (geom1, geom2)]
+            first, contacts = self._contacts(*(self._tables.surface[row].tolist() for row in rows))
+            pair = (kind, one, two, c_void_p(body1), c_void_p(body2), first, contacts)
+        self._pairs[geom1, geom2] = pair
+        return pair
 
-    def _look_up_pair(self, row1: int, row2: int) -> tuple[int, list[int]]:
-        """Ten contacts whose surfaces are filled in for this pair: their address, and the address of each."""
-        array = (Contact * MAX_CONTACTS)()
-        surface = self._surface(self._tables.surface[row1].tolist(), self._tables.surface[row2].tolist())
-        for contact in array:
-            contact.surface = surface
-        start, size = ctypes.addressof(array), ctypes.sizeof(Contact)
-        self._contact_arrays.append(array)
-        found = (start + Contact.geom.offset, [start + i * size for i in range(MAX_CONTACTS)])
-        self._pairs[row1, row2] = found
-        return found
+    def _contacts(self, a: list[float], b: list[float]) -> tuple[c_void_p, list[tuple[c_void_p, ...]]]:
+        """Contacts with the surface of two geoms: where dCollide writes, and the first n of them for each n."""
+        key = (*a, *b)
+        if key not in self._contact_arrays:
+            array, surface = (Contact * MAX_CONTACTS)(), self._surface(a, b)
+            for contact in array:
+                contact.surface = surface
+            start, size = ctypes.addressof(array), ctypes.sizeof(Contact)
+            handles = [c_void_p(start + i * size) for i in range(MAX_CONTACTS)]
+            self._contact_arrays[key] = array, [tuple(handles[:n]) for n in range(MAX_CONTACTS + 1)]
+        array, contacts = self._contact_arrays[key]
+        return c_void_p(ctypes.addressof(array) + Contact.geom.offset), contacts
 
     def _collide_cylinder(self, geom1: int, geom2: int, first: int) -> int:
         """Contacts of a cylinder with a cylinder or capsule; collide_cylinder in step.c, operation by operation."""
         ode_, box = self._ode, self._context.stand_in
-        cylinder = geom2 if self._round[geom2] == GeomClass.CYLINDER else geom1
+        cylinder = geom2 if ode_.dGeomGetClass(geom2) == GeomClass.CYLINDER else geom1
         other = geom1 if cylinder == geom2 else geom2
         p, q = ode_.dGeomGetPosition(cylinder).contents[:3], ode_.dGeomGetPosition(other).contents[:3]
         r, s = self._columns(cylinder), self._columns(other)
@@ -324,8 +347,8 @@ class PythonStep:
     def _round_size(self, geom: int) -> tuple[float, float]:
         """Radius and length of a cylinder or capsule."""
         radius, length = c_double(), c_double()
-        kind = self._round[geom]
-        get = self._ode.dGeomCylinderGetParams if kind == GeomClass.CYLINDER else self._ode.dGeomCapsuleGetParams
+        is_cylinder = self._ode.dGeomGetClass(geom) == GeomClass.CYLINDER
+        get = self._ode.dGeomCylinderGetParams if is_cylinder else self._ode.dGeomCapsuleGetParams
         get(geom, ctypes.byref(radius), ctypes.byref(length))
         return radius.value, length.value
 
@@ -354,8 +377,9 @@ class PythonStep:
             self._contact_arrays.clear()
             self._pairs_valid_for = valid_for
         ode_.dRandSetSeed(context.seed)
-        context.contact_count = 0
+        self._contact_count = 0
         ode_.dSpaceCollide(context.space, None, self._near)
+        context.contact_count = self._contact_count
         done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
@@ -420,10 +444,11 @@ class PythonStep:
         def near(_data: int, geom1: int, geom2: int) -> None:
             try:
                 geom = geom2 if geom1 == probe else geom1
-                row, _ = self._geoms.get(geom) or self._look_up_geom(geom)
-                if row < 0:
+                if ode_.dGeomIsSpace(geom):
                     ode_.dSpaceCollide2(probe, geom, None, address)
-                elif not owner or self._tables.owner[row] != owner:
+                    return
+                row = ode_.dGeomGetData(geom) or 0
+                if not owner or self._tables.owner[row] != owner:
                     seen.append((geom, row))
             except BaseException as fault:  # noqa: BLE001 - as in _make_near
                 self._fault = fault

@@ -7,6 +7,7 @@ bodies, joints and sensors read the tables, never ODE one value at a time.
 from __future__ import annotations
 
 import weakref
+from threading import get_ident
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -125,6 +126,8 @@ class Engine:
         self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
         self._context.no_cylinder_pairs = "libccd" not in lib.configuration
         self.step_form: Step = choose_step(self._context, self)
+        self._step = self.step_form.step
+        self._thread = 0  # that stepped last
         self._publish_tables()
         self._destroy = weakref.finalize(self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in))
         self.step_time = step_time
@@ -185,6 +188,7 @@ class Engine:
         self._all_bodies = (b"\1" if self.step_form.reads_all else b"\0") * len(self.body_ids)
         self._all_joints = (b"\1" if self.step_form.reads_all else b"\0") * len(self.joint_ids)
         self._no_joints = bytes(len(self.joint_ids))
+        self._touched = True  # whether a row may be stale, or fresh, that will not be so after a step
 
     def add_body(self, body: Body, handle: int) -> int:
         """Register a body; its row."""
@@ -253,8 +257,14 @@ class Engine:
 
     def body_moved(self, row: int) -> None:
         """Note that a body's state was set: its row and all joint rows are read anew when they are asked for."""
+        self._touched = True
         self.body_fresh[row] = 0
         self.joint_fresh[:] = self._no_joints
+
+    def joint_moved(self, row: int) -> None:
+        """Note that a joint was changed: its row is read anew when it is asked for."""
+        self._touched = True
+        self.joint_fresh[row] = 0
 
     @property
     def states(self) -> NDArray[np.float64]:
@@ -339,12 +349,14 @@ class Engine:
             GazeboError: ODE ran out of memory.
             ClosedError: the world was closed.
         """
-        if not self._destroy.alive:
-            raise ClosedError("this world was closed")
-        self._ode.ensure_thread()
-        done = self.step_form.step()
-        self.body_fresh[:] = self._all_bodies
-        self.joint_fresh[:] = self._all_joints
+        if get_ident() != self._thread:
+            self._ode.ensure_thread()
+            self._thread = get_ident()
+        done = self._step()
+        if self._touched:
+            self.body_fresh[:] = self._all_bodies
+            self.joint_fresh[:] = self._all_joints
+            self._touched = not self.step_form.reads_all
         if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
 
@@ -377,6 +389,10 @@ class Engine:
         for part in parts:
             part.close()
         self._destroy()
+        self._step = self._closed_step
+
+    def _closed_step(self) -> bool:
+        raise ClosedError("this world was closed")
 
     @property
     def _tables(self) -> Engine:

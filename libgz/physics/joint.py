@@ -115,7 +115,7 @@ class Joint:
     def _set_vector(self, what: str, values: VectorLike) -> None:
         numbers = finite_tuple(values, 3, what) if "Anchor" in what else unit_axis(values, what)
         self._call("Set", what, *numbers)
-        self.engine.joint_fresh[self.row] = 0
+        self.engine.joint_moved(self.row)
 
     def _get_vector(self, what: str) -> GzVector:
         out = (ctypes.c_double * 4)()
@@ -145,7 +145,7 @@ class Joint:
         for body in (one, two):
             if body is not None:
                 body.joints[self] = None
-        self.engine.joint_fresh[self.row] = 0
+        self.engine.joint_moved(self.row)
 
     def Detach(self) -> None:
         """Let both bodies go."""
@@ -243,7 +243,7 @@ class Hinge2Joint(Joint):
     def _set_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
         addresses = [None if a is None else (ctypes.c_double * 4)(*unit_axis(a, "axis")) for a in (axis1, axis2)]
         ode().dJointSetHinge2Axes(self.id, *addresses)
-        self.engine.joint_fresh[self.row] = 0
+        self.engine.joint_moved(self.row)
 
     def GetAxis1(self) -> GzVector:
         """The steering axis, global."""

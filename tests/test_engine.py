@@ -9,7 +9,7 @@ import pytest
 import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.ode.lib import ode
-from libgz.ode.step import native_path
+from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine, Space
 
 G = 9.8

@@ -10,7 +10,7 @@ import pytest
 import libgz
 from libgz.geometry import GzQuaternToEuler
 from libgz.models import MODELS
-from libgz.worldfile.attributes import attributes_of
+from libgz.worldfile.attributes import attributes_of, installed_worlds
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 GROUND = "<model:GroundPlane/>"
@@ -439,3 +439,17 @@ def test_zoom_limits_may_be_angles():
     for text, limits in (("1 10", (1, 10)), ("10 60", (1, 6))):
         with world_of(f"<model:SonyVID30><id>c</id><zoomLimits>{text}</zoomLimits></model:SonyVID30>") as world:
             assert world.model("c").zoomLimits == pytest.approx(limits)
+
+
+# Ready worlds ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("path", sorted(installed_worlds().glob("*.world")), ids=lambda path: path.stem)
+def test_ready_worlds_run_without_a_complaint(path, caplog):
+    with caplog.at_level(logging.WARNING), libgz.World.from_file(path) as world:
+        world.run(5.0)
+        states = world.engine.states
+        assert np.isfinite(states).all()
+        assert states[:, 2].min() > -0.02  # nothing falls through the floor
+    complaints = [r.getMessage() for r in caplog.records if "draws no pictures yet" not in r.getMessage()]
+    assert complaints == []

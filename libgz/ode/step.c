@@ -2,7 +2,7 @@
  *
  * It is linked against nothing. gz_step_needs() lists the ODE functions it calls, gz_step_bind() takes their
  * addresses in that order; so it builds without ODE's headers and cannot meet another ODE than the one in use.
- * libgz/ode/step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories are
+ * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories are
  * equal to the last bit, and a test says so.
  */
 #include <float.h>
@@ -90,7 +90,7 @@ void gz_step_bind(void *const *addresses)
     ODE_FUNCTIONS(BIND)
 }
 
-/* Mirrored by StepContext in step.py; gz_step_context_size() guards against drift. */
+/* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
     int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */

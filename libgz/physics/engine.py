@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.step import Step, StepContext, choose_step, read_body, read_joint
+from libgz.ode.step import choose_step
 from libgz.ode.types import dInfinity
 from libgz.physics.check import finite_tuple, positive
 

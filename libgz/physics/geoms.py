@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzQuaternFromAxis, GzVector
+from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
-from libgz.ode.step import NO_HIT
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
 from libgz.physics.check import finite, finite_tuple, positive, unit_axis

@@ -1,0 +1,127 @@
+"""What both forms of the step work on, and what they promise."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from ctypes import c_double, c_int64, c_uint64, c_void_p
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.geometry import rotate
+from libgz.ode.lib import OdeLibrary
+from libgz.ode.types import JointType
+
+__all__ = ["MAX_CONTACTS", "NO_HIT", "Step", "StepContext", "Tables", "read_body", "read_joint"]
+
+MAX_CONTACTS = 10  # of a pair of geoms
+NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
+
+
+class StepContext(ctypes.Structure):
+    """What both forms of the step work on; mirrors `context` in step.c, where the fields are explained."""
+
+    _fields_ = [
+        ("world", c_void_p),
+        ("space", c_void_p),
+        ("contacts", c_void_p),
+        ("ray", c_void_p),
+        ("probe", c_void_p),
+        ("stand_in", c_void_p),
+        ("no_cylinder_pairs", c_int64),
+        ("step", c_double),
+        ("quick", c_int64),
+        ("seed", c_uint64),
+        ("contact_count", c_int64),
+        ("surface", c_void_p),
+        ("owner", c_void_p),
+        ("body_count", c_int64),
+        ("bodies", c_void_p),
+        ("com", c_void_p),
+        ("body_state", c_void_p),
+        ("joint_count", c_int64),
+        ("joints", c_void_p),
+        ("joint_types", c_void_p),
+        ("joint_state", c_void_p),
+    ]
+
+
+class Tables(Protocol):
+    """The numpy arrays behind the addresses in a `StepContext`; rows are described in step.c."""
+
+    surface: NDArray[np.float64]
+    owner: NDArray[np.int64]
+    com: NDArray[np.float64]
+    body_state: NDArray[np.float64]
+    joint_state: NDArray[np.float64]
+    joint_types: NDArray[np.int64]
+    body_ids: NDArray[np.uintp]
+    joint_ids: NDArray[np.uintp]
+    surface_edits: int
+
+
+class Step(Protocol):
+    """Either form."""
+
+    name: str
+    reads_all: bool  # whether step() leaves all states copied out
+
+    def step(self) -> bool:
+        """Collide, step, empty the contact group; false if ODE ran out of memory."""
+
+    def read(self) -> None:
+        """Copy all body and joint states into the tables."""
+
+    def forget(self, geom: int) -> None:
+        """Drop what is remembered of a geom, because it was destroyed or given to another body."""
+
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
+        """Cast rays from a frame; see gz_scan in step.c."""
+
+
+def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
+    """Copy the state of one body out of ODE into its row."""
+    body = int(tables.body_ids[row])
+    state = tables.body_state[row]
+    address = tables.body_state.ctypes.data + row * state.nbytes
+    # ODE writes 4 values for a position: into columns 7 - 10, before the velocity takes column 10.
+    ode_.dBodyCopyPosition(body, address + 7 * 8)
+    ode_.dBodyCopyQuaternion(body, address + 3 * 8)
+    state[10:13] = ode_.dBodyGetLinearVel(body).contents[:3]
+    state[13:16] = ode_.dBodyGetAngularVel(body).contents[:3]
+    position = state[7:10].tolist()
+    offset = rotate(state[3:7].tolist(), tables.com[row].tolist())
+    state[0:3] = [p - o for p, o in zip(position, offset, strict=True)]
+
+
+def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
+    """Copy angles and rates of one joint out of ODE into its row."""
+    joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
+    state = tables.joint_state[row]
+    if kind == JointType.HINGE:
+        state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)
+    elif kind == JointType.SLIDER:
+        state[0], state[2] = ode_.dJointGetSliderPosition(joint), ode_.dJointGetSliderPositionRate(joint)
+    elif kind == JointType.HINGE2:
+        state[:] = (
+            ode_.dJointGetHinge2Angle1(joint),
+            ode_.dJointGetHinge2Angle2(joint),
+            ode_.dJointGetHinge2Angle1Rate(joint),
+            ode_.dJointGetHinge2Angle2Rate(joint),
+        )
+    elif kind == JointType.UNIVERSAL:
+        state[:] = (
+            ode_.dJointGetUniversalAngle1(joint),
+            ode_.dJointGetUniversalAngle2(joint),
+            ode_.dJointGetUniversalAngle1Rate(joint),
+            ode_.dJointGetUniversalAngle2Rate(joint),
+        )

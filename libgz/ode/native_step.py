@@ -1,0 +1,84 @@
+"""The native form of the step: step.c, by ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import functools
+from ctypes import c_int64, c_void_p
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import LibraryError
+from libgz.ode.context import StepContext
+from libgz.ode.lib import ode
+
+__all__ = ["NativeStep", "native_path"]
+
+
+def native_path() -> Path | None:
+    """Where the native step was built, or None."""
+    return next(iter(sorted(Path(__file__).parent.glob("_step*.so"))), None)
+
+
+class NativeStep:
+    """step.c, by ctypes. The interpreter lock is released while it runs."""
+
+    name = "native"
+    reads_all = True
+    _library: ctypes.CDLL | None = None
+
+    def __init__(self, context: StepContext, path: Path) -> None:
+        self._shared = self._bind(path)
+        self._address = ctypes.addressof(context)
+        self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
+        self._scan = self._shared.gz_scan
+
+    @classmethod
+    def _bind(cls, path: Path) -> ctypes.CDLL:
+        """Load the shared object and hand it ODE's addresses, once."""
+        if cls._library is not None:
+            return cls._library
+        library = ctypes.CDLL(str(path))
+        library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
+        library.gz_step_context_size.restype = ctypes.c_size_t
+        library.gz_step_bind.argtypes = [c_void_p]
+        library.gz_read.argtypes = [c_void_p]
+        library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
+        library.gz_scan.restype = None
+        if library.gz_step_context_size() != ctypes.sizeof(StepContext):
+            raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+        names = []
+        for name in library.gz_step_needs():
+            if name is None:
+                break
+            names.append(name.decode())
+        addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
+        library.gz_step_bind(addresses)
+        cls._library = library
+        return library
+
+    def step(self) -> bool:
+        """Collide, step and copy all states out."""
+        return bool(self._step())
+
+    def read(self) -> None:
+        """Copy all states out."""
+        self._shared.gz_read(self._address)
+
+    def forget(self, geom: int) -> None:
+        """Nothing to do: step.c remembers no geom."""
+
+    def scan(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> None:
+        """Cast rays from a frame."""
+        self._scan(
+            self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
+        )

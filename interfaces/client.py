@@ -5,13 +5,24 @@ from __future__ import annotations
 from types import TracebackType
 from typing import TypeVar
 
+from libgz.interfaces.actarray import Actarray
+from libgz.interfaces.camera import Camera
+from libgz.interfaces.factory import Factory
 from libgz.interfaces.fiducial import Fiducial
+from libgz.interfaces.gps import Gps
+from libgz.interfaces.gripper import Gripper
+from libgz.interfaces.guicam import Guicam
+from libgz.interfaces.ir import Ir
+from libgz.interfaces.joint import Joints
 from libgz.interfaces.laser import Laser
 from libgz.interfaces.position import Position
 from libgz.interfaces.power import Power
 from libgz.interfaces.ptz import Ptz
 from libgz.interfaces.sim import Sim
 from libgz.interfaces.sonar import Sonar
+from libgz.interfaces.stereo import Stereo
+from libgz.interfaces.truth import Truth
+from libgz.interfaces.wifi import Wifi
 from libgz.transport.client import Client as WireClient
 from libgz.transport.interface import Interface
 
@@ -91,3 +102,47 @@ class Client(WireClient):
     def ptz(self, id: str) -> Ptz:
         """A pan-tilt-zoom head."""
         return self.open(Ptz(), id)
+
+    def camera(self, id: str) -> Camera:
+        """A camera's pictures."""
+        return self.open(Camera(), id)
+
+    def guicam(self, id: str) -> Guicam:
+        """An observer's camera."""
+        return self.open(Guicam(), id)
+
+    def stereo(self, id: str) -> Stereo:
+        """A stereo camera's pictures and disparities."""
+        return self.open(Stereo(), id)
+
+    def factory(self, id: str) -> Factory:
+        """The letter-box for new models."""
+        return self.open(Factory(), id)
+
+    def gps(self, id: str) -> Gps:
+        """A satellite navigation receiver."""
+        return self.open(Gps(), id)
+
+    def gripper(self, id: str) -> Gripper:
+        """A gripper."""
+        return self.open(Gripper(), id)
+
+    def truth(self, id: str) -> Truth:
+        """A model's true pose."""
+        return self.open(Truth(), id)
+
+    def wifi(self, id: str) -> Wifi:
+        """A robot's wireless links."""
+        return self.open(Wifi(), id)
+
+    def joint(self, id: str) -> Joints:
+        """A model's joints."""
+        return self.open(Joints(), id)
+
+    def ir(self, id: str) -> Ir:
+        """A robot's infrared sensors."""
+        return self.open(Ir(), id)
+
+    def actarray(self, id: str) -> Actarray:
+        """An array of actuators."""
+        return self.open(Actarray(), id)

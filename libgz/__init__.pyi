@@ -166,7 +166,136 @@ from libgz.geometry import (
 from libgz.geometry import (
     GzVectorZero as GzVectorZero,
 )
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_ACTSTATE_BRAKED as GAZEBO_ACTARRAY_ACTSTATE_BRAKED,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_ACTSTATE_IDLE as GAZEBO_ACTARRAY_ACTSTATE_IDLE,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_ACTSTATE_MOVING as GAZEBO_ACTARRAY_ACTSTATE_MOVING,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_ACTSTATE_STALLED as GAZEBO_ACTARRAY_ACTSTATE_STALLED,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_JOINT_CURRENT_MODE as GAZEBO_ACTARRAY_JOINT_CURRENT_MODE,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_JOINT_POSITION_MODE as GAZEBO_ACTARRAY_JOINT_POSITION_MODE,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_JOINT_SPEED_MODE as GAZEBO_ACTARRAY_JOINT_SPEED_MODE,
+)
+from libgz.interfaces.actarray import (
+    GAZEBO_ACTARRAY_NUM_ACTUATORS as GAZEBO_ACTARRAY_NUM_ACTUATORS,
+)
+from libgz.interfaces.actarray import (
+    Actarray as Actarray,
+)
+from libgz.interfaces.actarray import (
+    ActarrayActuator as ActarrayActuator,
+)
+from libgz.interfaces.actarray import (
+    ActarrayData as ActarrayData,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_alloc as gz_actarray_alloc,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_close as gz_actarray_close,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_create as gz_actarray_create,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_destroy as gz_actarray_destroy,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_free as gz_actarray_free,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_lock as gz_actarray_lock,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_open as gz_actarray_open,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_post as gz_actarray_post,
+)
+from libgz.interfaces.actarray import (
+    gz_actarray_unlock as gz_actarray_unlock,
+)
+from libgz.interfaces.camera import (
+    GAZEBO_CAMERA_MAX_IMAGE_SIZE as GAZEBO_CAMERA_MAX_IMAGE_SIZE,
+)
+from libgz.interfaces.camera import (
+    Camera as Camera,
+)
+from libgz.interfaces.camera import (
+    CameraData as CameraData,
+)
+from libgz.interfaces.camera import (
+    gz_camera_alloc as gz_camera_alloc,
+)
+from libgz.interfaces.camera import (
+    gz_camera_close as gz_camera_close,
+)
+from libgz.interfaces.camera import (
+    gz_camera_create as gz_camera_create,
+)
+from libgz.interfaces.camera import (
+    gz_camera_destroy as gz_camera_destroy,
+)
+from libgz.interfaces.camera import (
+    gz_camera_free as gz_camera_free,
+)
+from libgz.interfaces.camera import (
+    gz_camera_lock as gz_camera_lock,
+)
+from libgz.interfaces.camera import (
+    gz_camera_open as gz_camera_open,
+)
+from libgz.interfaces.camera import (
+    gz_camera_post as gz_camera_post,
+)
+from libgz.interfaces.camera import (
+    gz_camera_unlock as gz_camera_unlock,
+)
 from libgz.interfaces.client import Client as Client
+from libgz.interfaces.factory import (
+    GAZEBO_FACTORY_MAX_STRING as GAZEBO_FACTORY_MAX_STRING,
+)
+from libgz.interfaces.factory import (
+    Factory as Factory,
+)
+from libgz.interfaces.factory import (
+    FactoryData as FactoryData,
+)
+from libgz.interfaces.factory import (
+    gz_factory_alloc as gz_factory_alloc,
+)
+from libgz.interfaces.factory import (
+    gz_factory_close as gz_factory_close,
+)
+from libgz.interfaces.factory import (
+    gz_factory_create as gz_factory_create,
+)
+from libgz.interfaces.factory import (
+    gz_factory_destroy as gz_factory_destroy,
+)
+from libgz.interfaces.factory import (
+    gz_factory_free as gz_factory_free,
+)
+from libgz.interfaces.factory import (
+    gz_factory_lock as gz_factory_lock,
+)
+from libgz.interfaces.factory import (
+    gz_factory_open as gz_factory_open,
+)
+from libgz.interfaces.factory import (
+    gz_factory_unlock as gz_factory_unlock,
+)
 from libgz.interfaces.fiducial import (
     GZ_FIDUCIAL_MAX_FIDS as GZ_FIDUCIAL_MAX_FIDS,
 )
@@ -205,6 +334,192 @@ from libgz.interfaces.fiducial import (
 )
 from libgz.interfaces.fiducial import (
     gz_fiducial_unlock as gz_fiducial_unlock,
+)
+from libgz.interfaces.gps import (
+    Gps as Gps,
+)
+from libgz.interfaces.gps import (
+    GpsData as GpsData,
+)
+from libgz.interfaces.gps import (
+    gz_gps_alloc as gz_gps_alloc,
+)
+from libgz.interfaces.gps import (
+    gz_gps_close as gz_gps_close,
+)
+from libgz.interfaces.gps import (
+    gz_gps_create as gz_gps_create,
+)
+from libgz.interfaces.gps import (
+    gz_gps_destroy as gz_gps_destroy,
+)
+from libgz.interfaces.gps import (
+    gz_gps_free as gz_gps_free,
+)
+from libgz.interfaces.gps import (
+    gz_gps_lock as gz_gps_lock,
+)
+from libgz.interfaces.gps import (
+    gz_gps_open as gz_gps_open,
+)
+from libgz.interfaces.gps import (
+    gz_gps_post as gz_gps_post,
+)
+from libgz.interfaces.gps import (
+    gz_gps_unlock as gz_gps_unlock,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_STATE_CLOSED as GAZEBO_GRIPPER_STATE_CLOSED,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_STATE_ERROR as GAZEBO_GRIPPER_STATE_ERROR,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_STATE_MOVING as GAZEBO_GRIPPER_STATE_MOVING,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_STATE_OPEN as GAZEBO_GRIPPER_STATE_OPEN,
+)
+from libgz.interfaces.gripper import (
+    Gripper as Gripper,
+)
+from libgz.interfaces.gripper import (
+    GripperData as GripperData,
+)
+from libgz.interfaces.gripper import (
+    GripperDataCvs as GripperDataCvs,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_alloc as gz_gripper_alloc,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_close as gz_gripper_close,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_create as gz_gripper_create,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_destroy as gz_gripper_destroy,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_free as gz_gripper_free,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_lock as gz_gripper_lock,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_open as gz_gripper_open,
+)
+from libgz.interfaces.gripper import (
+    gz_gripper_unlock as gz_gripper_unlock,
+)
+from libgz.interfaces.guicam import (
+    GAZEBO_GUICAM_MAX_IMAGE_SIZE as GAZEBO_GUICAM_MAX_IMAGE_SIZE,
+)
+from libgz.interfaces.guicam import (
+    Guicam as Guicam,
+)
+from libgz.interfaces.guicam import (
+    GuicamData as GuicamData,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_alloc as gz_guicam_alloc,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_close as gz_guicam_close,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_create as gz_guicam_create,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_destroy as gz_guicam_destroy,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_free as gz_guicam_free,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_lock as gz_guicam_lock,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_open as gz_guicam_open,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_post as gz_guicam_post,
+)
+from libgz.interfaces.guicam import (
+    gz_guicam_unlock as gz_guicam_unlock,
+)
+from libgz.interfaces.ir import (
+    GZ_IR_MAX_RANGES as GZ_IR_MAX_RANGES,
+)
+from libgz.interfaces.ir import (
+    Ir as Ir,
+)
+from libgz.interfaces.ir import (
+    IrData as IrData,
+)
+from libgz.interfaces.ir import (
+    gz_ir_alloc as gz_ir_alloc,
+)
+from libgz.interfaces.ir import (
+    gz_ir_close as gz_ir_close,
+)
+from libgz.interfaces.ir import (
+    gz_ir_create as gz_ir_create,
+)
+from libgz.interfaces.ir import (
+    gz_ir_destroy as gz_ir_destroy,
+)
+from libgz.interfaces.ir import (
+    gz_ir_free as gz_ir_free,
+)
+from libgz.interfaces.ir import (
+    gz_ir_lock as gz_ir_lock,
+)
+from libgz.interfaces.ir import (
+    gz_ir_open as gz_ir_open,
+)
+from libgz.interfaces.ir import (
+    gz_ir_unlock as gz_ir_unlock,
+)
+from libgz.interfaces.joint import (
+    GAZEBO_JOINT_MAX_JOINTS as GAZEBO_JOINT_MAX_JOINTS,
+)
+from libgz.interfaces.joint import (
+    JointData as JointData,
+)
+from libgz.interfaces.joint import (
+    Joints as Joints,
+)
+from libgz.interfaces.joint import (
+    JointsData as JointsData,
+)
+from libgz.interfaces.joint import (
+    gz_joint_alloc as gz_joint_alloc,
+)
+from libgz.interfaces.joint import (
+    gz_joint_close as gz_joint_close,
+)
+from libgz.interfaces.joint import (
+    gz_joint_create as gz_joint_create,
+)
+from libgz.interfaces.joint import (
+    gz_joint_destroy as gz_joint_destroy,
+)
+from libgz.interfaces.joint import (
+    gz_joint_free as gz_joint_free,
+)
+from libgz.interfaces.joint import (
+    gz_joint_lock as gz_joint_lock,
+)
+from libgz.interfaces.joint import (
+    gz_joint_open as gz_joint_open,
+)
+from libgz.interfaces.joint import (
+    gz_joint_post as gz_joint_post,
+)
+from libgz.interfaces.joint import (
+    gz_joint_unlock as gz_joint_unlock,
 )
 from libgz.interfaces.laser import (
     GZ_LASER_MAX_RANGES as GZ_LASER_MAX_RANGES,
@@ -403,6 +718,123 @@ from libgz.interfaces.sonar import (
 )
 from libgz.interfaces.sonar import (
     gz_sonar_unlock as gz_sonar_unlock,
+)
+from libgz.interfaces.stereo import (
+    GAZEBO_STEREO_MAX_DISPARITY_SIZE as GAZEBO_STEREO_MAX_DISPARITY_SIZE,
+)
+from libgz.interfaces.stereo import (
+    GAZEBO_STEREO_MAX_RGB_SIZE as GAZEBO_STEREO_MAX_RGB_SIZE,
+)
+from libgz.interfaces.stereo import (
+    Stereo as Stereo,
+)
+from libgz.interfaces.stereo import (
+    StereoData as StereoData,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_alloc as gz_stereo_alloc,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_close as gz_stereo_close,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_create as gz_stereo_create,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_destroy as gz_stereo_destroy,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_free as gz_stereo_free,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_lock as gz_stereo_lock,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_open as gz_stereo_open,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_post as gz_stereo_post,
+)
+from libgz.interfaces.stereo import (
+    gz_stereo_unlock as gz_stereo_unlock,
+)
+from libgz.interfaces.truth import (
+    Truth as Truth,
+)
+from libgz.interfaces.truth import (
+    TruthData as TruthData,
+)
+from libgz.interfaces.truth import (
+    gz_truth_alloc as gz_truth_alloc,
+)
+from libgz.interfaces.truth import (
+    gz_truth_close as gz_truth_close,
+)
+from libgz.interfaces.truth import (
+    gz_truth_create as gz_truth_create,
+)
+from libgz.interfaces.truth import (
+    gz_truth_destroy as gz_truth_destroy,
+)
+from libgz.interfaces.truth import (
+    gz_truth_euler_from_quatern as gz_truth_euler_from_quatern,
+)
+from libgz.interfaces.truth import (
+    gz_truth_free as gz_truth_free,
+)
+from libgz.interfaces.truth import (
+    gz_truth_lock as gz_truth_lock,
+)
+from libgz.interfaces.truth import (
+    gz_truth_open as gz_truth_open,
+)
+from libgz.interfaces.truth import (
+    gz_truth_post as gz_truth_post,
+)
+from libgz.interfaces.truth import (
+    gz_truth_quatern_from_euler as gz_truth_quatern_from_euler,
+)
+from libgz.interfaces.truth import (
+    gz_truth_unlock as gz_truth_unlock,
+)
+from libgz.interfaces.wifi import (
+    GAZEBO_WIFI_MAX_LINKS as GAZEBO_WIFI_MAX_LINKS,
+)
+from libgz.interfaces.wifi import (
+    GAZEBO_WIFI_QUAL_DBM as GAZEBO_WIFI_QUAL_DBM,
+)
+from libgz.interfaces.wifi import (
+    Wifi as Wifi,
+)
+from libgz.interfaces.wifi import (
+    WifiData as WifiData,
+)
+from libgz.interfaces.wifi import (
+    WifiLink as WifiLink,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_alloc as gz_wifi_alloc,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_close as gz_wifi_close,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_create as gz_wifi_create,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_destroy as gz_wifi_destroy,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_free as gz_wifi_free,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_lock as gz_wifi_lock,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_open as gz_wifi_open,
+)
+from libgz.interfaces.wifi import (
+    gz_wifi_unlock as gz_wifi_unlock,
 )
 from libgz.ode.types import (
     dInfinity as dInfinity,

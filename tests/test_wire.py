@@ -19,6 +19,7 @@ import pytest
 
 import libgz
 import libgz.interfaces
+from libgz.interfaces.gripper import GripperDataCvs
 from libgz.interfaces.laser import Laser
 from libgz.interfaces.position import Position
 from libgz.interfaces.sim import Sim
@@ -69,6 +70,19 @@ def check_struct(struct, expected):
     assert declared == set(expected["fields"])
 
 
+ELEMENTS = {
+    "FiducialFid": "gz_fiducial_fid",
+    "WifiLink": "gz_wifi_link",
+    "JointData": "gz_joint_data",
+    "ActarrayActuator": "gazebo_actarray_actuator",
+}
+
+
+def test_all_interfaces_of_the_old_library_are_declared():
+    assert {kind.type for kind in KINDS} == set(LAYOUT["_files"])
+    check_struct(GripperDataCvs, LAYOUT["gz_gripper_data_cvs"])
+
+
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)
 def test_structs_lie_as_they_did(kind):
     described = LAYOUT["_files"][kind.type]
@@ -76,8 +90,7 @@ def test_structs_lie_as_they_did(kind):
     assert kind.has_post == described["post_function"]
     for field in fields_of(kind.data_class).values():
         if issubclass(field.ctype, ctypes.Structure):
-            typedef = {"FiducialFid": "gz_fiducial_fid"}[field.ctype.__name__]
-            check_struct(field.ctype, LAYOUT[typedef])
+            check_struct(field.ctype, LAYOUT[ELEMENTS[field.ctype.__name__]])
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)

@@ -1,0 +1,71 @@
+"""camera: the pictures of a camera."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.interfaces.picture import picture
+from libgz.transport.interface import Interface, View
+from libgz.transport.layout import SERVER, Array, Data, byte, double, layout, uint32
+from libgz.transport.legacy import LegacyFunctions
+
+__all__ = [
+    "GAZEBO_CAMERA_MAX_IMAGE_SIZE",
+    "Camera",
+    "CameraData",
+    "gz_camera_alloc",
+    "gz_camera_close",
+    "gz_camera_create",
+    "gz_camera_destroy",
+    "gz_camera_free",
+    "gz_camera_lock",
+    "gz_camera_open",
+    "gz_camera_post",
+    "gz_camera_unlock",
+]
+
+
+GAZEBO_CAMERA_MAX_IMAGE_SIZE = 640 * 480 * 3
+
+
+@layout
+class CameraData(Data):
+    """gz_camera_data_t."""
+
+    time: float = double(SERVER, "s", "sim time of this picture")
+    width: int = uint32(SERVER, "px", "width of the picture; set before the first one")
+    height: int = uint32(SERVER, "px", "height of the picture")
+    image_size: int = uint32(SERVER, "byte", "bytes of the picture; 0 until the first one")
+    image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_CAMERA_MAX_IMAGE_SIZE)
+
+
+class Camera(Interface[CameraData]):
+    """A camera's latest picture."""
+
+    type = "camera"
+    data_class = CameraData
+
+    all_pixels = View("image")
+
+    @property
+    def time(self) -> float:
+        """Sim time of the sample [s]."""
+        return self.data.time
+
+    @property
+    def image(self) -> NDArray[np.uint8]:
+        """The picture, shape (height, width, 3), top row first; a view of the shared memory, empty at first."""
+        return picture(self.all_pixels, self.data.width, self.data.height, self.data.image_size)
+
+
+_functions = LegacyFunctions(Camera)
+gz_camera_alloc = _functions.alloc
+gz_camera_free = _functions.free
+gz_camera_create = _functions.create
+gz_camera_destroy = _functions.destroy
+gz_camera_open = _functions.open
+gz_camera_close = _functions.close
+gz_camera_lock = _functions.lock
+gz_camera_unlock = _functions.unlock
+gz_camera_post = _functions.post

@@ -1,0 +1,116 @@
+"""gripper: two paddles that grip, and a lift that raises them."""
+
+from __future__ import annotations
+
+from libgz.transport.interface import Interface
+from libgz.transport.layout import CLIENT, SERVER, Data, double, int32, layout
+from libgz.transport.legacy import LegacyFunctions
+
+__all__ = [
+    "GAZEBO_GRIPPER_STATE_CLOSED",
+    "GAZEBO_GRIPPER_STATE_ERROR",
+    "GAZEBO_GRIPPER_STATE_MOVING",
+    "GAZEBO_GRIPPER_STATE_OPEN",
+    "Gripper",
+    "GripperData",
+    "GripperDataCvs",
+    "gz_gripper_alloc",
+    "gz_gripper_close",
+    "gz_gripper_create",
+    "gz_gripper_destroy",
+    "gz_gripper_free",
+    "gz_gripper_lock",
+    "gz_gripper_open",
+    "gz_gripper_unlock",
+]
+
+
+GAZEBO_GRIPPER_STATE_OPEN = 1
+GAZEBO_GRIPPER_STATE_CLOSED = 2
+GAZEBO_GRIPPER_STATE_MOVING = 3
+GAZEBO_GRIPPER_STATE_ERROR = 4
+
+# What `cmd` means on the wire: Player's numbers.
+OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN, LIFT_STOP, STORE, DEPLOY, HALT = 1, 2, 3, 4, 5, 6, 7, 8, 15
+
+
+@layout
+class GripperData(Data):
+    """gz_gripper_data_t of the 0.7.0 release."""
+
+    time: float = double(SERVER, "s", "sim time of this sample")
+    cmd: int = int32(
+        CLIENT,
+        "",
+        "1 open, 2 close, 3 stop, 4 lift up, 5 lift down, 6 lift stop, 7 close and lift, 8 open and lower, 15 halt",
+    )
+    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at one of its ends")
+    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at one of their ends")
+    outer_beam_obstruct: int = int32(SERVER, "", "1: something is between the paddles' tips")
+    inner_beam_obstruct: int = int32(SERVER, "", "1: something is deep between the paddles")
+    left_paddle_open: int = int32(SERVER, "", "1: the left paddle is open")
+    right_paddle_open: int = int32(SERVER, "", "1: the right paddle is open")
+    paddles_opened: int = int32(SERVER, "", "1: both paddles are open")
+    paddles_closed: int = int32(SERVER, "", "1: the paddles are closed, or hold something")
+    paddles_moving: int = int32(SERVER, "", "1: the paddles are on their way")
+    paddles_error: int = int32(SERVER, "", "1: the paddles are stuck")
+    lift_up: int = int32(SERVER, "", "1: the lift is up")
+    lift_down: int = int32(SERVER, "", "1: the lift is down")
+    lift_moving: int = int32(SERVER, "", "1: the lift is on its way")
+    lift_error: int = int32(SERVER, "", "1: the lift is stuck")
+
+
+@layout
+class GripperDataCvs(Data):
+    """gz_gripper_data_t as the repository had it in November 2006, after the release."""
+
+    time: float = double(SERVER, "s", "sim time of this sample")
+    cmd: int = int32(CLIENT, "", "as in the release")
+    state: int = int32(SERVER, "", "GAZEBO_GRIPPER_STATE_*")
+    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at one of their ends")
+    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at one of its ends")
+    outer_beam_obstruct: int = int32(SERVER, "", "1: something is between the paddles' tips")
+    inner_beam_obstruct: int = int32(SERVER, "", "1: something is deep between the paddles")
+    left_paddle_open: int = int32(SERVER, "", "1: the left paddle is open")
+    right_paddle_open: int = int32(SERVER, "", "1: the right paddle is open")
+    lift_up: int = int32(SERVER, "", "1: the lift is up")
+    lift_down: int = int32(SERVER, "", "1: the lift is down")
+
+
+class Gripper(Interface[GripperData]):
+    """A gripper's state and command. A command holds until the next one."""
+
+    type = "gripper"
+    data_class = GripperData
+    has_post = False
+
+    @property
+    def time(self) -> float:
+        """Sim time of the sample [s]."""
+        return self.data.time
+
+    def command(self, code: int) -> None:
+        """Tell the gripper what to do, by a code of this module: OPEN, CLOSE, LIFT_UP, LIFT_DOWN and so on."""
+        with self.locked() as data:
+            data.cmd = code
+
+    @property
+    def opened(self) -> bool:
+        """Whether both paddles are open."""
+        return bool(self.data.paddles_opened)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the paddles are closed, or hold something."""
+        return bool(self.data.paddles_closed)
+
+
+_functions = LegacyFunctions(Gripper)
+gz_gripper_alloc = _functions.alloc
+gz_gripper_free = _functions.free
+gz_gripper_create = _functions.create
+gz_gripper_destroy = _functions.destroy
+gz_gripper_open = _functions.open
+gz_gripper_close = _functions.close
+gz_gripper_lock = _functions.lock
+gz_gripper_unlock = _functions.unlock

@@ -1,0 +1,87 @@
+"""truth: where a model really is; it can be moved by it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.transport.interface import Interface, View
+from libgz.transport.layout import CLIENT, SERVER, Array, Data, double, int32, layout
+from libgz.transport.legacy import LegacyFunctions
+
+__all__ = [
+    "Truth",
+    "TruthData",
+    "gz_truth_alloc",
+    "gz_truth_close",
+    "gz_truth_create",
+    "gz_truth_destroy",
+    "gz_truth_euler_from_quatern",
+    "gz_truth_free",
+    "gz_truth_lock",
+    "gz_truth_open",
+    "gz_truth_post",
+    "gz_truth_quatern_from_euler",
+    "gz_truth_unlock",
+]
+
+
+@layout
+class TruthData(Data):
+    """gz_truth_data_t."""
+
+    time: float = double(SERVER, "s", "sim time of this sample")
+    pos: Array[float] = double(SERVER, "m", "global x, y, z", 3)
+    rot: Array[float] = double(SERVER, "", "global rotation as a quaternion: u, x, y, z", 4)
+    cmd_new: int = int32(CLIENT, "", "1: move the model to the pose below; written last, cleared by the server")
+    cmd_pos: Array[float] = double(CLIENT, "m", "wanted global x, y, z", 3)
+    cmd_rot: Array[float] = double(CLIENT, "", "wanted global rotation: u, x, y, z", 4)
+
+
+class Truth(Interface[TruthData]):
+    """A model's true pose."""
+
+    type = "truth"
+    data_class = TruthData
+
+    pos = View("pos")
+    rot = View("rot")
+
+    @property
+    def time(self) -> float:
+        """Sim time of the sample [s]."""
+        return self.data.time
+
+    @property
+    def pose(self) -> GzPose:
+        """The global pose [m], read under the lock."""
+        with self.locked() as data:
+            return GzPose(GzVector(*data.pos), GzQuatern(*data.rot))
+
+    def move(self, pose: GzPose) -> None:
+        """Ask the server to put the model at a global pose [m], at rest."""
+        with self.locked() as data:
+            data.cmd_pos[:], data.cmd_rot[:] = tuple(pose.pos), tuple(pose.rot)
+            data.cmd_new = 1
+
+
+def gz_truth_euler_from_quatern(truth: Truth | None, e: Array[float], q: Sequence[float]) -> None:
+    """Fill `e` with roll, pitch, yaw [rad] of the quaternion `q`."""
+    e[0], e[1], e[2] = GzQuaternToEuler(q)
+
+
+def gz_truth_quatern_from_euler(truth: Truth | None, q: Array[float], e: Sequence[float]) -> None:
+    """Fill `q` with the quaternion of roll, pitch, yaw [rad] in `e`."""
+    q[0], q[1], q[2], q[3] = GzQuaternFromEuler(*e)
+
+
+_functions = LegacyFunctions(Truth)
+gz_truth_alloc = _functions.alloc
+gz_truth_free = _functions.free
+gz_truth_create = _functions.create
+gz_truth_destroy = _functions.destroy
+gz_truth_open = _functions.open
+gz_truth_close = _functions.close
+gz_truth_lock = _functions.lock
+gz_truth_unlock = _functions.unlock
+gz_truth_post = _functions.post

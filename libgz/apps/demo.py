@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import math
 import subprocess
 import sys
@@ -11,7 +12,7 @@ from libgz.errors import GazeboError, ServerError
 from libgz.interfaces.client import Client
 from libgz.worldfile.attributes import installed_worlds
 
-__all__ = ["run_demo"]
+__all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
 PATIENCE = 20.0  # [s] for the server to start
@@ -19,12 +20,19 @@ PATIENCE = 20.0  # [s] for the server to start
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
 
-def run_demo(seconds: float, rate: float) -> int:
-    """Run the server for `seconds` of sim time at `rate` times real time, and print what its client sees.
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--seconds", type=float, default=16.0, metavar="S", help="of sim time (default 16)")
+    parser.add_argument("--rate", type=float, default=2.0, metavar="R", help="times real time (default 2)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the server, drive its robot, and print what a client sees.
 
     Raises:
         ServerError: the server did not start.
     """
+    seconds, rate = options.seconds, options.rate
     world = installed_worlds() / "pioneer2at.world"
     command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import ctypes
 import importlib.metadata
 import os
@@ -17,7 +18,7 @@ from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine
 from libgz.transport.semaphores import SemaphoreSet
 
-__all__ = ["Finding", "examine"]
+__all__ = ["Finding", "configure", "examine", "run"]
 
 PACKAGES = ("numpy", "lxml", "PyOpenGL")
 OSMESA = "libOSMesa.so.8"
@@ -35,6 +36,18 @@ class Finding:
     def __str__(self) -> str:
         mark = "ok" if self.good else "MISSING" if self.needed else "absent"
         return f"{mark:8}{self.name:14}{self.text}"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """There are no options."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print all findings; 1 if something is missing that worlds cannot run without."""
+    findings = list(examine())
+    for finding in findings:
+        print(finding)
+    return 0 if all(f.good for f in findings if f.needed) else 1
 
 
 def examine() -> Iterator[Finding]:

@@ -1,7 +1,8 @@
-"""libgz: the toolbox command."""
+"""libgz: the toolbox command. Each subcommand is a module of this package, imported when it is asked for."""
 
 from __future__ import annotations
 
+import importlib
 import sys
 from collections.abc import Sequence
 
@@ -11,41 +12,35 @@ from libgz.errors import GazeboError
 
 __all__ = ["main"]
 
+# Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
+COMMANDS = {
+    "demo": "run a robot's world and drive it from a second process",
+    "doctor": "show what this machine has of what libgz needs",
+}
 
-def make_parser() -> Parser:
-    """One subcommand each."""
+
+def make_parser(wanted: str | None) -> Parser:
+    """The parser; options are added for the subcommand `wanted` only, so that the others need not be imported."""
     parser = Parser(prog="libgz", description="Tools around simulated worlds.")
     parser.add_argument("-v", "--version", action="version", version=f"libgz {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
-    commands.add_parser("doctor", help="show what this machine has of what libgz needs")
-    demo = commands.add_parser("demo", help="run a robot's world and drive it from a second process")
-    demo.add_argument("--seconds", type=float, default=16.0, metavar="S", help="of sim time (default 16)")
-    demo.add_argument("--rate", type=float, default=2.0, metavar="R", help="times real time (default 2)")
+    for name, help_ in COMMANDS.items():
+        command = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
+        if name == wanted:
+            importlib.import_module(f"libgz.apps.{name}").configure(command)
     return parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
-    options = make_parser().parse_args(arguments)
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    options = make_parser(words[0] if words else None).parse_args(words)
     set_up_messages(0, None)
     try:
-        if options.command == "doctor":
-            return _doctor()
-        from libgz.apps.demo import run_demo
-
-        return run_demo(options.seconds, options.rate)
+        return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
     except GazeboError as fault:
         print(f"libgz: {fault}", file=sys.stderr)
         return 1
-
-
-def _doctor() -> int:
-    from libgz.apps.doctor import examine
-
-    findings = list(examine())
-    for finding in findings:
-        print(finding)
-    return 0 if all(f.good for f in findings if f.needed) else 1
 
 
 if __name__ == "__main__":

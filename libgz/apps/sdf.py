@@ -22,8 +22,8 @@ def run(options: argparse.Namespace) -> int:
     """Check or print; 1 if the file has errors."""
     try:
         file = SdfFile.load(options.check or options.print)
-    except WorldFileError as fault:
-        print(f"error   : {fault}", file=sys.stderr)
+    except WorldFileError as unreadable:
+        print(f"error   : {unreadable}", file=sys.stderr)
         return 1
     for fault in file.faults.found:
         print(f"{'error   ' if fault.severity == 'error' else 'warning '}: {fault}", file=sys.stderr)

@@ -166,7 +166,7 @@ class Element:
     @overload
     def Get(self, kind: type[T], key: str, default: T) -> tuple[T, bool]: ...
 
-    def Get(self, kind: type[T], key: str = "", *default: T) -> T | tuple[T, bool]:
+    def Get(self, kind: type[T], key: str = "", default: T | None = None) -> T | tuple[T, bool]:
         """A value: of the attribute `key`, else of the child `key`, else the default of the description.
 
         Without a key, this element's own. What is nowhere is empty: an empty string, 0, False, the zero pose. With a
@@ -176,13 +176,13 @@ class Element:
             ParameterError: the text means no such value; the message says where it stands.
         """
         element, text, found = self._look_up(key)
-        if default and not found:
-            return default[0], False
+        if default is not None and not found:
+            return default, False
         try:
             value = parse(kind, text)
         except ParameterError as fault:
             raise ParameterError(f"{element.where}: <{element.name}>: {fault}") from None
-        return (value, True) if default else value
+        return (value, True) if default is not None else value
 
     def _look_up(self, key: str) -> tuple[Element, str, bool]:
         """(element, text, whether it was found)."""

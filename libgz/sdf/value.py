@@ -30,7 +30,7 @@ def _bool(text: str) -> bool:
 
 
 def _int(text: str) -> int:
-    return int(text.strip() or 0, 0)
+    return int(text.strip() or "0", 0)
 
 
 def _float(text: str) -> float:

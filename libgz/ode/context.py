@@ -33,6 +33,7 @@ class StepContext(ctypes.Structure):
         ("no_cylinder_pairs", c_int64),
         ("step", c_double),
         ("quick", c_int64),
+        ("classic", c_int64),
         ("seed", c_uint64),
         ("contact_count", c_int64),
         ("surface", c_void_p),
@@ -69,7 +70,13 @@ class Step(Protocol):
     reads_all: bool  # whether step() leaves all states copied out
 
     def step(self) -> bool:
-        """Collide, step, empty the contact group; false if ODE ran out of memory."""
+        """Both halves; false if ODE ran out of memory."""
+
+    def collide(self) -> None:
+        """The first half: find contacts and make joints of them."""
+
+    def solve(self) -> bool:
+        """The second half: move everything, empty the contact group; false if ODE ran out of memory."""
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""

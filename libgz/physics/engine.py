@@ -17,7 +17,7 @@ from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
-from libgz.ode.types import dInfinity
+from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
 from libgz.physics.check import finite_tuple, positive
 
 if TYPE_CHECKING:
@@ -35,7 +35,10 @@ LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
 ALL_COLLIDE = 0xFFFFFFFF
 
 SOLVERS = ("world", "quick")
-DEFAULT_SURFACE = (1e4, 0.0, dInfinity, 0.0)  # kp [N/m], kd [N s/m], mu, bounce of a new geom
+# Of a new geom: kp 1e4 N/m, no damper, infinite friction; what only classic looks at is set by its collisions.
+DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
+DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2]] = 1e4, dInfinity, dInfinity
+DEFAULT_SURFACE[[Surface.MAX_CONTACTS, Surface.MAX_VEL, Surface.BITS]] = 10, dInfinity, 0xFFFFFFFF
 
 
 class HasEngine(Protocol):
@@ -154,7 +157,7 @@ class Engine:
         self.joint_state = np.zeros((16, 4))
         self.joint_types = np.zeros(16, dtype=np.int64)
         self.joint_ids = np.zeros(16, dtype=np.uintp)
-        self.surface = np.tile(np.array(DEFAULT_SURFACE), (16, 1))
+        self.surface = np.tile(DEFAULT_SURFACE, (16, 1))
         self.owner = np.zeros(16, dtype=np.int64)
         self.surface_edits = 0
 
@@ -239,8 +242,8 @@ class Engine:
         del self.geoms[row]
         self._free_rows["geom"].append(row)
 
-    def set_surface(self, row: int, column: int, value: float) -> None:
-        """Change kp (column 0), kd (1), mu (2) or bounce (3) of a geom."""
+    def set_surface(self, row: int, column: Surface, value: float) -> None:
+        """Change one property of how a geom touches others."""
         self.surface[row, column] = value
         self.surface_edits += 1
 
@@ -337,6 +340,16 @@ class Engine:
         self._ode.dWorldSetGravity(self.world, *self._gravity)
 
     @property
+    def classic(self) -> bool:
+        """Whether contacts follow the rule of Gazebo classic, not that of the legacy server."""
+        return bool(self._context.classic)
+
+    @classic.setter
+    def classic(self, value: bool) -> None:
+        self._context.classic = int(value)
+        self.surface_edits += 1
+
+    @property
     def contact_count(self) -> int:
         """Contact points in the last step."""
         return int(self._context.contact_count)
@@ -351,9 +364,24 @@ class Engine:
             ClosedError: the world was closed.
         """
         if get_ident() != self._thread:
-            self._ode.ensure_thread()
-            self._thread = get_ident()
-        done = self._step()
+            self._enter_thread()
+        self._finish(self._step())
+
+    def _enter_thread(self) -> None:
+        self._ode.ensure_thread()
+        self._thread = get_ident()
+
+    def collide(self) -> None:
+        """The first half of a step, for those who want to act between contacts and motion; `solve` follows."""
+        self._enter_thread()
+        self.step_form.collide()
+
+    def solve(self) -> None:
+        """The second half of a step."""
+        self._finish(self.step_form.solve())
+
+    def _finish(self, done: bool) -> None:
+        """Note which rows are fresh now."""
         if self._touched:
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints

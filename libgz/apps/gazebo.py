@@ -16,7 +16,6 @@ from libgz.errors import GazeboError, ParameterError
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
 from libgz.transport.server import free_server_id
-from libgz.worldfile.file import WorldFile
 
 __all__ = ["main"]
 
@@ -155,8 +154,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
     server_id = free_server_id() if options.server_id is None else options.server_id
     world = World(server_id, options.force, seed=options.seed)
     try:
-        file = WorldFile.from_file(path)
-        world.Load(file)
+        world.LoadFile(path)
         run = Run(world, options)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, run.stop)

@@ -18,7 +18,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
-from libgz.physics.check import finite_tuple, positive
+from libgz.physics.check import finite_tuple, not_negative, positive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +34,7 @@ FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collid
 LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
 ALL_COLLIDE = 0xFFFFFFFF
 
+SMALLEST_CFM = 1e-10  # ODE's own, for doubles: none at all makes its solvers fail on redundant joints
 SOLVERS = ("world", "quick")
 # Of a new geom: kp 1e4 N/m, no damper, infinite friction; what only classic looks at is set by its collisions.
 DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
@@ -338,6 +339,17 @@ class Engine:
     def gravity(self, value: VectorLike) -> None:
         self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
         self._ode.dWorldSetGravity(self.world, *self._gravity)
+
+    def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
+        """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
+        self._ode.dWorldSetQuickStepNumIterations(self.world, max(1, int(iterations)))
+        self._ode.dWorldSetQuickStepW(self.world, positive(over_relaxation, "over-relaxation"))
+
+    def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
+        """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
+        self._ode.dWorldSetERP(self.world, not_negative(erp, "erp"))
+        self._ode.dWorldSetCFM(self.world, max(not_negative(cfm, "cfm"), SMALLEST_CFM))
+        self._ode.dWorldSetContactMaxCorrectingVel(self.world, not_negative(correcting_velocity, "velocity [m/s]"))
 
     @property
     def classic(self) -> bool:

@@ -14,7 +14,7 @@ from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
 from libgz.sdf.value import check
 
-__all__ = ["SdfFile"]
+__all__ = ["SdfFile", "is_sdf"]
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes
 DEEPEST_INCLUDE = 20
@@ -220,6 +220,17 @@ class SdfFile:
         for child in xml:
             if isinstance(child.tag, str) and _local(child) == "plugin":
                 entity.InsertElement(self._element(child, plugin))
+
+
+def is_sdf(filename: str | os.PathLike[str]) -> bool:
+    """Whether the root element of a file is `<sdf>`; false for what cannot be read or is not XML."""
+    try:
+        with Path(filename).open("rb") as stream:
+            events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
+            _, root = next(iter(events))
+            return _local(root) == "sdf"
+    except (OSError, StopIteration, etree.XMLSyntaxError):
+        return False
 
 
 def _local(xml: etree._Element) -> str:

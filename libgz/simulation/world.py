@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import os
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +15,7 @@ from libgz.errors import GazeboError, InterfaceError, NotFoundError, PluginError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.engine import Engine, Space
+from libgz.sdf.reader import SdfFile, is_sdf
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
 from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
@@ -97,20 +99,20 @@ class World:
             PluginError: a model's Init failed.
             ServerError: the server id is in use.
         """
-        return cls._ready(WorldFile.from_file(filename), options)
+        return cls._ready(lambda world: world.LoadFile(filename), options)
 
     @classmethod
     def from_string(cls, text: str, **options: Any) -> World:
         """The same from the text of a worldfile."""
         file = WorldFile()
         file.LoadString(text)
-        return cls._ready(file, options)
+        return cls._ready(lambda world: world.Load(file), options)
 
     @classmethod
-    def _ready(cls, file: WorldFile, options: dict[str, Any]) -> World:
+    def _ready(cls, load: Callable[[World], object], options: dict[str, Any]) -> World:
         world = cls(**options)
         try:
-            world.Load(file)
+            load(world)
             world.Initialize()
         except BaseException:
             world.close()
@@ -150,6 +152,27 @@ class World:
             log.warning("%s", warning)
         file.faults.raise_errors()
         return 0
+
+    def LoadFile(self, filename: str | os.PathLike[str]) -> int:
+        """Build all models of a legacy worldfile or an SDF file, told apart by the root element; 0.
+
+        Raises:
+            WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
+        """
+        if not is_sdf(filename):
+            return self.Load(WorldFile.from_file(filename))
+        from libgz.simulation.sdf_world import load_sdf
+
+        self.engine.classic = True
+        load_sdf(self, SdfFile.load(filename))
+        return 0
+
+    def adopt(self, model: Model) -> None:
+        """Take a model in that is built: it is updated from the next step on."""
+        self.models.append(model)
+        self._updating.append(model)
+        if model.follows:
+            self._followers.append(model)
 
     def _visit(self, node: WorldFileNode, parent: Model | None) -> None:
         """Walk an element and what is in it; a model inside a model is its child, others have no parent."""
@@ -216,10 +239,7 @@ class World:
             raise
         if model.fixed:
             model.modelSpaceId.set_fixed()
-        self.models.append(model)
-        self._updating.append(model)
-        if model.follows:
-            self._followers.append(model)
+        self.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
 
     def _given_pose(self, model: Model, node: WorldFileNode) -> GzPose:
@@ -308,11 +328,15 @@ class World:
         """One step: buttons, models, physics, followers, clock, news to clients; 0."""
         step = self.engine.step_time
         paused = self._read_buttons()
-        self._update_models(0.0 if paused else step)
+        # Classic counts a step when it begins, the legacy server when its models have been updated.
         if paused:
+            self._update_models(0.0)
             self._pauseTime += step
         else:
-            self._simTime += step
+            early = self.engine.classic
+            self._simTime += step if early else 0.0
+            self._update_models(step)
+            self._simTime += 0.0 if early else step
             self.engine.step()
             for model in self._followers:
                 model.follow()

@@ -113,6 +113,8 @@ def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
 def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
     """Copy angles and rates of one joint out of ODE into its row."""
     joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
+    if not joint:
+        return
     state = tables.joint_state[row]
     if kind == JointType.HINGE:
         state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)

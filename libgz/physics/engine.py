@@ -210,15 +210,21 @@ class Engine:
         del self.bodies[row]
         self._free_rows["body"].append(row)
 
-    def add_joint(self, joint: Joint, handle: int, kind: int) -> int:
-        """Register a joint; its row."""
+    def add_joint(self, joint: Joint, kind: int) -> int:
+        """Register a joint; its row. It is read once it joins something: `join`."""
         row, self.joints_used = self._new_row("joint", self.joints_used)
-        self.joint_ids[row] = handle
+        self.joint_ids[row] = 0
         self.joint_types[row] = kind
         self.joint_state[row] = 0.0
         self.joints[row] = joint
         self._publish_tables()
         return row
+
+    def join(self, row: int, handle: int) -> None:
+        """Read a joint from now on; with handle 0 no more, for ODE crashes on some joints without bodies."""
+        self.joint_ids[row] = handle
+        self.joint_state[row] = 0.0
+        self.joint_moved(row)
 
     def remove_joint(self, row: int) -> None:
         """Free the row of a joint that closes."""

@@ -122,7 +122,8 @@ def test_friction_holds_or_lets_slide(load):
 
 
 PENDULUM = """<model name='p'><pose>0 0 5 0 0 0</pose>
-<link name='bob'><pose>1 0 0 0 0 0</pose><inertial><mass>2</mass><inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial></link>
+<link name='bob'><pose>1 0 0 0 0 0</pose><inertial><mass>2</mass>
+<inertia><ixx>.1</ixx><iyy>.1</iyy><izz>.1</izz></inertia></inertial></link>
 <joint name='j' type='revolute'><pose>-1 0 0 0 0 0</pose><parent>world</parent><child>bob</child>
 <axis><xyz>0 1 0</xyz>{}</axis></joint></model>"""
 
@@ -150,7 +151,8 @@ def test_joint_limits_damping_springs_and_friction(load):
     start = joint.velocity()
     damped.run(0.5)
     assert joint.velocity() == pytest.approx(start * math.exp(-3 / 2.1 * 0.5), rel=0.01)
-    spring = "<dynamics><spring_stiffness>40</spring_stiffness><spring_reference>0.3</spring_reference><damping>15</damping></dynamics>"
+    spring = "<spring_stiffness>40</spring_stiffness><spring_reference>0.3</spring_reference><damping>15</damping>"
+    spring = f"<dynamics>{spring}</dynamics>"
     sprung = load(world(PENDULUM.format(spring), gravity="0 0 0"))
     sprung.run(3.0)
     assert sprung.model("p").sdf_joints["j"].position() == pytest.approx(0.3, abs=5e-3)
@@ -160,7 +162,8 @@ def test_joint_limits_damping_springs_and_friction(load):
 
 
 def test_axes_are_of_the_model_or_of_the_joint(load):
-    turned = """<model name='m'><pose>0 0 0 0 0 1.5707963</pose><link name='a'/><link name='b'><pose>1 0 0 0 0 1.5707963</pose></link>
+    turned = """<model name='m'><pose>0 0 0 0 0 1.5707963</pose><link name='a'/>
+    <link name='b'><pose>1 0 0 0 0 1.5707963</pose></link>
     <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz>{}</axis></joint></model>"""
     for version, more, expected in (
         ("1.4", "", (0, 1, 0)),  # the model's x
@@ -177,7 +180,9 @@ def test_sliders_and_two_axes(load):
     made = load(world(slider))
     made.run(2.0)
     assert made.model("m").sdf_joints["j"].position() == pytest.approx(-0.5, abs=5e-3)
-    double = """<model name='m'><link name='a'/><joint name='j' type='{}'><parent>world</parent><child>a</child>
+    double = """<model name='m'><link name='a'/><link name='base'><inertial><mass>1e6</mass>
+    <inertia><ixx>1e6</ixx><iyy>1e6</iyy><izz>1e6</izz></inertia></inertial></link>
+    <joint name='j' type='{}'><parent>base</parent><child>a</child>
     <axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 1 0</xyz></axis2></joint></model>"""
     for kind in ("universal", "revolute2"):
         made = load(world(double.format(kind), gravity="0 0 0"))
@@ -199,7 +204,8 @@ def test_static_models_stand_and_can_be_stood_on(load):
 
 
 def test_inertials_are_what_the_file_says(load):
-    inertial = """<inertial><pose>0.1 0 0 0 0 1.5707963</pose><mass>3</mass><inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz>
+    inertial = """<inertial><pose>0.1 0 0 0 0 1.5707963</pose><mass>3</mass>
+    <inertia><ixx>1</ixx><iyy>2</iyy><izz>2.5</izz>
     <ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>"""
     made = load(world(model("m", "box", "1 2 3 0 0 0", link=inertial)))
     mass = made.body("m").GetMass()
@@ -212,8 +218,8 @@ def test_inertials_are_what_the_file_says(load):
 def test_the_model_frame_may_be_apart_from_its_first_link(load):
     link = "<pose>1 0 0 0 0 1.5707963</pose>"
     made = load(world(model("m", "box", "0 0 5 0 0 1.5707963", link=link), gravity="0 0 0"))
-    assert tuple(made.model("m").GetPose().pos) == pytest.approx((0, 0, 5))
-    assert tuple(made.body("m").GetPosition()) == pytest.approx((0, 1, 5))
+    assert tuple(made.model("m").GetPose().pos) == pytest.approx((0, 0, 5), abs=1e-6)
+    assert tuple(made.body("m").GetPosition()) == pytest.approx((0, 1, 5), abs=1e-6)
     made.SetModelPose(made.model("m"), GzPose(GzVector(2, 0, 0), GzQuaternFromEuler(0, 0, 0)))
     assert tuple(made.body("m").GetPosition()) == pytest.approx((3, 0, 0), abs=1e-6)
     made.reset()
@@ -222,8 +228,9 @@ def test_the_model_frame_may_be_apart_from_its_first_link(load):
 
 def test_self_collision_on_request(load):
     for wish, apart in (("", False), ("<self_collide>true</self_collide>", True)):
+        collision = f"<collision name='c'><geometry>{SHAPES['box']}</geometry></collision>"
         links = "".join(
-            f"<link name='{name}'><pose>0 0 {z} 0 0 0</pose><collision name='c'><geometry>{SHAPES['box']}</geometry></collision></link>"
+            f"<link name='{name}'><pose>0 0 {z} 0 0 0</pose>{collision}</link>"
             for name, z in (("low", 0.5), ("high", 1.6))
         )
         made = load(world(GROUND, f"<model name='m'>{wish}{links}</model>"))
@@ -249,7 +256,8 @@ def test_all_faults_at_once(load):
     bad = (
         "<model name='m'><link name='a'><inertial><mass>-1</mass></inertial></link><link name='a'/>"
         "<joint name='j' type='gearbox'><parent>a</parent><child>a</child><axis><xyz>0 0 1</xyz></axis></joint>"
-        "<joint name='k' type='revolute'><parent>a</parent><child>nowhere</child><axis><xyz>0 0 1</xyz></axis></joint></model>"
+        "<joint name='k' type='revolute'><parent>a</parent><child>nowhere</child><axis><xyz>0 0 1</xyz></axis></joint>"
+        "</model>"
     )
     with pytest.raises(WorldFileError) as caught:
         load(world(bad))

@@ -37,7 +37,7 @@ class SdfModel(Model):
         super().__init__(world)
         self.sdf = element
         self.faults = faults
-        self.static = element.Get(bool, "static") or (parent is not None and parent.static)
+        self.static: bool = element.Get(bool, "static") or (parent is not None and parent.static)
         self.links: dict[str, Body] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
         self.geom_names: dict[Geom, str] = {}

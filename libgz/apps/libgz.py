@@ -14,6 +14,7 @@ __all__ = ["main"]
 
 # Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
 COMMANDS = {
+    "config": "print what a C compiler needs for programs that speak libgazebo",
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
 }

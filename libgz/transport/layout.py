@@ -26,6 +26,7 @@ from libgz.errors import ParameterError
 __all__ = [
     "BOTH",
     "CLIENT",
+    "GAZEBO_MAX_MODEL_TYPE",
     "LIBGAZEBO_VERSION",
     "SERVER",
     "Array",

@@ -86,6 +86,11 @@ class Interface(Generic[D]):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.type}.{self.id}>"
 
+    @property
+    def model_id(self) -> int:
+        """The number of the model that made it, on the server's side."""
+        return self._owner[1]
+
     @classmethod
     def size(cls) -> int:
         """Bytes of the struct, and of its file."""

@@ -17,7 +17,7 @@ from libgz.transport.semaphores import SemaphoreSet
 if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
-__all__ = ["LocalServer", "Server", "free_server_id"]
+__all__ = ["LocalServer", "Server", "alive", "free_server_id"]
 
 log = logging.getLogger("libgz.transport")
 
@@ -163,7 +163,7 @@ class Server(LocalServer):
         except OSError as fault:
             raise self._in_use(f"its semaphores belong to another user: {fault.strerror}", "") from None
         poster = semaphores.last_poster()
-        if not self.force and poster != os.getpid() and _alive(poster):
+        if not self.force and poster != os.getpid() and alive(poster):
             # Our own lock was free, so this is a server of another kind, or one that lost its directory.
             advice = ", or -f if you definitely want to use this id"
             raise self._in_use(f"pid {poster} posts to its semaphores", advice)
@@ -277,7 +277,7 @@ def free_server_id() -> int:
     raise ServerError("server ids 0 to 999 are all taken; name another one: -s")
 
 
-def _alive(pid: int) -> bool:
+def alive(pid: int) -> bool:
     """Whether a process lives; pid 0, of another pid namespace, counts as alive."""
     if pid == 0:
         return True

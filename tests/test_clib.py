@@ -230,7 +230,7 @@ def test_a_c_program_reads_and_commands_every_interface(tmp_path, flags, server,
     server.post()
     done = run(program, server.server_id)
     lines = done.stdout.splitlines()
-    assert lines[0] == f"60 {served.size()} Tester 7 3"
+    assert lines[0] == f"60 {served.size} Tester 7 3"
     assert [float(line) for line in lines[1:]] == [number_for(i, ctype) for i, (_, ctype) in enumerate(reading)]
     for i, (path, ctype) in enumerate(writing):
         assert eval(f"data.{path}", {"data": served.data}) == number_for(i + 50, ctype), path

@@ -21,6 +21,7 @@ from libgz.simulation.lookup import Lookup
 from libgz.simulation.origin import to_file, to_world
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
 from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
+from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
 
@@ -48,16 +49,26 @@ class World(Lookup):
         force: take over a server id whose owner cannot be told to be dead.
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
+        wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
 
     Raises:
         LibraryError: ODE is absent or unfit.
+        ParameterError: there is no such solver or version.
     """
 
     def __init__(
-        self, server_id: int | None = None, force: bool = False, *, seed: int = 0, solver: str = "world"
+        self,
+        server_id: int | None = None,
+        force: bool = False,
+        *,
+        seed: int = 0,
+        solver: str = "world",
+        wire_version: int = LIBGAZEBO_VERSION,
     ) -> None:
         self.server_id = server_id
-        self.gz_server: LocalServer = LocalServer() if server_id is None else Server(server_id, force)
+        self.gz_server: LocalServer = (
+            LocalServer(wire_version) if server_id is None else Server(server_id, force, wire_version)
+        )
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
         self.random = np.random.SeedSequence(seed)

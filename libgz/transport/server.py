@@ -10,7 +10,8 @@ import os
 import stat
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import ServerError
+from libgz.errors import ParameterError, ServerError
+from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
 from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
 from libgz.transport.semaphores import SemaphoreSet
 
@@ -25,11 +26,22 @@ _FILE_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 class LocalServer:
-    """A server without a wire: its interfaces are memory of this process, for worlds that run in process."""
+    """A server without a wire: its interfaces are memory of this process, for worlds that run in process.
+
+    Args:
+        version: what interfaces announce.
+
+    Raises:
+        ParameterError: there is no such version.
+    """
 
     server_id: int | None = None
 
-    def __init__(self) -> None:
+    def __init__(self, version: int = LIBGAZEBO_VERSION) -> None:
+        if version not in VERSIONS:
+            allowed = ", ".join(f"{known:#05x}" for known in VERSIONS)
+            raise ParameterError(f"wire version is {version:#05x}; allowed are {allowed}")
+        self.version = version
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
 
     def start(self) -> None:
@@ -68,12 +80,13 @@ class Server(LocalServer):
     Args:
         server_id: 0 and up; several servers on one machine need different ones.
         force: take over an id whose owner cannot be told to be dead. A server that is alive is never disturbed.
+        version: what interfaces announce, and lie by: 0x060, or 0x050 for clients of Gazebo 0.5.
     """
 
     server_id: int
 
-    def __init__(self, server_id: int = 0, force: bool = False) -> None:
-        super().__init__()
+    def __init__(self, server_id: int = 0, force: bool = False, version: int = LIBGAZEBO_VERSION) -> None:
+        super().__init__(version)
         self.server_id = check_server_id(server_id)
         self.force = force
         self.path = server_directory(self.server_id)

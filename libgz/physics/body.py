@@ -20,7 +20,7 @@ from libgz.geometry import (
 )
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
-from libgz.physics.check import finite_tuple, not_negative
+from libgz.physics.check import LARGEST, finite_tuple, not_negative
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class Body:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]"))
+        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(finite_tuple(pose.rot, 4, "rotation"))
         if self.row < 0:
             self._pose = GzPose(position, rotation)
@@ -183,7 +183,7 @@ class Body:
         self._set_velocity("dBodySetAngularVel", velocity, "angular velocity [rad/s]")
 
     def _set_velocity(self, function: str, velocity: VectorLike, what: str) -> None:
-        values = finite_tuple(velocity, 3, what)
+        values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
             getattr(ode(), function)(self.id, *values)
             self.engine.body_moved(self.row)

@@ -19,6 +19,7 @@ COMMANDS = {
     "doctor": "show what this machine has of what libgz needs",
     "models": "list all models, or describe one",
     "schema": "print a grammar of worldfiles for editors",
+    "upgrade": "rewrite a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7",
 }
 
 

@@ -48,6 +48,8 @@ class DifferentialRobot(Model):
     speeds and publishes. A command holds until the next one. Odometry starts at zero and knows nothing of teleports.
     """
 
+    attributes = RobotAttributes
+
     wheelSep: ClassVar[float]  # between left and right wheels [m]
     wheelDiam: ClassVar[float]  # [m]
     maxTorque: ClassVar[float]  # of each wheel's motor [N m]

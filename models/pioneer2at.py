@@ -18,11 +18,13 @@ AXLE_HEIGHT = 0.09525  # [m]
 
 
 class Pioneer2AT(DifferentialRobot):
-    """Four driven wheels and sixteen sonars; the origin is on the ground under the centre.
+    """ActivMedia's outdoor robot: four driven wheels that steer by their sides' speeds, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw runs on beyond a turn.
+    The origin is on the ground under the centre.
+    Its yaw runs on beyond a turn.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.381, 0.20
     maxTorque = 10.0
     normaliseYaw = False

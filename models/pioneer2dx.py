@@ -15,11 +15,19 @@ CASTER = GzVector(-0.22, 0.0, -0.2)
 
 
 class Pioneer2DX(DifferentialRobot):
-    """Two driven wheels, a ball caster and sixteen sonars; the origin is the centre of the top plate above the axle.
+    """ActivMedia's indoor robot: two driven wheels, a ball caster, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw stays within +-pi.
+    The origin is the centre of the top plate above the axle.
+    Its yaw stays within +-pi.
     """
 
+    interfaces = ("position", "power", "sonar")
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
+        </model:Pioneer2DX>
+    """
     wheelSep, wheelDiam = 0.35, 0.19
     maxTorque = 1.1
     normaliseYaw = True

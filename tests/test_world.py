@@ -69,7 +69,7 @@ def test_all_faults_of_a_world_at_once(caplog):
     assert len(lines) == 4
     assert "<string>:2: <stepTime>: '-1' is not allowed; stepTime [s] must be above 0 and at most 1" in lines[0]
     assert "<string>:3: <shape>: 'blob' is not allowed; shape must be one of box, cylinder, sphere" in lines[1]
-    assert "<string>:4: <model:SimpleSolid>: size of a box is 1.0 0.0 1.0; all lengths must be above zero" in lines[2]
+    assert "<string>:4: <size>: '1 0 1' is not allowed; size [m] must be above 0 each" in lines[2]
     assert "<string>:5: <model:SickLMS200>: body [chasis] not defined for model 'Pioneer2AT'" in lines[3]
     assert "<model:NoSuchThing>: unknown model class" in caplog.text
     assert "<texturFile>: is not used by <model:GroundPlane>; did you mean 'textureFile'" in caplog.text

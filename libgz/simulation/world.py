@@ -230,7 +230,8 @@ class World(Lookup, Clock):
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(self, node.GetName())
         if model is None:
-            node.warn(f"unknown model class, skipped with all that is in it{nearest(node.name, self.factory.names())}")
+            hint = nearest(node.name, self.factory.names()) or "; `libgz models` lists those there are"
+            node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model
 
     def _load_model(self, model: Model, node: WorldFileNode, parent: Model | None) -> None:

@@ -12,6 +12,7 @@ MODELS = {
         "CanonVCC4",
         "CarChassis",
         "ClodBuster",
+        "Factory",
         "GroundPlane",
         "LightSource",
         "MonoCam",

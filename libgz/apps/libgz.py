@@ -14,8 +14,14 @@ __all__ = ["main"]
 
 # Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
 COMMANDS = {
+    "clean": "remove what dead servers left behind",
+    "config": "print what a C compiler needs for programs that speak libgazebo",
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
+    "echo": "print what an interface of a running server says, live",
+    "interfaces": "list what a running server offers",
+    "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
+    "set": "write fields of an interface of a running server",
 }
 
 

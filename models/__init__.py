@@ -4,18 +4,30 @@
 MODELS = {
     name: f"libgz.models.{name.lower()}:{name}"
     for name in (
+        "Atrv",
+        "AvatarHeli",
+        "B21R",
+        "Bandit",
+        "Blimp",
         "CanonVCC4",
+        "CarChassis",
+        "ClodBuster",
         "Factory",
         "GroundPlane",
         "LightSource",
         "MonoCam",
         "ObserverCam",
+        "PeopleBot",
         "Pioneer2AT",
         "Pioneer2DX",
+        "Roomba",
+        "SegwayRMP",
+        "Shrimp",
         "SickLMS200",
         "SimpleSolid",
         "SkyDome",
         "SonyVID30",
         "StereoHead",
+        "WheelChair",
     )
 }

@@ -5,16 +5,27 @@ MODELS = {
     name: f"libgz.models.{name.lower()}:{name}"
     for name in (
         "CanonVCC4",
+        "GarminGPS",
         "GroundPlane",
         "LightSource",
+        "MapExtruder",
         "MonoCam",
         "ObserverCam",
         "Pioneer2AT",
         "Pioneer2DX",
+        "Pioneer2Gripper",
+        "Pioneer2Sonars",
+        "Road",
         "SickLMS200",
         "SimpleSolid",
         "SkyDome",
         "SonyVID30",
         "StereoHead",
+        "Terrain",
+        "TruthWidget",
+        "WiFi",
     )
 }
+
+# Known names of which no more is known than that.
+MODELS |= {name: f"libgz.models.unsimulated:{name}" for name in ("PointSet", "TotemPole")}

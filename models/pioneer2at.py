@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.geometry import GzColor, GzVector
 from libgz.models.drive import DifferentialRobot
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2AT_RING, SonarRing
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
@@ -40,4 +40,4 @@ class Pioneer2AT(DifferentialRobot):
         plate.SetColor(GzColor(0.0, 0.0, 0.0))
         for name, (x, y) in WHEELS.items():
             self.add_wheel(name, GzVector(x, y, AXLE_HEIGHT), 0.035, 1.0, GzColor(0.3, 0.3, 0.3))
-        self.sonars = SonarRing(self, chassis, pioneer_ring(0.24103, 0.25))
+        self.sonars = SonarRing(self, chassis, PIONEER2AT_RING)

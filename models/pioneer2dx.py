@@ -6,7 +6,7 @@ import math
 
 from libgz.geometry import GzColor, GzQuaternFromAxis, GzVector
 from libgz.models.drive import DifferentialRobot
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2DX_RING, SonarRing
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, SphereGeom
 from libgz.physics.joint import BallJoint
@@ -38,7 +38,7 @@ class Pioneer2DX(DifferentialRobot):
         for name, y in (("left", 0.175), ("right", -0.175)):
             self.add_wheel(name, GzVector(0.0, y, -0.145), 0.05, 0.5, GzColor(0.1, 0.1, 0.1))
         self._add_caster(chassis)
-        self.sonars = SonarRing(self, chassis, pioneer_ring(0.14103, -0.04))
+        self.sonars = SonarRing(self, chassis, PIONEER2DX_RING)
 
     def _add_caster(self, chassis: Body) -> None:
         """A ball under the rear; heavy on purpose, for it keeps the robot from pitching forward when it brakes."""

@@ -65,7 +65,8 @@ def read_gzb(path: Path) -> GzbFile:
 def _mend(terrain: GzbFile) -> None:
     """Undo what a conversion of line ends does to indices: their bytes 0D became 0A, so some vertices are not used.
 
-    A triangle that would be smaller with the unused vertex was meant to have it. Values of vertices cannot be told.
+    A triangle that with the unused vertex would be smaller, or face up instead of down, was meant to have it. Damaged
+    values of vertices cannot be told from others.
     """
     count, triangles = len(terrain.vertices), terrain.triangles
     points = terrain.vertices[:, 9:]
@@ -80,9 +81,10 @@ def _mend(terrain: GzbFile) -> None:
         if as_damaged == vertex:
             continue
         rows, corner = np.nonzero(triangles == as_damaged)
-        others = [points[triangles[rows, (corner + k) % 3]] for k in (1, 2)]
-        size = [sum(np.linalg.norm(points[v] - other, axis=1) for other in others) for v in (as_damaged, vertex)]
-        better = size[1] < size[0]
+        meant = triangles[rows]
+        meant[np.arange(len(rows)), corner] = vertex
+        old, new = (_shape(points, candidates) for candidates in (triangles[rows], meant))
+        better = ((old[0] < 0.0) & (new[0] > 0.0)) | ((new[0] > 0.0) & (new[1] < old[1]))
         triangles[rows[better], corner[better]] = vertex
         mended += int(better.sum())
     if mended:
@@ -90,6 +92,15 @@ def _mend(terrain: GzbFile) -> None:
     downward = int((triangle_normals(points, triangles)[:, 2] < 0.0).sum())
     if downward:
         terrain.damage.append(f"{downward} of {len(triangles)} triangles face down")
+
+
+def _shape(
+    points: NDArray[np.float64], triangles: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """(how much each triangle faces up, -1 to 1; length of its border [m])."""
+    corners = points[triangles]
+    border = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).sum(axis=1)
+    return triangle_normals(points, triangles)[:, 2], border
 
 
 def write_gzb(path: Path, vertices: ArrayLike, strip: ArrayLike, triangles: ArrayLike) -> None:

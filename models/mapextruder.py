@@ -43,10 +43,14 @@ class MapExtruder(Model):
         body = Body(self.world, dummy=True)
         self.AddBody(body, True)
         self.walls = np.zeros((0, 2, 2))
-        if values.imageFile is not None:
-            self.walls = _walls(read_grey(values.imageFile) < values.threshold, values.errBound) * values.scale
-        elif not node.IsDefined("imageFile"):
+        if not node.IsDefined("imageFile"):
             raise ParameterError("a MapExtruder needs an <imageFile>")
+        if values.imageFile is not None:
+            try:
+                solid = read_grey(values.imageFile) < values.threshold
+                self.walls = _walls(solid, values.errBound) * values.scale
+            except ParameterError as fault:
+                node.warn(f"{fault}; so there are no walls here")
         for (ax, ay), (bx, by) in self.walls.tolist():
             reach = math.hypot(bx - ax, by - ay) + values.width
             wall = BoxGeom(body, self.modelSpaceId, reach, values.width, values.height)

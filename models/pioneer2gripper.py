@@ -11,6 +11,7 @@ from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
 from libgz.sensors.rays import RayProximity
 from libgz.simulation.model import Model
+from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -19,7 +20,8 @@ LIFT_FORCE, PADDLE_FORCE = 50.0, 10.0  # [N]
 SPEED = 0.5  # of lift and paddles [m/s]
 THICKNESS = 0.025  # of a paddle [m]
 BEAMS = (0.03, -0.02)  # x of the outer and the inner beam on the paddles [m]
-AT_STOP = 0.002  # [m]; nearer to a stop than this is at it
+AT_END = 0.002  # [m]; nearer to an end of its way than this is at it
+STOP_BEYOND = 0.001  # [m]; where the stops lie beyond the ends
 STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: paddles that close and have been this slow for so long hold something
 
 # command -> (what the paddles do, what the lift does): 1 close or rise, -1 open or sink, 0 stop, None as before
@@ -34,6 +36,67 @@ COMMANDS: dict[int, tuple[int | None, int | None]] = {
     codes.DEPLOY: (-1, -1),
     codes.HALT: (0, 0),
 }
+
+
+class _Slide:
+    """A driven slider that goes from 0 to the end of its way [m] and back.
+
+    It is slowed down in time, for ODE kicks a motor off a stop with its whole force for one step: 10 N make a paddle
+    eight times as fast as it should be.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        name: str,
+        moving: Body,
+        carrier: Body,
+        axis: tuple[float, float, float],
+        travel: float,
+        force: float,
+    ) -> None:
+        self.travel = travel
+        self.direction = 0  # 1 to the end, -1 back, 0 stop
+        self._speed = 0.0  # [m/s], as last set
+        self.joint = SliderJoint(world, name=name)
+        self.joint.Attach(moving, carrier)
+        self.joint.SetAxis(*axis)
+        self.joint.SetParam(dParamLoStop, -STOP_BEYOND)
+        self.joint.SetParam(dParamHiStop, travel + STOP_BEYOND)
+        self.joint.SetParam(dParamBounce, 0.0)
+        self.joint.SetParam(dParamVel, 0.0)
+        self.joint.SetParam(dParamFMax, force)
+
+    @property
+    def position(self) -> float:
+        """How far it has gone [m]."""
+        return self.joint.GetPosition()
+
+    @property
+    def rate(self) -> float:
+        """Its speed [m/s]."""
+        return self.joint.GetPositionRate()
+
+    @property
+    def at_start(self) -> bool:
+        """Whether it is where it began."""
+        return self.position < AT_END
+
+    @property
+    def at_end(self) -> bool:
+        """Whether it has gone all the way."""
+        return self.position > self.travel - AT_END
+
+    def drive(self, step: float) -> None:
+        """Set the motor for a step [s]."""
+        speed = 0.0
+        if self.direction > 0:
+            speed = min(SPEED, (self.travel - self.position) / step)
+        elif self.direction < 0:
+            speed = max(-SPEED, -self.position / step)
+        if speed != self._speed:
+            self._speed = speed
+            self.joint.SetParam(dParamVel, speed)
 
 
 class Pioneer2Gripper(Model):
@@ -58,13 +121,12 @@ class Pioneer2Gripper(Model):
         # Left and right are as the old server had them: left at -y.
         left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), weight, 0.2)
         right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), weight, 0.2)
-        self.lift = self._slider("lift", bar, base, (0.0, 0.0, 1.0), (0.0, LIFT_TRAVEL), LIFT_FORCE)
-        self.left = self._slider("left_paddle", left, bar, (0.0, 1.0, 0.0), (0.0, PADDLE_TRAVEL), PADDLE_FORCE)
-        self.right = self._slider("right_paddle", right, bar, (0.0, 1.0, 0.0), (-PADDLE_TRAVEL, 0.0), PADDLE_FORCE)
+        self.lift = _Slide(self.world, "lift", bar, base, (0.0, 0.0, 1.0), LIFT_TRAVEL, LIFT_FORCE)
+        self.left = _Slide(self.world, "left_paddle", left, bar, (0.0, 1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
+        self.right = _Slide(self.world, "right_paddle", right, bar, (0.0, -1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
         self.span = 0.235  # between the paddles' centres when they are open [m]
         self.beams = RayProximity(self.world, left, len(BEAMS))
-        self.paddles = self.lifting = 0  # what they were told: 1 close or rise, -1 open or sink, 0 stop
-        self.told = (0, 0)  # the last command of each that was not a stop
+        self.told = (0, 0)  # what paddles and lift were last told, but for stops
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
         self.gripper = Gripper()
 
@@ -86,25 +148,6 @@ class Pioneer2Gripper(Model):
         body.SetPosition(GzVector(*position))
         return body
 
-    def _slider(
-        self,
-        name: str,
-        moving: Body,
-        carrier: Body,
-        axis: tuple[float, float, float],
-        stops: tuple[float, float],
-        force: float,
-    ) -> SliderJoint:
-        """A driven slider, held where it is."""
-        joint = SliderJoint(self.world, name=name)
-        joint.Attach(moving, carrier)
-        joint.SetAxis(*axis)
-        settings = {dParamLoStop: stops[0], dParamHiStop: stops[1], dParamBounce: 0.0, dParamVel: 0.0}
-        for parameter, value in settings.items():
-            joint.SetParam(parameter, value)
-        joint.SetParam(dParamFMax, force)
-        return joint
-
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.gripper.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
         self._publish()
@@ -117,32 +160,36 @@ class Pioneer2Gripper(Model):
             command = int(self.gripper.data.cmd)
             self.gripper.unlock()
             self._obey(command)
-        slow = max(abs(self.left.GetPositionRate()), abs(self.right.GetPositionRate())) < STILL
-        if self.paddles > 0 and slow:
-            self.slow_for += step
-        elif self.paddles != 0 or not slow:  # a grip that is stopped still holds
-            self.slow_for = 0.0
+        if step > 0.0:
+            self._watch_grip(step)
+            for slide in (self.lift, self.left, self.right):
+                slide.drive(step)
         self._cast_beams()
         self._publish()
 
     def _obey(self, command: int) -> None:
-        """Set the motors as a command says."""
+        """Take on what a command says."""
         paddles, lift = COMMANDS.get(command, (None, None))
-        if paddles is not None and paddles != self.paddles:
-            self.paddles = paddles
-            self.left.SetParam(dParamVel, SPEED * paddles)
-            self.right.SetParam(dParamVel, -SPEED * paddles)
-        if lift is not None and lift != self.lifting:
-            self.lifting = lift
-            self.lift.SetParam(dParamVel, SPEED * lift)
-        self.told = (self.paddles or self.told[0], self.lifting or self.told[1])
+        if paddles is not None:
+            self.left.direction = self.right.direction = paddles
+        if lift is not None:
+            self.lift.direction = lift
+        self.told = (self.left.direction or self.told[0], self.lift.direction or self.told[1])
+
+    def _watch_grip(self, step: float) -> None:
+        """How long the paddles have been slow while closing; a grip that is stopped still holds."""
+        slow = max(abs(self.left.rate), abs(self.right.rate)) < STILL
+        if slow and self.left.direction > 0:
+            self.slow_for += step
+        elif not slow or self.left.direction < 0:
+            self.slow_for = 0.0
 
     def _cast_beams(self) -> None:
         """Look across from the middle of the left paddle, which the beams do not see, to the face of the right one.
 
         The old server's beams began in front of the paddle, inside what it held, and then did not see that.
         """
-        gap = self.span - self.left.GetPosition() + self.right.GetPosition()
+        gap = self.span - self.left.position - self.right.position
         for i, x in enumerate(BEAMS):
             self.beams.SetRay(i, (x, 0.0, 0.0), (x, max(gap - THICKNESS / 2.0 - 0.001, 0.001), 0.0))
         self.beams.Update()
@@ -151,16 +198,14 @@ class Pioneer2Gripper(Model):
 
     def state(self) -> dict[str, bool]:
         """What the interface tells, by its fields' names, as measured."""
-        height, left, right = self.lift.GetPosition(), self.left.GetPosition(), -self.right.GetPosition()
-        left_open, right_open = left < AT_STOP, right < AT_STOP
-        opened = left_open and right_open
-        shut = min(left, right) > PADDLE_TRAVEL - AT_STOP
+        paddles = (self.left, self.right)
+        opened, shut = all(p.at_start for p in paddles), all(p.at_end for p in paddles)
         holding = self.slow_for >= STILL_FOR - 1e-9 and not opened
-        up, down = height > LIFT_TRAVEL - AT_STOP, height < AT_STOP
+        up, down = self.lift.at_end, self.lift.at_start
         outer, inner = (row >= 0 for row in self.beams.rows.tolist())
         return {
-            "left_paddle_open": left_open,
-            "right_paddle_open": right_open,
+            "left_paddle_open": self.left.at_start,
+            "right_paddle_open": self.right.at_start,
             "paddles_opened": opened,
             "paddles_closed": shut or holding,
             "paddles_moving": not (opened or shut or holding),
@@ -169,7 +214,7 @@ class Pioneer2Gripper(Model):
             "lift_down": down,
             "lift_moving": not (up or down),
             "lift_error": False,
-            "grip_limit_reach": all(p < AT_STOP or p > PADDLE_TRAVEL - AT_STOP for p in (left, right)),
+            "grip_limit_reach": all(p.at_start or p.at_end for p in paddles),
             "lift_limit_reach": up or down,
             "outer_beam_obstruct": outer,
             "inner_beam_obstruct": inner,

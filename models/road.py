@@ -45,17 +45,20 @@ class Road(Model):
         self.road.SetFriction(*values.surfaceFriction)
         self.road.SetTexture2DFile(values.textureFile)
         self.road.SetTexture2DSize((*values.textureSize, 0.0))
-        if values.roadFile is not None:
-            self._build(values.roadFile, values.roadSpacing, node)
-        elif not node.IsDefined("roadFile"):
+        if not node.IsDefined("roadFile"):
             raise ParameterError("a road needs a <roadFile>")
+        if values.roadFile is not None:
+            try:
+                self._build(values.roadFile, values.roadSpacing, node)
+            except ParameterError as fault:
+                node.warn(f"road {str(values.roadFile)!r}: {fault}; so there is no road here")
 
     def _build(self, path: Path, spacing: tuple[float, ...], node: WorldFileNode) -> None:
         """Read the file into the geom; lines that are no records become one warning."""
         found = read_road(path, self.world.utmOffset)
         if found.damage:
             more = f", and {len(found.damage) - 1} more" if len(found.damage) > 1 else ""
-            node.warn(f"road {str(path)!r}: {found.damage[0]}{more}; left out")
+            node.warn(f"road {str(path)!r}: {found.damage[0]}{more}: left out")
         between_records, between_heights = spacing
         if between_records > 0.0:
             self.road.SetTrackSpacing(between_records)

@@ -42,22 +42,25 @@ class Terrain(Model):
         body = Body(self.world, dummy=True)
         self.AddBody(body, True)
         self.ground = TerrainGeom(body, self.modelSpaceId)
-        if values.terrainFile is not None:
-            self._load_file(values.terrainFile, node)
-        elif values.dataFile is not None:
-            heights = read_grey(values.dataFile)[::-1] * (values.elevationScale / 255.0)
-            across, up = values.textureRepeat
-            self.ground.LoadGrid(heights, values.vertexSpacing, (across, up))
-        elif not (node.IsDefined("terrainFile") or node.IsDefined("dataFile")):
+        if not (node.IsDefined("terrainFile") or node.IsDefined("dataFile")):
             raise ParameterError("a terrain needs a <terrainFile> (.gzb), or a <dataFile> with a height map")
+        try:
+            self._build(values, node)
+        except ParameterError as fault:
+            node.warn(f"{fault}; so there is no ground here")
         self.ground.SetColor(values.color)
         self.ground.SetHardness(*values.surfaceHardness)
         self.ground.SetFriction(*values.surfaceFriction)
         self.ground.SetTexture2DFile(values.textureFile)
 
-    def _load_file(self, path: Path, node: WorldFileNode) -> None:
-        """Read a terrain file; what is wrong with it becomes one warning."""
-        terrain = read_gzb(path)
-        if terrain.damage:
-            node.warn(f"terrain {str(path)!r} is damaged: {'; '.join(terrain.damage)}")
-        self.ground.Load(terrain.vertices, terrain.strip, terrain.triangles)
+    def _build(self, values: TerrainAttributes, node: WorldFileNode) -> None:
+        """Bring the mesh. A file that was not found has its warning already; what is damaged gets one here."""
+        if values.terrainFile is not None:
+            terrain = read_gzb(values.terrainFile)
+            if terrain.damage:
+                node.warn(f"terrain {str(values.terrainFile)!r} is damaged: {'; '.join(terrain.damage)}")
+            self.ground.Load(terrain.vertices, terrain.strip, terrain.triangles)
+        elif values.dataFile is not None:
+            heights = read_grey(values.dataFile)[::-1] * (values.elevationScale / 255.0)
+            in_x, in_y = values.textureRepeat
+            self.ground.LoadGrid(heights, values.vertexSpacing, (in_x, in_y))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, GREY, RED, fit
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2AT_RING, SonarRing
 from libgz.models.wheels import Tire
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -37,4 +37,4 @@ class Pioneer2AT(DifferentialRobot):
         fit(BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02), (0.0, 0.0, 0.300025), 0.0, BLACK)
         for name, (x, y) in WHEELS.items():
             self.add_wheel(name, (x, y, AXLE_HEIGHT), TIRE)
-        self.devices.append(SonarRing(self, chassis, pioneer_ring(0.24103, 0.25)))
+        self.devices.append(SonarRing(self, chassis, PIONEER2AT_RING))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, DARK, RED, fit
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2DX_RING, SonarRing
 from libgz.models.wheels import Tire, add_caster
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -39,4 +39,4 @@ class Pioneer2DX(DifferentialRobot):
         self.add_wheel("right", (0.0, -0.175, -0.145), TIRE)
         # Heavy on purpose: it keeps the robot from pitching forward when it brakes.
         add_caster(self, "caster", chassis, (-0.22, 0.0, -0.2), 0.04, 5.0, BLACK)
-        self.devices.append(SonarRing(self, chassis, pioneer_ring(0.14103, -0.04)))
+        self.devices.append(SonarRing(self, chassis, PIONEER2DX_RING))

@@ -14,7 +14,7 @@ GREY, RED = GzColor(0.3, 0.3, 0.3), GzColor(1.0, 0.0, 0.0)
 
 
 class CanonVCC4(PanTiltCamera):
-    """Pans 90 degrees to each side, tilts 30 degrees up and 90 down. Serves ptz."""
+    """Pans 90 degrees to each side, tilts 30 degrees up and 90 down. Serves ptz and camera."""
 
     panLimits = (-0.5 * math.pi, 0.5 * math.pi)
     tiltLimits = (-math.pi / 6.0, 0.5 * math.pi)

@@ -13,7 +13,7 @@ GREY = GzColor(0.3, 0.3, 0.3)
 
 
 class SonyVID30(PanTiltCamera):
-    """Pans 54 degrees to each side and tilts 90 degrees up and down. Serves ptz."""
+    """Pans 54 degrees to each side and tilts 90 degrees up and down. Serves ptz and camera."""
 
     panLimits = (-0.3 * math.pi, 0.3 * math.pi)
     tiltLimits = (-0.5 * math.pi, 0.5 * math.pi)

@@ -16,6 +16,7 @@ __all__ = ["main"]
 COMMANDS = {
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
+    "picture": "save what a camera of a world sees",
 }
 
 

@@ -14,16 +14,19 @@ from libgz.rendering.drawers import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.image import read_image
 from libgz.rendering.mesh import Material, Mesh, grid
-from libgz.rendering.shot import Content, Item, RenderOptions, pose_matrix
+from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["Compiled", "Library"]
+__all__ = ["Compiled", "Library", "Look"]
 
 log = logging.getLogger("libgz.rendering")
 
-SEGMENTS = (32, 12)  # of a full turn: near by, and where a body is small in the picture
+SEGMENTS = (32, 12, 8)  # of a full turn: where a body is large in the picture, small, and very small
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 PATCH = 2.0  # [m] of a plane near the camera
+
+
+Look = tuple[bool, bool, bool]  # whether skins, materials and textures are shown
 
 
 class Compiled:
@@ -40,6 +43,7 @@ class Library:
 
     def __init__(self, gl: GL) -> None:
         self.gl = gl
+        self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
         self._lists: dict[tuple[object, ...], Compiled] = {}
         self._textures: dict[tuple[Path, bool], int] = {}
         self._skins: dict[Path, list[Mesh]] = {}
@@ -51,21 +55,19 @@ class Library:
             return
         self._content = content
         keys = {item.key for item in content.items}
-        for key in [k for k in self._lists if k[0] == "item" and k[1] not in keys]:
-            self.gl.glDeleteLists(self._lists.pop(key).list, 1)
+        for key in [k for k in self._items if k[0] not in keys]:
+            self.gl.glDeleteLists(self._items.pop(key).list, 1)
 
-    def item(self, item: Item, options: RenderOptions, level: int, plain: bool) -> Compiled:
+    def item(self, item: Item, look: Look, level: int, plain: bool) -> Compiled:
         """The list of an item; plain: its shape alone, without materials."""
-        look = (options.displaySkins, options.displayMaterials, options.displayTextures)
-        key = ("item", item.key, look, level, plain)
-        found = self._lists.get(key)
+        key = (item.key, look, level, plain)
+        found = self._items.get(key)
         if found is None:
-            found = self._lists[key] = self._compile_item(item, options, SEGMENTS[level], plain)
+            found = self._items[key] = self._compile_item(item, look, SEGMENTS[level], plain)
         return found
 
-    def plane(self, geom: Geom, far: float, options: RenderOptions, plain: bool) -> Compiled:
+    def plane(self, geom: Geom, far: float, look: Look, plain: bool) -> Compiled:
         """The list of a plane: a square around the origin that faces +z."""
-        look = (options.displayMaterials, options.displayTextures)
         key = ("plane", geom.body.number, geom.appearance.version, far, look, plain)
         found = self._lists.get(key)
         if found is None:
@@ -75,7 +77,7 @@ class Library:
             if plain:
                 self._draw(shape, False)
             else:
-                self._look(geom, [shape], options)
+                self._look(geom, [shape], look)
             self.gl.glEndList()
             found = self._lists[key] = Compiled(number, far)
         return found
@@ -95,34 +97,34 @@ class Library:
         self.gl.glNewList(number, Constant.COMPILE)
         return int(number)
 
-    def _compile_item(self, item: Item, options: RenderOptions, segments: int, plain: bool) -> Compiled:
+    def _compile_item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
         radius, work = 0.0, []
         for geom in item.geoms:
-            meshes = self._meshes(geom, options, segments)
+            meshes = self._meshes(geom, look[0], segments)
             for shape in meshes:
                 if len(shape.vertices):
                     radius = max(radius, float(np.linalg.norm(shape.vertices, axis=1).max()))
             work.append((geom, meshes))
         if not plain:
             for geom, _ in work:  # before the list begins: a texture made inside would become part of it
-                self.texture(geom.appearance.texture_file if options.displayTextures else None)
+                self.texture(geom.appearance.texture_file if look[2] else None)
         number = self._begin()
         for geom, meshes in work:
             if plain:
                 for shape in meshes:
                     self._draw(shape, False)
             else:
-                self._look(geom, meshes, options)
+                self._look(geom, meshes, look)
         self.gl.glEndList()
         return Compiled(number, radius)
 
-    def _meshes(self, geom: Geom, options: RenderOptions, segments: int) -> list[Mesh]:
+    def _meshes(self, geom: Geom, skins: bool, segments: int) -> list[Mesh]:
         """What a geom looks like, in the frame of its body."""
         appearance = geom.appearance
         place = pose_matrix(geom.GetRelativePose())
-        if options.displaySkins and appearance.skin_null:
+        if skins and appearance.skin_null:
             return []
-        if options.displaySkins and appearance.skin_file is not None:
+        if skins and appearance.skin_file is not None:
             skin = self._skin(appearance.skin_file)
             if skin:
                 on_geom = place @ pose_matrix(appearance.skin_pose)
@@ -139,15 +141,15 @@ class Library:
                 self._skins[path] = []
         return self._skins[path]
 
-    def _look(self, geom: Geom, meshes: list[Mesh], options: RenderOptions) -> None:
+    def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
         """Draw meshes with the material and texture of their geom, or their own."""
         gl, appearance = self.gl, geom.appearance
-        texture = self.texture(appearance.texture_file if options.displayTextures else None)
+        texture = self.texture(appearance.texture_file if look[2] else None)
         a = appearance
         colors = (tuple(a.ambient), tuple(a.diffuse), tuple(a.specular), tuple(a.emission), a.shininess)
         for shape in meshes:
             own = shape.material
-            if not options.displayMaterials:
+            if not look[1]:
                 own = NEUTRAL
             if own is not None:
                 self._material(own.ambient, own.diffuse, own.specular, (0.0, 0.0, 0.0, 1.0), own.shininess)
@@ -225,6 +227,6 @@ class Library:
         gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
         height, width, _ = pixels.shape
         gl.glTexImage2D(
-            kind, 0, Constant.RGB, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, pixels.ctypes.data
+            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, pixels.ctypes.data
         )
         return int(number.value)

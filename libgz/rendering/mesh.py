@@ -156,7 +156,7 @@ def disc(radius: float, z: float, segments: int, up: float) -> Mesh:
 
 def torus(radius: float, tube: float, segments: int) -> Mesh:
     """A torus about z: radius of the ring's middle and of its tube [m]."""
-    angle = np.linspace(-math.pi, math.pi, max(6, segments // 3) + 1)
+    angle = np.linspace(-math.pi, math.pi, max(4, segments // 3) + 1)
     cos, sin = np.cos(angle), np.sin(angle)
     rings = _f(radius + tube * cos)
     return _revolved(rings, _f(tube * sin), _f(cos), _f(sin), _f((angle / math.pi + 1.0) / 2.0), segments)
@@ -197,13 +197,12 @@ def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tup
 
 
 def grid(reach: float, patch: float, texture_size: tuple[float, float]) -> Mesh:
-    """A flat square around the origin, facing +z: patches near the middle, coarser farther out [m]."""
+    """A flat square around the origin, facing +z: small patches in the middle, each next one twice as wide [m]."""
     steps, edge, width = [0.0], 0.0, patch
     while edge < reach:
         edge += width
         steps.append(edge)
-        if edge >= 6.0 * patch:
-            width *= 1.5
+        width *= 2.0
     line = np.array([-s for s in reversed(steps[1:])] + steps)
     xs, ys = np.meshgrid(line, line)
     vertices = np.stack([xs, ys, np.zeros_like(xs)], axis=-1).reshape(-1, 3)

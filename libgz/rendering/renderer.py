@@ -15,13 +15,13 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
-from libgz.rendering.library import PATCH, Library
-from libgz.rendering.shot import Shot, View
+from libgz.rendering.library import PATCH, Library, Look
+from libgz.rendering.shot import RenderOptions, Shot, View
 
 __all__ = ["Renderer"]
 
 LIGHTS = 8
-SMALL = 30.0  # [px] radius below which a body is drawn with less detail
+SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
 
 
 class Renderer:
@@ -146,14 +146,15 @@ class Renderer:
             columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
             start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
             places = matrices[:, :3, 3].tolist()
-            limits = _Limits(view)
+            limits, find, look = _Limits(view), self.library.item, _look_of(view.options)
             later: list[tuple[float, int, int]] = []
             for i, (item, (x, y, z)) in enumerate(zip(items, places, strict=True)):
-                compiled = self.library.item(item, view.options, 1, plain)
+                compiled = find(item, look, 2, plain)
                 if limits.outside(x, y, z, compiled.radius):
                     continue
-                if compiled.radius * view.focal > -z * SMALL:
-                    compiled = self.library.item(item, view.options, 0, plain)
+                pixels = compiled.radius * view.focal / max(-z, view.near)
+                if pixels > TINY:
+                    compiled = find(item, look, 0 if pixels > SMALL else 1, plain)
                 if item.transparent and not plain:
                     later.append((x * x + y * y + z * z, i, compiled.list))
                     continue
@@ -186,7 +187,7 @@ class Renderer:
         shift = [math.floor(float(camera @ frame[:3, k]) / PATCH) * PATCH for k in (0, 1)]
         matrix = frame.copy()
         matrix[:3, 3] += shift[0] * frame[:3, 0] + shift[1] * frame[:3, 1]
-        compiled = self.library.plane(geom, view.far, view.options, plain)
+        compiled = self.library.plane(geom, view.far, _look_of(view.options), plain)
         gl.glMatrixMode(Constant.TEXTURE)
         gl.glLoadIdentity()
         gl.glTranslated(math.fmod(shift[0] / size.x, 1.0), math.fmod(shift[1] / size.y, 1.0), 0.0)
@@ -267,6 +268,10 @@ class _Limits:
         if -z + radius < self.near or -z - radius > self.far:
             return True
         return abs(x) + self.tx * z > radius * self.nx or abs(y) + self.ty * z > radius * self.ny
+
+
+def _look_of(options: RenderOptions) -> Look:
+    return options.displaySkins, options.displayMaterials, options.displayTextures
 
 
 def plane_frame(geom: PlaneGeom) -> NDArray[np.float64]:

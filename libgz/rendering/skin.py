@@ -92,9 +92,10 @@ class _Reader3DS:
         """
         while start + 6 <= end:
             kind, length = struct.unpack_from("<HI", self.data, start)
+            if length >= 6:
+                yield kind, start + 6, min(start + length, end)  # one cut short may still hold whole ones
             if length < 6 or start + length > end:
                 raise _Damaged(f"chunk {kind:#06x} at byte {start} claims {length} bytes of {end - start}")
-            yield kind, start + 6, start + length
             start += length
 
     def text(self, start: int, end: int) -> tuple[str, int]:

@@ -22,6 +22,7 @@ COMMANDS = {
     "echo": "print what an interface of a running server says, live",
     "interfaces": "list what a running server offers",
     "models": "list all models, or describe one",
+    "picture": "save what a camera of a world sees",
     "schema": "print a grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
     "set": "write fields of an interface of a running server",

@@ -13,13 +13,18 @@ MODELS = {
         "CarChassis",
         "ClodBuster",
         "Factory",
+        "GarminGPS",
         "GroundPlane",
         "LightSource",
+        "MapExtruder",
         "MonoCam",
         "ObserverCam",
         "PeopleBot",
         "Pioneer2AT",
         "Pioneer2DX",
+        "Pioneer2Gripper",
+        "Pioneer2Sonars",
+        "Road",
         "Roomba",
         "SegwayRMP",
         "Shrimp",
@@ -28,6 +33,12 @@ MODELS = {
         "SkyDome",
         "SonyVID30",
         "StereoHead",
+        "Terrain",
+        "TruthWidget",
         "WheelChair",
+        "WiFi",
     )
 }
+
+# Known names of which no more is known than that.
+MODELS |= {name: f"libgz.models.unsimulated:{name}" for name in ("PointSet", "TotemPole")}

@@ -45,6 +45,7 @@ class Atrv(DifferentialRobot):
     Serves position, power and sonar.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.54, 0.34
     maxTorque = 20.0
 

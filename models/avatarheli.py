@@ -22,6 +22,8 @@ ORANGE = GzColor(0.9, 0.4, 0.1)
 class AvatarHeli(Model):
     """Fuselage, tail, skids and a rotor that does not turn; the origin is 49 cm above the ground. No interface."""
 
+    attributes = SkinAttributes
+
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SkinAttributes, node)
         hull = Body(self.world)

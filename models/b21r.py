@@ -35,11 +35,12 @@ def sonar_poses() -> list[tuple[float, float, float, float]]:
 
 
 class B21R(DifferentialRobot):
-    """Two driven wheels, two sliding casters, and two rings of 24 sonars; the origin is on the ground under the centre.
+    """Two driven wheels, two sliding casters, two rings of 24 sonars; the origin is on the ground below the centre.
 
     Serves position, power and sonar.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.40, 0.125
     maxTorque = 20.0
 

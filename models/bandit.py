@@ -84,6 +84,8 @@ class Bandit(Model):
     LOWERARM and WRIST, the same of the right, and HEAD. Wrists and head turn about two axes: x and y, z and y.
     """
 
+    interfaces = ("joint",)
+
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.rate = UpdateRate(UPDATE_RATE)
         self.servos: list[Servo] = []

@@ -26,6 +26,8 @@ class Factory(Model):
     is emptied. What cannot be used is a warning, and nothing of it stays in the world.
     """
 
+    interfaces = ("factory",)
+
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.AddBody(Body(self.world, dummy=True), True)
 

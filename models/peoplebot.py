@@ -37,6 +37,7 @@ class PeopleBot(DifferentialRobot):
     The origin is on the ground under the axle. Serves position, power and sonar.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.33, 0.19
     maxTorque = 1.5  # much more tips it over when it brakes
 

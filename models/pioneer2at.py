@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, GREY, RED, fit
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2AT_RING, SonarRing
 from libgz.models.wheels import Tire
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -20,11 +20,13 @@ TIRE = Tire(0.10, 0.035, 1.0, GREY)
 
 
 class Pioneer2AT(DifferentialRobot):
-    """Four driven wheels and sixteen sonars; the origin is on the ground under the centre.
+    """ActivMedia's outdoor robot: four driven wheels that steer by their sides' speeds, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw runs on beyond a turn.
+    The origin is on the ground under the centre.
+    Its yaw runs on beyond a turn.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.381, 0.20
     maxTorque = 10.0
 
@@ -35,4 +37,4 @@ class Pioneer2AT(DifferentialRobot):
         fit(BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02), (0.0, 0.0, 0.300025), 0.0, BLACK)
         for name, (x, y) in WHEELS.items():
             self.add_wheel(name, (x, y, AXLE_HEIGHT), TIRE)
-        self.devices.append(SonarRing(self, chassis, pioneer_ring(0.24103, 0.25)))
+        self.devices.append(SonarRing(self, chassis, PIONEER2AT_RING))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from libgz.models.drive import DifferentialRobot
 from libgz.models.parts import BLACK, DARK, RED, fit
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.sonars import PIONEER2DX_RING, SonarRing
 from libgz.models.wheels import Tire, add_caster
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -13,11 +13,19 @@ TIRE = Tire(0.095, 0.05, 0.5, DARK)
 
 
 class Pioneer2DX(DifferentialRobot):
-    """Two driven wheels, a ball caster and sixteen sonars; the origin is the centre of the top plate above the axle.
+    """ActivMedia's indoor robot: two driven wheels, a ball caster, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw stays within +-pi.
+    The origin is the centre of the top plate above the axle.
+    Its yaw stays within +-pi.
     """
 
+    interfaces = ("position", "power", "sonar")
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
+        </model:Pioneer2DX>
+    """
     wheelSep, wheelDiam = 0.35, 0.19
     maxTorque = 1.1
     normaliseYaw = True
@@ -31,4 +39,4 @@ class Pioneer2DX(DifferentialRobot):
         self.add_wheel("right", (0.0, -0.175, -0.145), TIRE)
         # Heavy on purpose: it keeps the robot from pitching forward when it brakes.
         add_caster(self, "caster", chassis, (-0.22, 0.0, -0.2), 0.04, 5.0, BLACK)
-        self.devices.append(SonarRing(self, chassis, pioneer_ring(0.14103, -0.04)))
+        self.devices.append(SonarRing(self, chassis, PIONEER2DX_RING))

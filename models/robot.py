@@ -47,6 +47,7 @@ class MobileRobot(Model):
     """
 
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
+    interfaces: ClassVar[tuple[str, ...]] = ("position",)
     # The fields of the position interface that this robot obeys, in the order of `command`.
     commands: ClassVar[tuple[tuple[str, int], ...]] = (("cmd_vel_pos", 0), ("cmd_vel_rot", 2))
 

@@ -22,6 +22,7 @@ class Roomba(DifferentialRobot):
     The origin is on the ground under the centre. Serves position and power.
     """
 
+    interfaces = ("position", "power")
     wheelSep, wheelDiam = 0.258, 0.066
     maxTorque = 0.5
 

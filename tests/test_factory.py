@@ -132,7 +132,7 @@ BAD = {
     "infinite": ("<model:SimpleSolid><xyz>inf 0 0</xyz></model:SimpleSolid>", "infinite numbers are not allowed"),
     "a bad child": (
         ROBOT.format("x", 3, "<model:SimpleSolid><size>-1 0 0</size></model:SimpleSolid>"),
-        "all lengths must be above zero",
+        "size .m. must be above 0 each",
     ),
     "a missing plugin": ("<model:Ghost><plugin>Ghost.so</plugin></model:Ghost>", "Ghost"),
     "a later format": ("<sdf version='1.6' xmlns:model='m'/>", "SDF world"),

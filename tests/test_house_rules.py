@@ -24,6 +24,7 @@ LEVELS = [
     {"sensors", "rendering", "interfaces"},
     {"simulation", "clib"},
     {"models", "classic"},
+    {"reference", "convert"},
     {"apps"},
 ]
 LEVEL = {name: i for i, row in enumerate(LEVELS) for name in row}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, PluginError, WorldFileError, nearest
+from libgz.errors import GazeboError, NotFoundError, PluginError, WorldFileError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.engine import Engine
@@ -28,6 +28,7 @@ from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
 
 if TYPE_CHECKING:
+    from libgz.physics.body import Body
     from libgz.simulation.model import Model
     from libgz.worldfile.node import WorldFileNode
 
@@ -230,7 +231,8 @@ class World(Lookup, Clock):
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(self, node.GetName())
         if model is None:
-            node.warn(f"unknown model class, skipped with all that is in it{nearest(node.name, self.factory.names())}")
+            hint = nearest(node.name, self.factory.names()) or "; `libgz models` lists those there are"
+            node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model
 
     def _load_model(self, model: Model, node: WorldFileNode, parent: Model | None) -> None:
@@ -239,7 +241,7 @@ class World(Lookup, Clock):
         model.SetName(node.GetName())
         model.SetId((node.GetString("id", node.GetName()) or "").strip())
         if parent is not None:
-            model.SetParent(parent, parent.GetBody((node.GetString("parentBody", "canonical") or "").strip()))
+            model.SetParent(parent, _parent_body(node, parent))
         try:
             model.MasterLoad(node.file, node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
@@ -477,6 +479,15 @@ class World(Lookup, Clock):
             log.error("%s", fault)
             return -1
         return 0
+
+
+def _parent_body(node: WorldFileNode, parent: Model) -> Body:
+    """The body that an element names; if there is none, an error, and another body so that loading finds more."""
+    try:
+        return parent.GetBody((node.GetString("parentBody", "canonical") or "").strip())
+    except NotFoundError as fault:
+        node.error(str(fault))
+        return parent.GetBody()
 
 
 def _skip(node: WorldFileNode) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from libgz.worldfile.number import atof
 
-__all__ = ["IGNORED", "OLD_ORIGIN_HEIGHT", "OLD_TAGS", "Renamed", "ignored_tags", "renamed_tags"]
+__all__ = ["IGNORED", "OLD_ORIGIN_HEIGHT", "OLD_TAGS", "Renamed", "ignored_tags", "renamed_keys", "renamed_tags"]
 
 DEFAULT_STEP = 0.02  # [s]
 
@@ -40,6 +40,8 @@ def _is(word: str) -> Callable[[str, float], str]:
 
 
 _EVERYWHERE: dict[str, tuple[Renamed, ...]] = {
+    "xyz": (Renamed(("pos",)),),
+    "rpy": (Renamed(("rot",)),),
     "updateRate": (Renamed(("updatePeriod",), _rate_of_period),),
     "imageSize": (Renamed(("imgSize",)), Renamed(("window", "size"))),
     "hfov": (Renamed(("lens", "hfov")),),
@@ -86,6 +88,11 @@ OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}
 def renamed_tags(model: str, key: str) -> tuple[Renamed, ...]:
     """Older places of `key` in a model of this kind."""
     return _BY_MODEL.get(model, {}).get(key, ()) + _EVERYWHERE.get(key, ())
+
+
+def renamed_keys(model: str) -> tuple[str, ...]:
+    """All keys that have older places in a model of this kind."""
+    return (*_BY_MODEL.get(model, {}), *_EVERYWHERE)
 
 
 def ignored_tags(model: str) -> tuple[tuple[str, ...], ...]:

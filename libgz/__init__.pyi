@@ -1000,6 +1000,15 @@ from libgz.physics.joint import (
 from libgz.physics.joint import (
     UniversalJoint as UniversalJoint,
 )
+from libgz.physics.surfaces import (
+    PointSetGeom as PointSetGeom,
+)
+from libgz.physics.surfaces import (
+    RoadGeom as RoadGeom,
+)
+from libgz.physics.surfaces import (
+    TerrainGeom as TerrainGeom,
+)
 from libgz.sensors.rays import RayProximity as RayProximity
 from libgz.simulation.factory import (
     GZ_REGISTER_PLUGIN as GZ_REGISTER_PLUGIN,

@@ -14,6 +14,7 @@ from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
 from libgz.models.contours import outlines, simplified
 from libgz.models.greyimage import read_grey
 from libgz.physics.body import Body
+from libgz.physics.engine import Space
 from libgz.physics.geoms import BoxGeom
 from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, file, length, number, read
@@ -59,11 +60,23 @@ class MapExtruder(Model):
                 self.walls = _walls(solid, values.errBound) * values.scale
             except ParameterError as fault:
                 node.warn(f"{fault}; so there are no walls here")
-        for (ax, ay), (bx, by) in self.walls.tolist():
+        self._build(values, body)
+
+    def _build(self, values: MapExtruderAttributes, body: Body) -> None:
+        """One box a wall; those of one part of the plan share a space, so that what is far away costs nothing."""
+        if not len(self.walls):
+            return
+        parts: dict[tuple[int, ...], Space] = {}
+        middles = self.walls.mean(axis=1)
+        part = values.scale + 4.0 * float(np.ptp(middles, axis=0).max()) / math.sqrt(len(middles))
+        for ((ax, ay), (bx, by)), (x, y) in zip(self.walls.tolist(), middles.tolist(), strict=True):
+            key = (int(x // part), int(y // part))
+            if key not in parts:
+                parts[key] = Space(self.world.engine, parent=self.modelSpaceId)
             reach = math.hypot(bx - ax, by - ay) + values.width
-            wall = BoxGeom(body, self.modelSpaceId, reach, values.width, values.height)
-            middle = GzVector((ax + bx) / 2.0, (ay + by) / 2.0, values.height / 2.0)
-            wall.SetRelativePose(GzPose(middle, GzQuaternFromAxis(0.0, 0.0, 1.0, math.atan2(by - ay, bx - ax))))
+            wall = BoxGeom(body, parts[key], reach, values.width, values.height)
+            turn = GzQuaternFromAxis(0.0, 0.0, 1.0, math.atan2(by - ay, bx - ax))
+            wall.SetRelativePose(GzPose(GzVector(x, y, values.height / 2.0), turn))
             wall.SetColor(values.color)
 
 

@@ -546,6 +546,24 @@ def test_a_large_plan_becomes_walls_and_a_laser_sees_them(tmp_path):
             assert rays[45 + degrees // 2] == pytest.approx(min(to_x, to_y), abs=1e-5), degrees
 
 
+def test_a_space_closes_with_its_parts():
+    engine = Engine()
+    whole = Space(engine)
+    part = Space(engine, parent=whole)
+    geom = libgz.BoxGeom(Body(engine), part, 1, 1, 1)
+    other = libgz.SphereGeom(Body(engine), Space(engine), 0.5)
+    other.body.SetPosition((0, 0, 0.9))
+    engine.step()
+    assert engine.contact_count > 0  # what is in a part is touched
+    geom.close()
+    whole.close()
+    with pytest.raises(libgz.ClosedError):
+        _ = part.id
+    engine.step()
+    assert engine.contact_count == 0
+    engine.close()
+
+
 @pytest.mark.parametrize(
     ("content", "words"), [(None, "file 'map.png' was not found"), (b"no picture", "cannot read picture")]
 )

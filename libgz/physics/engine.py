@@ -63,14 +63,18 @@ class Space:
     Args:
         engine: where.
         handle: an ODE space that somebody else owns; without one, a new space is made.
+        parent: a space that this one is a part of, and closes with: parts that lie together are passed over together.
     """
 
-    def __init__(self, engine: Engine, handle: int | None = None) -> None:
+    def __init__(self, engine: Engine, handle: int | None = None, parent: Space | None = None) -> None:
         self.engine = engine
         self._id = handle
+        self._parts: list[Space] = []
         if handle is None:
-            self._id = ode().dSimpleSpaceCreate(engine.top.id)
+            self._id = ode().dSimpleSpaceCreate((parent or engine.top).id)
             engine.spaces[self] = None
+        if parent is not None:
+            parent._parts.append(self)
 
     @property
     def id(self) -> int:
@@ -93,7 +97,9 @@ class Space:
         ode().dGeomSetCollideBits(self.id, collide)
 
     def close(self) -> None:
-        """Destroy the space; its geoms are closed by their bodies."""
+        """Destroy the space and its parts; its geoms are closed by their bodies."""
+        for part in self._parts:
+            part.close()
         if self._id is not None:
             self.engine.step_form.forget(self._id)
             ode().dSpaceSetCleanup(self._id, 0)

@@ -15,6 +15,7 @@ __all__ = ["main"]
 # Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
 COMMANDS = {
     "check": "tell what is wrong or unused in worldfiles",
+    "convert": "write a worldfile's world as SDF 1.6",
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
     "models": "list all models, or describe one",

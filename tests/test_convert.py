@@ -332,7 +332,7 @@ def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
         f"<fiducial>7</fiducial><textureFile>{tmp_path / 'a.png'}</textureFile>"
         "<surfaceFriction>0.3 0.3</surfaceFriction>"
         "<surfaceHardness>1e5 20</surfaceHardness></model:SimpleSolid>"
-        "<model:SimpleSolid><id>box</id><gravity>false</gravity></model:SimpleSolid>"
+        "<model:SimpleSolid><id>box</id><gravity>false</gravity></model:SimpleSolid><model:Robby/>"
     )
     with loaded(body_world(body)) as world:
         converted, root = sdf_of(world)
@@ -354,7 +354,8 @@ def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
         assert box.findtext("visual/material/diffuse") == "1 0 0 1"
         assert found.find("model[@name='box_2']/link").findtext("gravity") == "false"
         told = "\n".join(converted.notes)
-        for words in ("texture a.png", "fiducial 7", "'two': is left out", "window looks from"):
+        lost = ("texture a.png", "fiducial 7", "'two': is left out", "window looks from", "<model:Robby>: unknown")
+        for words in lost:
             assert words in told
 
 

@@ -56,6 +56,8 @@ def convert(world: World, *, meshes: str = "meshes", rays: str = "ray") -> Conve
         raise ParameterError(f"rays is {rays!r}; it must be {' or '.join(RAY_TYPES)}")
     root = etree.Element("sdf", version="1.6")
     work = _Conversion(world, add(root, "world", name="default"), rays, Meshes(meshes))
+    for fault in world.file.faults.warnings if world.file is not None else ():
+        work.notes.lines.setdefault(str(fault))  # what libgz has left out itself
     work.settings()
     for model in world.models:
         if model.parent is None:

@@ -5,6 +5,7 @@ MODELS = {
     name: f"libgz.models.{name.lower()}:{name}"
     for name in (
         "CanonVCC4",
+        "Factory",
         "GroundPlane",
         "LightSource",
         "MonoCam",

@@ -407,7 +407,7 @@ def test_solids_have_the_size_mass_and_friction_they_are_told():
         a, b = world.model("a"), world.model("b")
         assert a.geom.size == (1, 2, 0.5)
         assert a.GetBody().mass == pytest.approx(3)
-        assert world.engine.surface[a.geom.row].tolist() == [1e5, 20, 0.5, 0]
+        assert world.engine.surface[a.geom.row, :4].tolist() == [1e5, 20, 0.5, 0]
         assert a.geom.GetTransparency()
         assert a.geom.GetDiffuseColor() == libgz.GzColor(1, 0, 0, 0.5)
         assert (b.geom.radius, b.geom.length) == (0.25, 0.5)

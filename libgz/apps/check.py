@@ -6,8 +6,8 @@ import argparse
 import dataclasses
 import json
 
+from libgz.fault import Fault
 from libgz.reference.check import check
-from libgz.worldfile.fault import Fault
 
 __all__ = ["configure", "run"]
 

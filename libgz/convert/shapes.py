@@ -21,7 +21,8 @@ from libgz.geometry import (
     GzVectorMul,
     rotate,
 )
-from libgz.physics.geom import BOUNCE, KD, KP, MU, Geom
+from libgz.ode.types import Surface
+from libgz.physics.geom import Geom
 from libgz.physics.geoms import (
     BoxGeom,
     CapsuleGeom,
@@ -168,12 +169,12 @@ def _add_surface(collision: etree._Element, geom: Geom) -> None:
     surface = add(collision, "surface")
     friction = add(add(surface, "friction"), "ode")
     for tag in ("mu", "mu2"):
-        add(friction, tag, min(values[MU], STICKY))
+        add(friction, tag, min(values[Surface.MU], STICKY))
     contact = add(add(surface, "contact"), "ode")
-    add(contact, "kp", values[KP] if math.isfinite(values[KP]) else RIGID)
-    add(contact, "kd", values[KD])
-    if values[BOUNCE]:
-        add(add(surface, "bounce"), "restitution_coefficient", min(values[BOUNCE], 1.0))
+    add(contact, "kp", values[Surface.KP] if math.isfinite(values[Surface.KP]) else RIGID)
+    add(contact, "kd", values[Surface.KD])
+    if values[Surface.BOUNCE]:
+        add(add(surface, "bounce"), "restitution_coefficient", min(values[Surface.BOUNCE], 1.0))
 
 
 def _add_material(visual: etree._Element, geom: Geom) -> None:

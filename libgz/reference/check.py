@@ -7,9 +7,9 @@ import os
 from collections.abc import Iterator
 
 from libgz.errors import WorldFileError
+from libgz.fault import Fault
 from libgz.simulation.model import Model
 from libgz.simulation.world import World
-from libgz.worldfile.fault import Fault
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]

@@ -12,7 +12,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.errors import WorldFileError
-from libgz.worldfile.fault import Fault, Faults
+from libgz.fault import Fault, Faults
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice

@@ -171,7 +171,7 @@ class Machine(Model):
         for i, (name, kind) in enumerate(
             {
                 "hinge": HingeJoint, "slider": SliderJoint, "ball": BallJoint, "universal": UniversalJoint,
-                "wheel": Hinge2Joint, "post": HingeJoint,
+                "wheel": Hinge2Joint, "post": HingeJoint, "lid": SliderJoint,
             }.items()
         ):  # fmt: skip
             part = self.part(name, (0.5 * (i + 1), 0.3, 1.2))
@@ -192,6 +192,8 @@ class Machine(Model):
                 joint.SetAxis1((0.0, 0.0, 1.0))
                 joint.SetAxis2((0.0, 1.0, 0.0))
             self.made[name] = (joint, part)
+        self.made["lid"][0].SetParam(libgz.dParamLoStop, 0.0)
+        self.made["lid"][0].SetParam(libgz.dParamHiStop, 0.0)
         self.made["hinge"][0].SetParam(libgz.dParamLoStop, -0.5)
         self.made["hinge"][0].SetParam(libgz.dParamHiStop, 0.75)
 
@@ -233,17 +235,17 @@ def machine():
 def test_joints_stand_where_the_engine_has_them(machine):
     world, model = machine
     converted, root = sdf_of(world)
-    assert check_links(world, root) == 8
+    assert check_links(world, root) == 9
     element = root.find("world/model[@name='ConvertedMachine']")
     places = {link.get("name"): place_of(element) @ place_of(link) for link in element.iterfind("link")}
     kinds = {"hinge": "revolute", "slider": "prismatic", "ball": "ball", "universal": "universal",
-             "wheel": "universal", "post": "revolute"}  # fmt: skip
+             "wheel": "universal", "post": "revolute", "lid": "fixed"}  # fmt: skip
     for name, (joint, part) in model.made.items():
         found = next(j for j in element.iterfind("joint") if j.findtext("child").startswith(name))
         assert found.get("type") == kinds[name]
         assert found.findtext("parent") == ("world" if name == "post" else "canonical")
         place = places[found.findtext("child")]
-        if name != "slider":
+        if name not in ("slider", "lid"):
             np.testing.assert_allclose((place @ place_of(found))[:3, 3], list(joint.GetAnchor()), atol=1e-9)
         assert ends_of(joint)[0] is part
         for axis in (axis for axis in (found.find("axis"), found.find("axis2")) if axis is not None):

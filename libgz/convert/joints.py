@@ -85,11 +85,13 @@ def _kind_and_axes(joint: Joint, child: Body) -> tuple[str | None, list[Axis]]:
     """SDF's kind, and its axes: the first on the parent, the second on the child."""
     if isinstance(joint, HingeJoint):
         low, high = joint.GetParam(dParamLoStop), joint.GetParam(dParamHiStop)
-        if low == high:  # what is attached to a model hangs on a hinge that cannot turn
+        if low == high:  # as those that hold attached models
             return "fixed", []
         return "revolute", [(joint.GetAxis(), joint.GetAngle(), low, high, joint.GetParam(dParamFMax))]
     if isinstance(joint, SliderJoint):
         low, high = joint.GetParam(dParamLoStop), joint.GetParam(dParamHiStop)
+        if low == high:
+            return "fixed", []
         return "prismatic", [(joint.GetAxis(), joint.GetPosition(), low, high, joint.GetParam(dParamFMax))]
     if isinstance(joint, Hinge2Joint | UniversalJoint):
         one, two = joint.GetAxis1(), joint.GetAxis2()

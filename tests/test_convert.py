@@ -286,6 +286,9 @@ def test_attached_models_are_links_held_by_fixed_joints():
         model = root.find("world/model[@name='robot']")
         held = {(j.findtext("parent"), j.findtext("child")) for j in model.iterfind("joint[@type='fixed']")}
         assert held == {("canonical", "laser_canonical"), ("laser_canonical", "eye_canonical")}
+        names = [joint.get("name") for joint in model.iterfind("joint")]
+        assert names[:2] == ["left_front_joint", "right_front_joint"]
+        assert {"laser_canonical_weld", "eye_pan_joint"} <= set(names)
         children = [joint.findtext("child") for joint in model.iterfind("joint")]
         assert len(children) == len(set(children)) == 8  # a tree
         assert model.find("static") is None

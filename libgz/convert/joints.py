@@ -53,7 +53,7 @@ def add_joint(
     """
     child, parent = ends_of(joint)
     if child is None:
-        return
+        return  # it joins nothing
     kind, axes = _kind_and_axes(joint, child)
     if kind is None:
         notes.add(owner, f"joint {name} is a {type(joint).__name__}, which has no counterpart")

@@ -146,25 +146,38 @@ class _Conversion:
         for member in members:
             served = add_sensors(member, links, self.rays, _owner(member), self.notes)
             self._note_interfaces(member, served)
-        joints = [*_joints(members, links)]
-        held: set[Body] = set()
-        for i, joint in enumerate(joints):
-            child, _ = ends_of(joint)
-            if child is not None and child in held:
-                self.notes.add(_owner(top), f"link {links[child].get('name')} has two parents, which gz-sim cannot do")
-            held.update(() if child is None else (child,))
-            name = name_of(f"{joint.name or 'joint'}" if joint.name != "weld" else f"weld{i}", taken)
-            add_joint(
-                element,
-                joint,
-                name,
-                lambda body: "world" if body is None else str(links[body].get("name")),
-                _owner(top),
-                self.notes,
-            )
+        self._joints(element, top, members, links, taken)
         for member in members:
             if member.follows and not static and any(body in links for body in member.bodies):
                 self.notes.add(_owner(member), "is carried along without a joint, which has no counterpart: it falls")
+
+    def _joints(
+        self,
+        element: etree._Element,
+        top: Model,
+        members: list[Model],
+        links: dict[Body, etree._Element],
+        taken: set[str],
+    ) -> None:
+        """The joints of a model and of what is attached to it; their names are none of the links'."""
+
+        def link_name(body: Body | None) -> str:
+            return "world" if body is None else str(links[body].get("name"))
+
+        held: set[Body] = set()
+        for joint in _joints_between(members, links):
+            child, _ = ends_of(joint)
+            if child is None:
+                continue
+            owner = next(member for member in members if child in member.bodies)
+            if child in held:
+                self.notes.add(_owner(owner), f"link {link_name(child)} hangs on two joints, which gz-sim cannot do")
+            held.add(child)
+            if joint is owner.joint:
+                name = f"{link_name(child)}_weld"
+            else:
+                name = f"{'' if owner is top else owner.GetId() + '_'}{joint.name or link_name(child)}_joint"
+            add_joint(element, joint, name_of(name, taken), link_name, _owner(owner), self.notes)
 
     def _link(self, model: etree._Element, owner: Model, body: Body, name: str, base: GzPose) -> etree._Element:
         """The link of a body: its place in the model, mass, shapes."""
@@ -233,7 +246,7 @@ def _link_name(top: Model, owner: Model, body: Body) -> str:
     return own if owner is top else f"{owner.GetId()}_{own}"
 
 
-def _joints(members: list[Model], links: dict[Body, etree._Element]) -> Iterator[Joint]:
+def _joints_between(members: list[Model], links: dict[Body, etree._Element]) -> Iterator[Joint]:
     """All joints of these models whose bodies are links, in order of construction; once each."""
     found = {joint.row: joint for member in members for body in member.bodies for joint in body.joints}
     for _, joint in sorted(found.items()):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from lxml import etree
@@ -40,7 +40,7 @@ def add_sensors(
     if isinstance(model, SickLMS200) and model.GetBody() in links:
         _add_laser(links[model.GetBody()], model, ray_type)
         served.add("laser")
-    for ring in (value for value in vars(model).values() if isinstance(value, SonarRing)):
+    for ring in _rings(model):
         if ring.rays.body in links:
             _add_sonars(links[ring.rays.body], model, ring, ray_type)
             served.add("sonar")
@@ -49,6 +49,14 @@ def add_sensors(
         if body in links:
             served |= _add_cameras(links[body], model, read(model.attributes, model.node), eye)
     return served
+
+
+def _rings(model: Model) -> Iterator[SonarRing]:
+    """The sonars that a model has among its attributes, or in a list of them."""
+    for value in vars(model).values():
+        for one in value if isinstance(value, list | tuple) else (value,):
+            if isinstance(one, SonarRing):
+                yield one
 
 
 def _sensor(link: etree._Element, name: str, type: str, rate: float, place: GzPose) -> etree._Element:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from libgz.geometry import GzColor, GzVector
 from libgz.models.drive import DifferentialRobot
-from libgz.models.sonars import SonarRing, pioneer_ring
+from libgz.models.parts import BLACK, GREY, RED, fit
+from libgz.models.sonars import PIONEER2AT_RING, SonarRing
+from libgz.models.wheels import Tire
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
@@ -15,6 +16,7 @@ WHEELS = {
     "right_rear": (-0.13335, -0.1905),
 }
 AXLE_HEIGHT = 0.09525  # [m]
+TIRE = Tire(0.10, 0.035, 1.0, GREY)
 
 
 class Pioneer2AT(DifferentialRobot):
@@ -27,19 +29,12 @@ class Pioneer2AT(DifferentialRobot):
     interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.381, 0.20
     maxTorque = 10.0
-    normaliseYaw = False
 
     def build(self) -> None:  # noqa: D102
         chassis = Body(self.world)
         self.AddBody(chassis, True)
-        hull = BoxGeom(chassis, self.modelSpaceId, 0.48006, 0.3429, 0.1905)
-        hull.SetRelativePosition((0.0, 0.0, 0.19525))
-        hull.SetMass(10.0)
-        hull.SetColor(GzColor(1.0, 0.0, 0.0))
-        plate = BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02)
-        plate.SetRelativePosition((0.0, 0.0, 0.300025))
-        plate.SetMass(0.0)
-        plate.SetColor(GzColor(0.0, 0.0, 0.0))
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.48006, 0.3429, 0.1905), (0.0, 0.0, 0.19525), 10.0, RED)
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02), (0.0, 0.0, 0.300025), 0.0, BLACK)
         for name, (x, y) in WHEELS.items():
-            self.add_wheel(name, GzVector(x, y, AXLE_HEIGHT), 0.035, 1.0, GzColor(0.3, 0.3, 0.3))
-        self.sonars = SonarRing(self, chassis, pioneer_ring(0.24103, 0.25))
+            self.add_wheel(name, (x, y, AXLE_HEIGHT), TIRE)
+        self.devices.append(SonarRing(self, chassis, PIONEER2AT_RING))

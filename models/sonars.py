@@ -12,7 +12,7 @@ from libgz.physics.body import Body
 from libgz.sensors.rays import RayProximity
 from libgz.simulation.model import Model
 
-__all__ = ["SonarRing", "pioneer_ring"]
+__all__ = ["PIONEER2AT_RING", "PIONEER2DX_RING", "SonarRing", "pioneer_ring"]
 
 MAX_RANGE = 5.0  # [m]
 
@@ -20,10 +20,15 @@ _DIRECTIONS = (90, 50, 30, 10, -10, -30, -50, -90, -90, -130, -150, -170, 170, 1
 _SIDES = (0.135, 0.135, 0.06642, -0.00216, 0.00216, -0.06642, -0.135, -0.135)  # y of the front half [m]
 
 
-def pioneer_ring(x: float, z: float) -> list[tuple[float, float, float, float]]:
-    """(x, y, z [m], direction [rad]) of a Pioneer 2's sixteen sonars, front ones at +x, rear ones at -x."""
+def pioneer_ring(front: float, rear: float, z: float) -> list[tuple[float, float, float, float]]:
+    """(x, y, z [m], direction [rad]) of a Pioneer 2's sixteen sonars, eight at x `front`, eight at `rear` behind."""
     sides = (*_SIDES, *(-y for y in _SIDES))
-    return [(x if i < 8 else -x, sides[i], z, math.radians(_DIRECTIONS[i])) for i in range(16)]
+    return [(front if i < 8 else -rear, sides[i], z, math.radians(_DIRECTIONS[i])) for i in range(16)]
+
+
+# A millimetre outside the hulls.
+PIONEER2AT_RING = pioneer_ring(0.24103, 0.24103, 0.25)
+PIONEER2DX_RING = pioneer_ring(0.14103, 0.24103, -0.04)
 
 
 class SonarRing:

@@ -54,15 +54,27 @@ class Geom:
         self._relative = GzPose()
         self._slip = [0.01, 0.01]
         self._closed = False
-        self._id = handle
+        self._id: int | None = None
         self.row = body.engine.add_geom(self, body.number)
         body.geoms.append(self)
         if handle is not None:
-            ode().dGeomSetData(handle, self.row)
-            if placeable:
-                if body.id:
-                    ode().dGeomSetBody(handle, body.id)
-                self.place()
+            self._adopt(handle)
+
+    def _adopt(self, handle: int) -> None:
+        """Take on ODE's geom, in place of the one there was."""
+        self._destroy_handle()
+        self._id = handle
+        ode().dGeomSetData(handle, self.row)
+        if self.placeableGeom:
+            if self.body.id:
+                ode().dGeomSetBody(handle, self.body.id)
+            self.place()
+
+    def _destroy_handle(self) -> None:
+        if self._id is not None:
+            self.body.engine.step_form.forget(self._id)
+            ode().dGeomDestroy(self._id)
+            self._id = None
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {self.body!r}>"
@@ -88,9 +100,7 @@ class Geom:
             return
         self.body.engine.remove_geom(self.row, self._id or 0)
         self.body.geoms.remove(self)
-        if self._id is not None:
-            ode().dGeomDestroy(self._id)
-            self._id = None
+        self._destroy_handle()
         self._closed = True
 
     # Place -------------------------------------------------------------------------------------------------------

@@ -108,24 +108,33 @@ class TriMeshGeom(Geom):
         ParameterError: an index is out of range, or a coordinate is not finite.
     """
 
+    # For drawing, one row a vertex; None where a mesh has none.
+    normals: NDArray[np.float64] | None = None
+    texture_coordinates: NDArray[np.float64] | None = None
+    colors: NDArray[np.float64] | None = None
+
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
-        self.vertices: NDArray[np.float64] = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-        self.triangles: NDArray[np.uint32] = np.array(triangles, dtype=np.uint32).reshape(-1, 3)
-        if not len(self.triangles) or not np.isfinite(self.vertices).all():
+        super().__init__(body, space)
+        self._data: int | None = None
+        self.set_mesh(vertices, triangles)
+
+    def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
+        """Make this the mesh, in place of the one there was."""
+        points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
+        corners = np.array(triangles, dtype=np.uint32).reshape(-1, 3)
+        if not len(corners) or not np.isfinite(points).all():
             raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
-        if self.triangles.max() >= len(self.vertices):
-            raise ParameterError(f"a triangle names vertex {self.triangles.max()}; there are {len(self.vertices)}")
-        self._ode_vertices = np.zeros((len(self.vertices), 4))  # dVector3 is 4 doubles wide; ODE keeps the address
-        self._ode_vertices[:, :3] = self.vertices
-        self._data = ode().dGeomTriMeshDataCreate()
-        ode().dGeomTriMeshDataBuildSimple(
-            self._data,
-            self._ode_vertices.ctypes.data,
-            len(self.vertices),
-            self.triangles.ctypes.data,
-            self.triangles.size,
-        )
-        super().__init__(body, space, ode().dCreateTriMesh(_space_id(space), self._data, None, None, None))
+        if corners.max() >= len(points):
+            raise ParameterError(f"a triangle names vertex {corners.max()}; there are {len(points)}")
+        padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
+        padded[:, :3] = points
+        data, old = ode().dGeomTriMeshDataCreate(), self._data
+        ode().dGeomTriMeshDataBuildSimple(data, padded.ctypes.data, len(points), corners.ctypes.data, corners.size)
+        self._adopt(ode().dCreateTriMesh(_space_id(self.space), data, None, None, None))
+        self.vertices, self.triangles, self._ode_vertices, self._data = points, corners, padded, data
+        self.appearance.version += 1
+        if old is not None:
+            ode().dGeomTriMeshDataDestroy(old)
 
     def close(self) -> None:
         """Destroy the geom and its mesh."""

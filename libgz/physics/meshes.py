@@ -1,0 +1,61 @@
+"""Arithmetic on triangle meshes: grids, strips, normals, and curves through points."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["catmull_rom", "catmull_rom_slopes", "grid_strip", "grid_triangles", "triangle_normals", "vertex_normals"]
+
+# Catmull-Rom: the curve between the middle two of four points is (1, u, u^2, u^3) M (four points), u from 0 to 1.
+_CATMULL_ROM = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], dtype=np.float64)
+
+
+def grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:
+    """Two triangles for each cell of a grid whose vertices are numbered row by row, shape (m, 3).
+
+    They are counter-clockwise where columns run along x, rows along y.
+    """
+    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    lower = np.stack([first, first + 1, first + columns + 1], axis=1)
+    upper = np.stack([first, first + columns + 1, first + columns], axis=1)
+    return np.stack([lower, upper], axis=1).reshape(-1, 3)
+
+
+def grid_strip(rows: int, columns: int) -> NDArray[np.int64]:
+    """The same grid as one triangle strip; doubled indices lead from row to row."""
+    strip: list[NDArray[np.int64]] = []
+    for row in range(rows - 1):
+        pairs = row * columns + np.arange(columns)
+        band = np.stack([pairs + columns, pairs], axis=1).ravel()
+        strip += [band[:1], band, band[-1:]]
+    return np.concatenate(strip)[1:-1]
+
+
+def triangle_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Unit normals of triangles, shape (m, 3); zero for those without area."""
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    result: NDArray[np.float64] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 1e-12)
+    return result
+
+
+def vertex_normals(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> NDArray[np.float64]:
+    """Unit normals of vertices, shape (n, 3): the sum of those of the triangles around them."""
+    faces = np.repeat(triangle_normals(vertices, triangles), 3, axis=0)
+    corners = triangles.ravel()
+    sums = np.stack([np.bincount(corners, faces[:, i], len(vertices)) for i in range(3)], axis=1)
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    result: NDArray[np.float64] = np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 1e-12)
+    return result
+
+
+def catmull_rom(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights of four points at the parameters `u` between the middle two, shape (n, 4)."""
+    return np.stack([np.ones_like(u), u, u * u, u**3], axis=-1) @ _CATMULL_ROM
+
+
+def catmull_rom_slopes(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Weights of four points that give the curve's derivative by `u`, shape (n, 4)."""
+    return np.stack([np.zeros_like(u), np.ones_like(u), 2.0 * u, 3.0 * u * u], axis=-1) @ _CATMULL_ROM

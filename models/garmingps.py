@@ -1,0 +1,93 @@
+"""GarminGPS: a satellite navigation receiver."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from libgz.geometry import GzColor
+from libgz.interfaces.gps import Gps
+from libgz.physics.body import Body
+from libgz.physics.geoms import CylinderGeom
+from libgz.sensors.utm import utm_to_geodetic
+from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
+from libgz.worldfile.attributes import color, lengths, number, read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+FARTHEST = 2e7  # [m]; half round the earth: what flies farther has no fix
+
+
+@dataclass(frozen=True)
+class GarminGPSAttributes:
+    """What `<model:GarminGPS>` may hold."""
+
+    size: tuple[float, ...] = lengths(0.08, 0.05, help="diameter and height")
+    mass: float = number(1.0, unit="kg", above=0.0, help="mass")
+    color: GzColor = color(1.0, 1.0, 1.0, help="colour")
+    updateFreq: float = number(1.0, unit="Hz", least=0.0, help="fixes per second of sim time")
+
+
+class GarminGPS(Model):
+    """A receiver without noise and without anything in the sky's way; the origin is its bottom's centre. Serves gps.
+
+    The world's utmOffset is added to its position; utmZone makes latitude and longitude of that, on WGS84. Where a
+    world sets no zone they stay 0.
+    """
+
+    attributes = GarminGPSAttributes
+    interfaces = ("gps",)
+    example = """
+        <param:Global>
+          <utmZone>31</utmZone>
+          <utmOffset>448251 5411932 35</utmOffset>
+        </param:Global>
+
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:GarminGPS>
+            <id>gps1</id>
+            <xyz>-0.15 0 0.311</xyz>
+          </model:GarminGPS>
+        </model:Pioneer2AT>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(GarminGPSAttributes, node)
+        body = Body(self.world)
+        self.AddBody(body, True)
+        diameter, height = values.size
+        housing = CylinderGeom(body, self.modelSpaceId, diameter / 2.0, height)
+        housing.SetRelativePosition((0.0, 0.0, height / 2.0))
+        housing.SetMass(values.mass)
+        housing.SetColor(values.color)
+        self.rate = UpdateRate(values.updateFreq)
+        self.gps = Gps()
+        self.zone = int(self.world.utmZone.x)
+        if self.zone == 0:
+            node.warn("the world sets no <utmZone> in <param:Global>: latitude and longitude stay 0")
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.gps.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+
+    def Fini(self) -> None:  # noqa: D102
+        self.gps.destroy()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        now = self.world.GetSimTime()
+        if step == 0.0 or not self.rate.due(now):
+            return
+        here, offset = self.GetPose().pos, self.world.utmOffset
+        east, north = here.x + offset.x, here.y + offset.y
+        in_range = max(abs(east), abs(north)) <= FARTHEST
+        latitude, longitude = utm_to_geodetic(east, north, self.zone) if self.zone and in_range else (0.0, 0.0)
+        if not self.gps.lock():
+            return
+        data = self.gps.data
+        data.time, data.utc_time = now, self.world.utcOffset + now
+        data.latitude, data.longitude, data.altitude = latitude, longitude, here.z + offset.z
+        data.utm_e, data.utm_n = east, north
+        data.satellites, data.quality, data.hdop, data.vdop = 10, 2, 1.0, 1.0
+        data.err_horz = data.err_vert = 0.0
+        self.gps.unlock()
+        self.gps.post()

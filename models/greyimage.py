@@ -1,0 +1,42 @@
+"""Pictures read as grey values: height maps and floor plans."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import ParameterError
+
+__all__ = ["read_grey"]
+
+MOST_PIXELS = 2048 * 2048
+
+
+def read_grey(path: Path) -> NDArray[np.float64]:
+    """Grey values of a picture, 0 black to 255 white, shape (rows, columns), top row first.
+
+    Colours count by their brightness (ITU-R 601), transparent pixels as white; 16-bit pictures keep their steps.
+
+    Raises:
+        ParameterError: it cannot be read as a picture, or has more than 2048 x 2048 pixels.
+    """
+    from PIL import Image  # here, for most worlds read no picture
+
+    try:
+        with Image.open(path) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise ParameterError(
+                    f"picture {str(path)!r} has {image.width} x {image.height} pixels; {MOST_PIXELS} are allowed"
+                )
+            if image.mode.startswith("I"):
+                return np.asarray(image, dtype=np.float64) / 257.0
+            if image.has_transparency_data:
+                on_white = Image.new("RGBA", image.size, "white")
+                return np.asarray(Image.alpha_composite(on_white, image.convert("RGBA")).convert("L"), dtype=np.float64)
+            return np.asarray(image.convert("L"), dtype=np.float64)
+    except (OSError, SyntaxError, ValueError) as fault:
+        if isinstance(fault, ParameterError):
+            raise
+        raise ParameterError(f"cannot read picture {str(path)!r}: {fault}") from None

@@ -1,0 +1,79 @@
+"""MapExtruder: walls that stand on the outlines of a floor plan."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.models.contours import outlines, simplified
+from libgz.models.greyimage import read_grey
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import color, file, length, number, read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+
+@dataclass(frozen=True)
+class MapExtruderAttributes:
+    """What `<model:MapExtruder>` may hold."""
+
+    imageFile: Path | None = file(help="picture of the floor plan, x to the right and y up, its middle at the origin")
+    threshold: float = number(200.0, help="grey value, 0 to 255, below which a pixel is solid")
+    scale: float = number(0.1, unit="m/px", above=0.0, help="size of a pixel")
+    height: float = length(1.0, above=0.0, help="height of the walls")
+    width: float = length(0.1, above=0.0, help="thickness of the walls, half of it on either side of the outline")
+    errBound: float = number(5.0, unit="px", least=0.0, help="how far a wall may lie off the outline, to be simpler")
+    color: GzColor = color(1.0, 1.0, 1.0, help="colour of the walls")
+
+
+class MapExtruder(Model):
+    """Fixed walls, one box for each side of an outline; `walls` holds their ends [m], shape (n, 2, 2)."""
+
+    attributes = MapExtruderAttributes
+    example = """
+        <model:MapExtruder>
+          <id>walls</id>
+          <imageFile>example2.png</imageFile>
+        </model:MapExtruder>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(MapExtruderAttributes, node)
+        self.fixed = True
+        body = Body(self.world, dummy=True)
+        self.AddBody(body, True)
+        self.walls = np.zeros((0, 2, 2))
+        if not node.IsDefined("imageFile"):
+            raise ParameterError("a MapExtruder needs an <imageFile>")
+        if values.imageFile is not None:
+            try:
+                solid = read_grey(values.imageFile) < values.threshold
+                self.walls = _walls(solid, values.errBound) * values.scale
+            except ParameterError as fault:
+                node.warn(f"{fault}; so there are no walls here")
+        for (ax, ay), (bx, by) in self.walls.tolist():
+            reach = math.hypot(bx - ax, by - ay) + values.width
+            wall = BoxGeom(body, self.modelSpaceId, reach, values.width, values.height)
+            middle = GzVector((ax + bx) / 2.0, (ay + by) / 2.0, values.height / 2.0)
+            wall.SetRelativePose(GzPose(middle, GzQuaternFromAxis(0.0, 0.0, 1.0, math.atan2(by - ay, bx - ax))))
+            wall.SetColor(values.color)
+
+
+def _walls(solid: NDArray[np.bool_], tolerance: float) -> NDArray[np.float64]:
+    """Sides of the outlines of solid pixels, from the picture's middle, x right and y up [px]; shape (n, 2, 2)."""
+    rows, columns = solid.shape
+    walls = [np.zeros((0, 2, 2))]
+    for polygon in outlines(solid):
+        corners = simplified(polygon, tolerance)
+        points = np.stack([corners[:, 1] - columns / 2.0, rows / 2.0 - corners[:, 0]], axis=1)
+        sides = np.stack([points, np.roll(points, -1, axis=0)], axis=1)
+        walls.append(sides if len(points) > 2 else sides[:1])
+    return np.concatenate(walls)

@@ -1,0 +1,253 @@
+"""Pioneer2Gripper: ActivMedia's gripper for the Pioneer 2: two paddles on a lift."""
+
+from __future__ import annotations
+
+from libgz.geometry import GzColor, GzVector
+from libgz.interfaces import gripper as codes
+from libgz.interfaces.gripper import Gripper
+from libgz.ode.types import dParamBounce, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom
+from libgz.physics.joint import SliderJoint
+from libgz.sensors.rays import RayProximity
+from libgz.simulation.model import Model
+from libgz.simulation.world import World
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+LIFT_TRAVEL, PADDLE_TRAVEL = 0.0625, 0.105  # [m]
+LIFT_FORCE, PADDLE_FORCE = 50.0, 10.0  # [N]
+SPEED = 0.5  # of lift and paddles [m/s]
+THICKNESS = 0.025  # of a paddle [m]
+BEAMS = (0.03, -0.02)  # x of the outer and the inner beam on the paddles [m]
+AT_END = 0.002  # [m]; nearer to an end of its way than this is at it
+STOP_BEYOND = 0.001  # [m]; where the stops lie beyond the ends
+STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: paddles that close and have been this slow for so long hold something
+
+# command -> (what the paddles do, what the lift does): 1 close or rise, -1 open or sink, 0 stop, None as before
+COMMANDS: dict[int, tuple[int | None, int | None]] = {
+    codes.OPEN: (-1, None),
+    codes.CLOSE: (1, None),
+    codes.STOP: (0, None),
+    codes.LIFT_UP: (None, 1),
+    codes.LIFT_DOWN: (None, -1),
+    codes.LIFT_STOP: (None, 0),
+    codes.STORE: (1, 1),
+    codes.DEPLOY: (-1, -1),
+    codes.HALT: (0, 0),
+}
+
+
+class _Slide:
+    """A driven slider that goes from 0 to the end of its way [m] and back.
+
+    It is slowed down in time, for ODE kicks a motor off a stop with its whole force for one step: 10 N make a paddle
+    eight times as fast as it should be.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        name: str,
+        moving: Body,
+        carrier: Body,
+        axis: tuple[float, float, float],
+        travel: float,
+        force: float,
+    ) -> None:
+        self.travel = travel
+        self.direction = 0  # 1 to the end, -1 back, 0 stop
+        self._speed = 0.0  # [m/s], as last set
+        self.joint = SliderJoint(world, name=name)
+        self.joint.Attach(moving, carrier)
+        self.joint.SetAxis(*axis)
+        self.joint.SetParam(dParamLoStop, -STOP_BEYOND)
+        self.joint.SetParam(dParamHiStop, travel + STOP_BEYOND)
+        self.joint.SetParam(dParamBounce, 0.0)
+        self.joint.SetParam(dParamVel, 0.0)
+        self.joint.SetParam(dParamFMax, force)
+
+    @property
+    def position(self) -> float:
+        """How far it has gone [m]."""
+        return self.joint.GetPosition()
+
+    @property
+    def rate(self) -> float:
+        """Its speed [m/s]."""
+        return self.joint.GetPositionRate()
+
+    @property
+    def at_start(self) -> bool:
+        """Whether it is where it began."""
+        return self.position < AT_END
+
+    @property
+    def at_end(self) -> bool:
+        """Whether it has gone all the way."""
+        return self.position > self.travel - AT_END
+
+    def drive(self, step: float) -> None:
+        """Set the motor for a step [s]."""
+        speed = 0.0
+        if self.direction > 0:
+            speed = min(SPEED, (self.travel - self.position) / step)
+        elif self.direction < 0:
+            speed = max(-SPEED, -self.position / step)
+        if speed != self._speed:
+            self._speed = speed
+            self.joint.SetParam(dParamVel, speed)
+
+
+class Pioneer2Gripper(Model):
+    """A gripper, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975). Serves gripper.
+
+    It begins open and down. A command holds until the next one; other numbers than the interface's do nothing. What it
+    tells of itself is measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press
+    on something. Two beams, near the paddles' tips and deep between them, tell whether something is there; they run at
+    half the paddles' height, 7.5 cm above the ground while the gripper of a Pioneer2DX is down.
+
+    With the quirk gripperState open, closed, up and down are told when the command arrives, as the old server did, the
+    inner beam never tells anything, and limits are never reached.
+    """
+
+    interfaces = ("gripper",)
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.238</xyz>
+          <model:Pioneer2Gripper>
+            <id>gripper1</id>
+            <xyz>0.14 0 -0.0975</xyz>
+          </model:Pioneer2Gripper>
+        </model:Pioneer2DX>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        base = self._box(None, (0.05, 0.125, 0.13), (0.0, 0.0, 0.0), 0.1, 0.0)
+        # The bar and the paddles once weighed next to nothing, and flew apart when they gripped.
+        featherweight = "setMassZero" in self.world.engine.quirks
+        bar = self._box("bar", (0.07, 0.315, 0.065), (0.06, 0.0, -0.065), 0.0 if featherweight else 0.25, 0.5)
+        weight = 0.0 if featherweight else 0.05
+        size = (0.095, THICKNESS, 0.04)
+        # Left and right are as the old server had them: left at -y.
+        left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), weight, 0.2)
+        right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), weight, 0.2)
+        self.lift = _Slide(self.world, "lift", bar, base, (0.0, 0.0, 1.0), LIFT_TRAVEL, LIFT_FORCE)
+        self.left = _Slide(self.world, "left_paddle", left, bar, (0.0, 1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
+        self.right = _Slide(self.world, "right_paddle", right, bar, (0.0, -1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
+        self.span = 0.235  # between the paddles' centres when they are open [m]
+        self.beams = RayProximity(self.world, left, len(BEAMS))
+        self.told = (0, 0)  # what paddles and lift were last told, but for stops
+        self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
+        self.gripper = Gripper()
+
+    def _box(
+        self,
+        name: str | None,
+        size: tuple[float, float, float],
+        position: tuple[float, float, float],
+        mass: float,
+        grey: float,
+    ) -> Body:
+        """A body of one box; without a name it is the canonical one."""
+        body = Body(self.world, name)
+        self.AddBody(body, name is None)
+        geom = BoxGeom(body, self.modelSpaceId, *size)
+        body.UpdateCoM()
+        geom.SetMass(mass)
+        geom.SetColor(GzColor(grey, grey, grey))
+        body.SetPosition(GzVector(*position))
+        return body
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.gripper.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        self._publish()
+
+    def Fini(self) -> None:  # noqa: D102
+        self.gripper.destroy()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        if self.gripper.lock():
+            command = int(self.gripper.data.cmd)
+            self.gripper.unlock()
+            self._obey(command)
+        if step > 0.0:
+            self._watch_grip(step)
+            for slide in (self.lift, self.left, self.right):
+                slide.drive(step)
+        self._cast_beams()
+        self._publish()
+
+    def _obey(self, command: int) -> None:
+        """Take on what a command says."""
+        paddles, lift = COMMANDS.get(command, (None, None))
+        if paddles is not None:
+            self.left.direction = self.right.direction = paddles
+        if lift is not None:
+            self.lift.direction = lift
+        self.told = (self.left.direction or self.told[0], self.lift.direction or self.told[1])
+
+    def _watch_grip(self, step: float) -> None:
+        """How long the paddles have been slow while closing; a grip that is stopped still holds."""
+        slow = max(abs(self.left.rate), abs(self.right.rate)) < STILL
+        if slow and self.left.direction > 0:
+            self.slow_for += step
+        elif not slow or self.left.direction < 0:
+            self.slow_for = 0.0
+
+    def _cast_beams(self) -> None:
+        """Look across from the middle of the left paddle, which the beams do not see, to the face of the right one.
+
+        The old server's beams began in front of the paddle, inside what it held, and then did not see that.
+        """
+        gap = self.span - self.left.position - self.right.position
+        for i, x in enumerate(BEAMS):
+            self.beams.SetRay(i, (x, 0.0, 0.0), (x, max(gap - THICKNESS / 2.0 - 0.001, 0.001), 0.0))
+        self.beams.Update()
+
+    # State -------------------------------------------------------------------------------------------------------
+
+    def state(self) -> dict[str, bool]:
+        """What the interface tells, by its fields' names, as measured."""
+        paddles = (self.left, self.right)
+        opened, shut = all(p.at_start for p in paddles), all(p.at_end for p in paddles)
+        holding = self.slow_for >= STILL_FOR - 1e-9 and not opened
+        up, down = self.lift.at_end, self.lift.at_start
+        outer, inner = (row >= 0 for row in self.beams.rows.tolist())
+        return {
+            "left_paddle_open": self.left.at_start,
+            "right_paddle_open": self.right.at_start,
+            "paddles_opened": opened,
+            "paddles_closed": shut or holding,
+            "paddles_moving": not (opened or shut or holding),
+            "paddles_error": False,
+            "lift_up": up,
+            "lift_down": down,
+            "lift_moving": not (up or down),
+            "lift_error": False,
+            "grip_limit_reach": all(p.at_start or p.at_end for p in paddles),
+            "lift_limit_reach": up or down,
+            "outer_beam_obstruct": outer,
+            "inner_beam_obstruct": inner,
+        }
+
+    def _old_state(self) -> dict[str, bool]:
+        """The same by the faults of the old server."""
+        state = self.state()
+        paddles, lift = self.told
+        opened, closed, up, down = paddles < 0, paddles > 0, lift > 0, lift < 0
+        state |= {"left_paddle_open": opened, "right_paddle_open": opened, "paddles_opened": opened}
+        state |= {"paddles_closed": closed, "paddles_moving": not (opened or closed)}
+        state |= {"lift_up": up, "lift_down": down, "lift_moving": not (up or down)}
+        state |= {"grip_limit_reach": False, "lift_limit_reach": False, "inner_beam_obstruct": False}
+        return state
+
+    def _publish(self) -> None:
+        state = self._old_state() if "gripperState" in self.world.engine.quirks else self.state()
+        if self.gripper.lock():
+            data = self.gripper.data
+            data.time = self.world.GetSimTime()
+            for name, value in state.items():
+                setattr(data, name, int(value))
+            self.gripper.unlock()

@@ -1,0 +1,48 @@
+"""Pioneer2Sonars: the sonar ring of a Pioneer 2 as a model of its own, as Gazebo 0.3 to 0.5 had it."""
+
+from __future__ import annotations
+
+from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
+from libgz.physics.body import Body
+from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+UPDATE_RATE = 10.0  # [Hz]
+
+
+class Pioneer2Sonars(Model):
+    """Sixteen sonars on the robot it is nested in, laid out as on that robot; without a shape. Serves sonar.
+
+    The robot's own sonar interface stays. On anything but a Pioneer2AT the layout is that of a Pioneer2DX.
+    """
+
+    interfaces = ("sonar",)
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.238</xyz>
+          <model:Pioneer2Sonars>
+            <id>sonars1</id>
+          </model:Pioneer2Sonars>
+        </model:Pioneer2DX>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        body = Body(self.world, dummy=True)
+        self.AddBody(body, True)
+        on_at = self.parent is not None and self.parent.GetName() == "Pioneer2AT"
+        self.rate = UpdateRate(UPDATE_RATE)
+        self.sonars = SonarRing(self, self.parentBody or body, PIONEER2AT_RING if on_at else PIONEER2DX_RING)
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.sonars.Init()
+
+    def Fini(self) -> None:  # noqa: D102
+        self.sonars.Fini()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        now = self.world.GetSimTime()
+        if step > 0.0 and self.rate.due(now):
+            self.sonars.Update(now)

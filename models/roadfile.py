@@ -1,0 +1,76 @@
+"""Road files: one record a line, blank-separated.
+
+`waypoint S N E N Z` is a sign: distance along the road, its number, UTM easting and northing, height [m];
+`track S I E N Z K p1 ... pK` is a point of the road: distance, number of the waypoint before it, UTM easting and
+northing, height, and K heights across the road from right to left, relative to the point [m].
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzVector
+
+__all__ = ["RoadFile", "read_road"]
+
+
+@dataclass(frozen=True)
+class TrackPoint:
+    """A point of the road."""
+
+    distance: float  # along the road [m]
+    position: GzVector  # [m]
+    profile: list[float]  # heights across, right to left [m]
+
+
+@dataclass
+class RoadFile:
+    """What a road file holds, moved by the offset it was read with."""
+
+    track: list[TrackPoint] = field(default_factory=list)
+    signs: list[tuple[GzVector, str]] = field(default_factory=list)
+    damage: list[str] = field(default_factory=list)  # lines left out, in words
+
+
+def read_road(path: Path, offset: GzVector) -> RoadFile:
+    """Read a road file; UTM coordinates less `offset` [m] are the world's, heights stay as they are.
+
+    Raises:
+        ParameterError: the file cannot be read.
+    """
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as fault:
+        raise ParameterError(f"cannot be read: {fault.strerror}") from None
+    road = RoadFile()
+    for number, line in enumerate(lines, 1):
+        words = line.split()
+        if not words or words[0].startswith("#"):
+            continue
+        try:
+            _take(road, words, offset)
+        except (ValueError, IndexError):
+            road.damage.append(f"line {number} is neither 'waypoint S N E N Z' nor 'track S I E N Z K p1 ... pK'")
+    return road
+
+
+def _take(road: RoadFile, words: list[str], offset: GzVector) -> None:
+    """One record; ValueError or IndexError if it is none."""
+    if words[0] == "waypoint":  # its number is a text on the sign
+        words = [*words[:2], *words[2:6]]
+    values = [float(word) for word in words[1:]]
+    if not all(map(math.isfinite, values)):
+        raise ValueError("not finite")
+    east, north, z = values[2:5]
+    position = GzVector(east - offset.x, north - offset.y, z)
+    if words[0] == "waypoint":
+        road.signs.append((position, words[2]))
+    elif words[0] == "track":
+        if len(values[6:]) != values[5]:
+            raise ValueError(f"{len(values[6:])} heights instead of {words[6]}")
+        road.track.append(TrackPoint(values[0], position, values[6:]))
+    else:
+        raise ValueError(words[0])

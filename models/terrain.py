@@ -1,0 +1,74 @@
+"""Terrain: hills from a terrain file or from a height map."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzColor
+from libgz.models.greyimage import read_grey
+from libgz.models.gzb import read_gzb
+from libgz.physics.body import Body
+from libgz.physics.surfaces import TerrainGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import color, file, length, numbers, read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+
+@dataclass(frozen=True)
+class TerrainAttributes:
+    """What `<model:Terrain>` may hold."""
+
+    terrainFile: Path | None = file(help="terrain file (.gzb)")
+    dataFile: Path | None = file(help="height map, a picture, in place of a terrain file; its first row is at +y")
+    elevationScale: float = length(1.0, help="height of white in a height map")
+    vertexSpacing: float = length(1.0, above=0.0, help="distance between the pixels of a height map")
+    textureRepeat: tuple[float, ...] = numbers(1.0, 1.0, above=0.0, help="textures over a height map, in x and in y")
+    color: GzColor = color(0.7, 0.7, 0.7, help="colour")
+    textureFile: Path | None = file(help="picture to cover it with")
+    surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
+    surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
+
+
+class Terrain(Model):
+    """Fixed ground; the origin is that of the terrain file, or the corner of the height map at -x, -y."""
+
+    attributes = TerrainAttributes
+    example = """
+        <model:Terrain>
+          <id>hills</id>
+          <terrainFile>terrain.gzb</terrainFile>
+        </model:Terrain>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(TerrainAttributes, node)
+        self.fixed = True
+        body = Body(self.world, dummy=True)
+        self.AddBody(body, True)
+        self.ground = TerrainGeom(body, self.modelSpaceId)
+        if not (node.IsDefined("terrainFile") or node.IsDefined("dataFile")):
+            raise ParameterError("a terrain needs a <terrainFile> (.gzb), or a <dataFile> with a height map")
+        try:
+            self._build(values, node)
+        except ParameterError as fault:
+            node.warn(f"{fault}; so there is no ground here")
+        self.ground.SetColor(values.color)
+        self.ground.SetHardness(*values.surfaceHardness)
+        self.ground.SetFriction(*values.surfaceFriction)
+        self.ground.SetTexture2DFile(values.textureFile)
+
+    def _build(self, values: TerrainAttributes, node: WorldFileNode) -> None:
+        """Bring the mesh. A file that was not found has its warning already; what is damaged gets one here."""
+        if values.terrainFile is not None:
+            terrain = read_gzb(values.terrainFile)
+            if terrain.damage:
+                node.warn(f"terrain {str(values.terrainFile)!r} is damaged: {'; '.join(terrain.damage)}")
+            self.ground.Load(terrain.vertices, terrain.strip, terrain.triangles)
+        elif values.dataFile is not None:
+            heights = read_grey(values.dataFile)[::-1] * (values.elevationScale / 255.0)
+            in_x, in_y = values.textureRepeat
+            self.ground.LoadGrid(heights, values.vertexSpacing, (in_x, in_y))

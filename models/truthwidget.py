@@ -1,0 +1,84 @@
+"""TruthWidget: tells where its robot really is, and moves it on request."""
+
+from __future__ import annotations
+
+import math
+
+from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
+from libgz.interfaces.truth import Truth
+from libgz.physics.body import Body
+from libgz.simulation.model import Model
+from libgz.transport.guard import Guard
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+FARTHEST = 1e6  # [m]; no world is larger
+
+
+class TruthWidget(Model):
+    """The true global pose of the model it is nested in, or its own at the top level; without a shape. Serves truth.
+
+    A client that writes `cmd_pos` and `cmd_rot` and then sets `cmd_new` puts that model there, at rest. Both go on in
+    each step, and while the world is paused.
+    """
+
+    interfaces = ("truth",)
+    example = """
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:TruthWidget>
+            <id>truth1</id>
+          </model:TruthWidget>
+        </model:Pioneer2AT>
+    """
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.AddBody(Body(self.world, dummy=True), True)
+        self.truth = Truth()
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.guard = Guard(f"truth.{self.GetId()}")
+        self.truth.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        self.truth.data.cmd_rot[0] = 1.0
+        self._publish()
+
+    def Fini(self) -> None:  # noqa: D102
+        self.truth.destroy()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        if not self.truth.lock():
+            return
+        data = self.truth.data
+        wanted = None
+        if data.cmd_new:
+            data.cmd_new = 0
+            wanted = (*data.cmd_pos, *data.cmd_rot)
+        self.truth.unlock()
+        if wanted is not None:
+            self._move(wanted)
+        self._publish()
+
+    @property
+    def _subject(self) -> Model:
+        return self.parent or self
+
+    def _publish(self) -> None:
+        pose = self._subject.GetPose()
+        if self.truth.lock():
+            data = self.truth.data
+            data.time = self.world.GetSimTime()
+            data.pos[:], data.rot[:] = tuple(pose.pos), tuple(pose.rot)
+            self.truth.unlock()
+
+    def _move(self, wanted: tuple[float, ...]) -> None:
+        """Put the model at a global pose, if it is one."""
+        rotation = wanted[3:]
+        length = math.sqrt(sum(q * q for q in rotation)) if all(map(math.isfinite, wanted)) else 0.0
+        if not 1e-6 < length < 1e6 or max(map(abs, wanted[:3])) > FARTHEST:
+            self.guard.tell("cmd_pos, cmd_rot", f"are {wanted}, which is no pose, and are ignored")
+            return
+        pose = GzPose(GzVector(*wanted[:3]), GzQuaternNormal(GzQuatern(*rotation)))
+        subject = self._subject
+        if subject.parentBody is not None:
+            pose = GzCoordPoseSub(pose, subject.parentBody.GetPose())
+        self.world.SetModelPose(subject, pose)

@@ -82,6 +82,13 @@ def test_warnings_are_errors_if_wanted(tmp_path):
     assert "did you mean 'color'" in strict.stdout
 
 
+def test_what_is_inside_an_unused_element_is_told_with_it(tmp_path):
+    path = tmp_path / "nested.world"
+    path.write_text(HEAD + "<model:GroundPlane><optics><hfov>60</hfov></optics></model:GroundPlane></gz:world>")
+    (fault,) = check(path)
+    assert fault.element == "optics"
+
+
 def test_ready_worlds_are_clean():
     for path in installed_worlds().glob("*.world"):
         assert check(path) == []

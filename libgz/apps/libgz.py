@@ -17,6 +17,7 @@ COMMANDS = {
     "check": "tell what is wrong or unused in worldfiles",
     "clean": "remove what dead servers left behind",
     "config": "print what a C compiler needs for programs that speak libgazebo",
+    "convert": "write a worldfile's world as SDF 1.6",
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
     "echo": "print what an interface of a running server says, live",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,7 @@ FLOAT_COLORS, BYTE_COLORS, PERCENTS = (0x0010, 0x0013), (0x0011, 0x0012), (0x003
 def read_skin(path: Path) -> list[Mesh]:
     """The meshes of a file: 3DS by a reader of our own, other formats by the package trimesh.
 
-    A damaged 3DS file gives what was read before the damage, with one warning.
+    A damaged 3DS file gives what could be read, with one warning.
 
     Raises:
         GazeboError: nothing can be read from it; the message says what would help.
@@ -83,6 +83,7 @@ class _Reader3DS:
     data: bytes
     materials: dict[str, Material] = field(default_factory=dict)
     objects: list[_Object] = field(default_factory=list)
+    damage: str = ""  # the first that was found
 
     def chunks(self, start: int, end: int) -> Iterator[tuple[int, int, int]]:
         """(id, begin of data, end) of each chunk in a stretch of the file.
@@ -110,25 +111,40 @@ class _Reader3DS:
         if start + 2 > end:
             raise _Damaged(f"the count at byte {start} is missing")
         count = int(np.frombuffer(self.data, "<u2", 1, start)[0])
-        size = np.dtype(kind).itemsize * columns * count
-        if start + 2 + size > end:
-            raise _Damaged(f"{count} rows at byte {start} do not fit into their chunk")
+        fitting = (end - start - 2) // (np.dtype(kind).itemsize * columns)
+        if count > fitting:
+            self.note(f"{count} rows at byte {start} do not fit into their chunk")
+            count = fitting
         return np.frombuffer(self.data, kind, columns * count, start + 2).reshape(count, columns)
 
+    def note(self, damage: object) -> None:
+        """Remember the first damage."""
+        self.damage = self.damage or str(damage)
+
     def read(self) -> None:
-        """Read the whole file; what was read before a `_Damaged` is kept."""
+        """Read the whole file; damage in one material or object costs that one, or what of it comes after.
+
+        Raises:
+            _Damaged: the rest of the file cannot be read; what came before is kept.
+        """
         kind, length = struct.unpack_from("<HI", self.data) if len(self.data) >= 6 else (0, 0)
         if kind != MAIN:
             raise _Damaged("it does not begin as a 3DS file does")
         for kind, start, end in self.chunks(6, max(6, min(length, len(self.data)))):
             if kind == EDITOR:
                 for inner, first, last in self.chunks(start, end):
-                    if inner == MATERIAL:
-                        self.material(first, last)
-                    elif inner == OBJECT:
-                        self.object(first, last)
+                    part = {MATERIAL: self.material, OBJECT: self.object}.get(inner)
+                    if part is not None:
+                        self.attempt(part, first, last)
         if length > len(self.data):
             raise _Damaged(f"{length - len(self.data)} bytes are missing at its end")
+
+    def attempt(self, part: Callable[[int, int], None], start: int, end: int) -> None:
+        """Read one part; if it is damaged, note it and let the others go on."""
+        try:
+            part(start, end)
+        except _Damaged as fault:
+            self.note(fault)
 
     def material(self, start: int, end: int) -> None:
         """Read one material."""
@@ -183,16 +199,15 @@ def _read_3ds(path: Path) -> list[Mesh]:
         reader = _Reader3DS(path.read_bytes())
     except OSError as fault:
         raise GazeboError(f"skin {path} cannot be read: {fault.strerror}") from None
-    damage = ""
     try:
         reader.read()
     except _Damaged as fault:
-        damage = str(fault)
+        reader.note(fault)
     found = [part for item in reader.objects for part in _parts(item, reader.materials)]
     if not found:
-        raise GazeboError(f"skin {path} cannot be read: {damage or 'it holds no triangles'}")
-    if damage:
-        log.warning("skin %s is damaged (%s); what comes before that is shown", path, damage)
+        raise GazeboError(f"skin {path} cannot be read: {reader.damage or 'it holds no triangles'}")
+    if reader.damage:
+        log.warning("skin %s is damaged (%s); what could be read is shown", path, reader.damage)
     return found
 
 

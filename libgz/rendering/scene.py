@@ -109,7 +109,7 @@ class Scene:
         engine = self.world.engine
         if engine.surface_edits != self._edits:
             self._edits = engine.surface_edits
-            self._geoms = [geom for _, geom in sorted(engine.geoms.items())]
+            self._geoms = [geom for _, geom in sorted(engine.geoms.items()) if geom.appearance.visible]
             self._geoms.sort(key=lambda geom: geom.body.number)
             self._looks = [geom.appearance for geom in self._geoms]
             self._versions = None
@@ -131,7 +131,7 @@ class Scene:
         owner = {body: model.GetIntId() for model in self.world.models for body in model.bodies}
         items, bodies = [], []
         for body in dict.fromkeys(geom.body for geom in self._geoms):
-            seen = [geom for geom in body.geoms if not isinstance(geom, NOT_ITEMS)]
+            seen = [geom for geom in body.geoms if geom.appearance.visible and not isinstance(geom, NOT_ITEMS)]
             clear = [geom for geom in seen if geom.appearance.render_order == RENDER_TRANSPARENT]
             groups = [[geom for geom in seen if geom not in clear], *([geom] for geom in clear)]
             for group in groups:

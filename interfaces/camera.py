@@ -14,6 +14,7 @@ __all__ = [
     "GAZEBO_CAMERA_MAX_IMAGE_SIZE",
     "Camera",
     "CameraData",
+    "CameraDataOld",
     "gz_camera_alloc",
     "gz_camera_close",
     "gz_camera_create",
@@ -40,11 +41,23 @@ class CameraData(Data):
     image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_CAMERA_MAX_IMAGE_SIZE)
 
 
+@layout
+class CameraDataOld(Data):
+    """gz_camera_data_t of version 0x050: no picture is larger than 320 by 240."""
+
+    time: float = double(SERVER, "s", "sim time of this picture")
+    width: int = uint32(SERVER, "px", "width of the picture; set before the first one")
+    height: int = uint32(SERVER, "px", "height of the picture")
+    image_size: int = uint32(SERVER, "byte", "bytes of the picture; 0 until the first one")
+    image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", 320 * 240 * 3)
+
+
 class Camera(Interface[CameraData]):
     """A camera's latest picture."""
 
     type = "camera"
     data_class = CameraData
+    older = {0x050: CameraDataOld}
 
     all_pixels = View("image")
 

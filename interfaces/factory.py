@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from xml.sax.saxutils import escape
+
+import numpy as np
+
 from libgz.errors import ParameterError
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import CLIENT, SERVER, Array, Data, byte, double, layout
@@ -47,15 +51,34 @@ class Factory(Interface[FactoryData]):
     def create_model(self, xml: str) -> None:
         """Ask the server to add a model: its one XML element, as in a worldfile, without a root around it.
 
+        The server warns, on its own console, of a text it cannot use. It empties the string when it has taken it:
+        see `busy`.
+
         Raises:
             ParameterError: the text does not fit.
         """
+        self._send(xml)
+
+    def delete_model(self, id: str) -> None:
+        """Ask the server to remove a model, by its id, and all that is attached to it.
+
+        Raises:
+            ParameterError: the id does not fit.
+        """
+        self._send(f"<delete>{escape(id)}</delete>")
+
+    @property
+    def busy(self) -> bool:
+        """Whether the last text still waits for the server."""
+        return bool(self.string[0])
+
+    def _send(self, xml: str) -> None:
         text = xml.encode()
         if len(text) >= GAZEBO_FACTORY_MAX_STRING:
-            raise ParameterError(f"the model's XML has {len(text)} bytes; {GAZEBO_FACTORY_MAX_STRING - 1} are allowed")
+            raise ParameterError(f"the XML has {len(text)} bytes; {GAZEBO_FACTORY_MAX_STRING - 1} are allowed")
         with self.locked():
-            self.string[: len(text)] = list(text)
             self.string[len(text)] = 0
+            self.string[: len(text)] = np.frombuffer(text, np.uint8)
 
 
 _functions = LegacyFunctions(Factory)

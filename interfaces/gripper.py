@@ -7,6 +7,11 @@ from libgz.transport.layout import CLIENT, SERVER, Data, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
+    "GAZEBO_GRIPPER_CMD_CLOSE",
+    "GAZEBO_GRIPPER_CMD_OPEN",
+    "GAZEBO_GRIPPER_CMD_RETRIEVE",
+    "GAZEBO_GRIPPER_CMD_STOP",
+    "GAZEBO_GRIPPER_CMD_STORE",
     "GAZEBO_GRIPPER_STATE_CLOSED",
     "GAZEBO_GRIPPER_STATE_ERROR",
     "GAZEBO_GRIPPER_STATE_MOVING",
@@ -29,6 +34,13 @@ GAZEBO_GRIPPER_STATE_OPEN = 1
 GAZEBO_GRIPPER_STATE_CLOSED = 2
 GAZEBO_GRIPPER_STATE_MOVING = 3
 GAZEBO_GRIPPER_STATE_ERROR = 4
+
+# The header's names. Servers never took the last two by them: on the wire 4 lifts and 5 lowers, as below.
+GAZEBO_GRIPPER_CMD_OPEN = 1
+GAZEBO_GRIPPER_CMD_CLOSE = 2
+GAZEBO_GRIPPER_CMD_STOP = 3
+GAZEBO_GRIPPER_CMD_STORE = 4
+GAZEBO_GRIPPER_CMD_RETRIEVE = 5
 
 # What `cmd` means on the wire: Player's numbers.
 OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN, LIFT_STOP, STORE, DEPLOY, HALT = 1, 2, 3, 4, 5, 6, 7, 8, 15

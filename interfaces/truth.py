@@ -12,6 +12,7 @@ from libgz.transport.legacy import LegacyFunctions
 __all__ = [
     "Truth",
     "TruthData",
+    "TruthDataOld",
     "gz_truth_alloc",
     "gz_truth_close",
     "gz_truth_create",
@@ -38,11 +39,24 @@ class TruthData(Data):
     cmd_rot: Array[float] = double(CLIENT, "", "wanted global rotation: u, x, y, z", 4)
 
 
+@layout
+class TruthDataOld(Data):
+    """gz_truth_data_t of version 0x050: rotations are roll, pitch, yaw."""
+
+    time: float = double(SERVER, "s", "sim time of this sample")
+    pos: Array[float] = double(SERVER, "m", "global x, y, z", 3)
+    rot: Array[float] = double(SERVER, "rad", "global rotation: roll, pitch, yaw", 3)
+    cmd_new: int = int32(CLIENT, "", "1: move the model to the pose below; written last, cleared by the server")
+    cmd_pos: Array[float] = double(CLIENT, "m", "wanted global x, y, z", 3)
+    cmd_rot: Array[float] = double(CLIENT, "rad", "wanted global rotation: roll, pitch, yaw", 3)
+
+
 class Truth(Interface[TruthData]):
     """A model's true pose."""
 
     type = "truth"
     data_class = TruthData
+    older = {0x050: TruthDataOld}
 
     pos = View("pos")
     rot = View("rot")
@@ -56,13 +70,35 @@ class Truth(Interface[TruthData]):
     def pose(self) -> GzPose:
         """The global pose [m], read under the lock."""
         with self.locked() as data:
-            return GzPose(GzVector(*data.pos), GzQuatern(*data.rot))
+            return GzPose(GzVector(*data.pos), _quaternion(data.rot))
 
     def move(self, pose: GzPose) -> None:
         """Ask the server to put the model at a global pose [m], at rest."""
         with self.locked() as data:
-            data.cmd_pos[:], data.cmd_rot[:] = tuple(pose.pos), tuple(pose.rot)
+            data.cmd_pos[:], data.cmd_rot[:] = tuple(pose.pos), self._rotation(pose)
             data.cmd_new = 1
+
+    def publish(self, time: float, pose: GzPose) -> None:
+        """Write where the model is [m] at a sim time [s]; the server's side, which holds the lock."""
+        data = self.data
+        data.time = time
+        data.pos[:], data.rot[:] = tuple(pose.pos), self._rotation(pose)
+
+    def take_move(self) -> GzPose | None:
+        """The pose that a client asked for [m], once, unchecked; the server's side, which holds the lock."""
+        data = self.data
+        if not data.cmd_new:
+            return None
+        data.cmd_new = 0
+        return GzPose(GzVector(*data.cmd_pos), _quaternion(data.cmd_rot))
+
+    def _rotation(self, pose: GzPose) -> tuple[float, ...]:
+        """A rotation as this version of the struct has it."""
+        return tuple(pose.rot if len(self.data.rot) == 4 else GzQuaternToEuler(pose.rot))
+
+
+def _quaternion(rotation: Array[float]) -> GzQuatern:
+    return GzQuatern(*rotation) if len(rotation) == 4 else GzQuaternFromEuler(*rotation)
 
 
 def gz_truth_euler_from_quatern(truth: Truth | None, e: Array[float], q: Sequence[float]) -> None:

@@ -29,6 +29,8 @@ def _exports() -> dict[str, str]:
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__all__":  # from libgz import *
+        return sorted(_exports())
     if name.startswith("_") or name not in _exports():
         from libgz.errors import nearest
 

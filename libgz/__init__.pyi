@@ -369,6 +369,21 @@ from libgz.interfaces.gps import (
     gz_gps_unlock as gz_gps_unlock,
 )
 from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_CMD_CLOSE as GAZEBO_GRIPPER_CMD_CLOSE,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_CMD_OPEN as GAZEBO_GRIPPER_CMD_OPEN,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_CMD_RETRIEVE as GAZEBO_GRIPPER_CMD_RETRIEVE,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_CMD_STOP as GAZEBO_GRIPPER_CMD_STOP,
+)
+from libgz.interfaces.gripper import (
+    GAZEBO_GRIPPER_CMD_STORE as GAZEBO_GRIPPER_CMD_STORE,
+)
+from libgz.interfaces.gripper import (
     GAZEBO_GRIPPER_STATE_CLOSED as GAZEBO_GRIPPER_STATE_CLOSED,
 )
 from libgz.interfaces.gripper import (
@@ -1004,6 +1019,12 @@ from libgz.simulation.factory import (
 from libgz.simulation.model import Model as Model
 from libgz.simulation.rate import UpdateRate as UpdateRate
 from libgz.simulation.world import World as World
+from libgz.transport.layout import (
+    GAZEBO_MAX_MODEL_TYPE as GAZEBO_MAX_MODEL_TYPE,
+)
+from libgz.transport.layout import (
+    LIBGAZEBO_VERSION as LIBGAZEBO_VERSION,
+)
 from libgz.transport.legacy import (
     GZ_CLIENT_ID_PLAYER as GZ_CLIENT_ID_PLAYER,
 )
@@ -1058,5 +1079,6 @@ from libgz.transport.legacy import (
 from libgz.transport.legacy import (
     gz_server_post as gz_server_post,
 )
+from libgz.transport.semaphores import GZ_SEM_KEY as GZ_SEM_KEY
 from libgz.worldfile.file import WorldFile as WorldFile
 from libgz.worldfile.node import WorldFileNode as WorldFileNode

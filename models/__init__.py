@@ -4,18 +4,30 @@
 MODELS = {
     name: f"libgz.models.{name.lower()}:{name}"
     for name in (
+        "Atrv",
+        "AvatarHeli",
+        "B21R",
+        "Bandit",
+        "Blimp",
         "CanonVCC4",
+        "CarChassis",
+        "ClodBuster",
+        "Factory",
         "GarminGPS",
         "GroundPlane",
         "LightSource",
         "MapExtruder",
         "MonoCam",
         "ObserverCam",
+        "PeopleBot",
         "Pioneer2AT",
         "Pioneer2DX",
         "Pioneer2Gripper",
         "Pioneer2Sonars",
         "Road",
+        "Roomba",
+        "SegwayRMP",
+        "Shrimp",
         "SickLMS200",
         "SimpleSolid",
         "SkyDome",
@@ -23,9 +35,7 @@ MODELS = {
         "StereoHead",
         "Terrain",
         "TruthWidget",
+        "WheelChair",
         "WiFi",
     )
 }
-
-# Known names of which no more is known than that.
-MODELS |= {name: f"libgz.models.unsimulated:{name}" for name in ("PointSet", "TotemPole")}

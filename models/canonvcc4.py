@@ -14,7 +14,20 @@ GREY, RED = GzColor(0.3, 0.3, 0.3), GzColor(1.0, 0.0, 0.0)
 
 
 class CanonVCC4(PanTiltCamera):
-    """Pans 90 degrees to each side, tilts 30 degrees up and 90 down. Serves ptz."""
+    """Canon's pan-tilt-zoom camera, hanging.
+
+    It pans 90 degrees to each side, and tilts 30 degrees up and 90 down.
+    """
+
+    example = """
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:CanonVCC4>
+            <id>camera1</id>
+            <xyz>0.1 0 0.33</xyz>
+          </model:CanonVCC4>
+        </model:Pioneer2AT>
+    """
 
     panLimits = (-0.5 * math.pi, 0.5 * math.pi)
     tiltLimits = (-math.pi / 6.0, 0.5 * math.pi)

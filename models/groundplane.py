@@ -29,7 +29,11 @@ class GroundPlaneAttributes:
 
 
 class GroundPlane(Model):
-    """The ground. `xyz` and `rpy` do not move it: `height` and `normal` do."""
+    """The ground, an infinite, rigid plane.
+
+    `xyz` and `rpy` do not move it: `height` and `normal` do."""
+
+    attributes = GroundPlaneAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(GroundPlaneAttributes, node)

@@ -26,6 +26,8 @@ class LightSourceAttributes:
 class LightSource(Model):
     """A point light at the model's position; it moves with its parent."""
 
+    attributes = LightSourceAttributes
+
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(LightSourceAttributes, node)
         body = Body(self.world, dummy=True)

@@ -15,7 +15,12 @@ from libgz.worldfile.node import WorldFileNode
 
 
 class MonoCam(Model):
-    """A camera in a box of 5 cm; the origin is the centre of its bottom."""
+    """A small fixed camera in a box of 5 cm.
+
+    It looks along its x axis; the origin is the centre of its bottom.
+    """
+
+    attributes = RobotCameraAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(RobotCameraAttributes, node)

@@ -31,7 +31,19 @@ class ObserverCamAttributes(CameraAttributes):
 
 
 class ObserverCam(Model):
-    """A camera without a body; it may be nested, and then goes with its parent."""
+    """The camera through which people watch a world.
+
+    It has no body; it may be nested, and then goes with its parent.
+    """
+
+    attributes = ObserverCamAttributes
+    example = """
+        <model:ObserverCam>
+          <id>observer</id>
+          <xyz>-3 0 1.5</xyz>
+          <rpy>0 20 0</rpy>
+        </model:ObserverCam>
+    """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(ObserverCamAttributes, node)

@@ -46,6 +46,9 @@ class PanTiltAttributes(RobotCameraAttributes):
 class PanTiltCamera(Model):
     """Three bodies: a base, a middle that pans on it, a head that tilts on that."""
 
+    attributes = PanTiltAttributes
+    interfaces = ("ptz",)
+
     panLimits: ClassVar[tuple[float, float]]  # [rad]
     tiltLimits: ClassVar[tuple[float, float]]  # [rad], down positive
 

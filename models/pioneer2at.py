@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from libgz.geometry import GzColor, GzVector
 from libgz.models.drive import DifferentialRobot
+from libgz.models.parts import BLACK, GREY, RED, fit
 from libgz.models.sonars import PIONEER2AT_RING, SonarRing
+from libgz.models.wheels import Tire
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
@@ -15,29 +16,25 @@ WHEELS = {
     "right_rear": (-0.13335, -0.1905),
 }
 AXLE_HEIGHT = 0.09525  # [m]
+TIRE = Tire(0.10, 0.035, 1.0, GREY)
 
 
 class Pioneer2AT(DifferentialRobot):
-    """Four driven wheels and sixteen sonars; the origin is on the ground under the centre.
+    """ActivMedia's outdoor robot: four driven wheels that steer by their sides' speeds, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw runs on beyond a turn.
+    The origin is on the ground under the centre.
+    Its yaw runs on beyond a turn.
     """
 
+    interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.381, 0.20
     maxTorque = 10.0
-    normaliseYaw = False
 
     def build(self) -> None:  # noqa: D102
         chassis = Body(self.world)
         self.AddBody(chassis, True)
-        hull = BoxGeom(chassis, self.modelSpaceId, 0.48006, 0.3429, 0.1905)
-        hull.SetRelativePosition((0.0, 0.0, 0.19525))
-        hull.SetMass(10.0)
-        hull.SetColor(GzColor(1.0, 0.0, 0.0))
-        plate = BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02)
-        plate.SetRelativePosition((0.0, 0.0, 0.300025))
-        plate.SetMass(0.0)
-        plate.SetColor(GzColor(0.0, 0.0, 0.0))
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.48006, 0.3429, 0.1905), (0.0, 0.0, 0.19525), 10.0, RED)
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.5334, 0.381, 0.02), (0.0, 0.0, 0.300025), 0.0, BLACK)
         for name, (x, y) in WHEELS.items():
-            self.add_wheel(name, GzVector(x, y, AXLE_HEIGHT), 0.035, 1.0, GzColor(0.3, 0.3, 0.3))
-        self.sonars = SonarRing(self, chassis, PIONEER2AT_RING)
+            self.add_wheel(name, (x, y, AXLE_HEIGHT), TIRE)
+        self.devices.append(SonarRing(self, chassis, PIONEER2AT_RING))

@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-import math
-
-from libgz.geometry import GzColor, GzQuaternFromAxis, GzVector
 from libgz.models.drive import DifferentialRobot
+from libgz.models.parts import BLACK, DARK, RED, fit
 from libgz.models.sonars import PIONEER2DX_RING, SonarRing
+from libgz.models.wheels import Tire, add_caster
 from libgz.physics.body import Body
-from libgz.physics.geoms import BoxGeom, SphereGeom
-from libgz.physics.joint import BallJoint
+from libgz.physics.geoms import BoxGeom
 
-CASTER = GzVector(-0.22, 0.0, -0.2)
+TIRE = Tire(0.095, 0.05, 0.5, DARK)
 
 
 class Pioneer2DX(DifferentialRobot):
-    """Two driven wheels, a ball caster and sixteen sonars; the origin is the centre of the top plate above the axle.
+    """ActivMedia's indoor robot: two driven wheels, a ball caster, sixteen sonars.
 
-    Serves position, power and sonar. Its yaw stays within +-pi.
+    The origin is the centre of the top plate above the axle.
+    Its yaw stays within +-pi.
     """
 
+    interfaces = ("position", "power", "sonar")
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
+        </model:Pioneer2DX>
+    """
     wheelSep, wheelDiam = 0.35, 0.19
     maxTorque = 1.1
     normaliseYaw = True
@@ -27,28 +33,10 @@ class Pioneer2DX(DifferentialRobot):
     def build(self) -> None:  # noqa: D102
         chassis = Body(self.world)
         self.AddBody(chassis, True)
-        hull = BoxGeom(chassis, self.modelSpaceId, 0.38, 0.27, 0.17)
-        hull.SetRelativePosition((-0.05, 0.0, -0.085))
-        hull.SetMass(5.0)
-        hull.SetColor(GzColor(1.0, 0.0, 0.0))
-        plate = BoxGeom(chassis, self.modelSpaceId, 0.45, 0.38, 0.005)
-        plate.SetRelativePosition((-0.05, 0.0, 0.0))
-        plate.SetMass(0.0)
-        plate.SetColor(GzColor(0.0, 0.0, 0.0))
-        for name, y in (("left", 0.175), ("right", -0.175)):
-            self.add_wheel(name, GzVector(0.0, y, -0.145), 0.05, 0.5, GzColor(0.1, 0.1, 0.1))
-        self._add_caster(chassis)
-        self.sonars = SonarRing(self, chassis, PIONEER2DX_RING)
-
-    def _add_caster(self, chassis: Body) -> None:
-        """A ball under the rear; heavy on purpose, for it keeps the robot from pitching forward when it brakes."""
-        caster = Body(self.world, "caster")
-        self.AddBody(caster)
-        ball = SphereGeom(caster, self.modelSpaceId, 0.04)
-        ball.SetMass(5.0)
-        ball.SetColor(GzColor(0.0, 0.0, 0.0))
-        caster.SetPosition(CASTER)
-        caster.SetRotation(GzQuaternFromAxis(1.0, 0.0, 0.0, math.pi / 2.0))
-        joint = BallJoint(self.world, name="caster")
-        joint.Attach(caster, chassis)
-        joint.SetAnchor(CASTER)
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.38, 0.27, 0.17), (-0.05, 0.0, -0.085), 5.0, RED)
+        fit(BoxGeom(chassis, self.modelSpaceId, 0.45, 0.38, 0.005), (-0.05, 0.0, 0.0), 0.0, BLACK)
+        self.add_wheel("left", (0.0, 0.175, -0.145), TIRE)
+        self.add_wheel("right", (0.0, -0.175, -0.145), TIRE)
+        # Heavy on purpose: it keeps the robot from pitching forward when it brakes.
+        add_caster(self, "caster", chassis, (-0.22, 0.0, -0.2), 0.04, 5.0, BLACK)
+        self.devices.append(SonarRing(self, chassis, PIONEER2DX_RING))

@@ -100,7 +100,7 @@ class _Slide:
 
 
 class Pioneer2Gripper(Model):
-    """A gripper, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975). Serves gripper.
+    """Two paddles on a lift, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975).
 
     It begins open and down. A command holds until the next one; other numbers than the interface's do nothing. What it
     tells of itself is measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press
@@ -109,6 +109,18 @@ class Pioneer2Gripper(Model):
 
     With the quirk gripperState open, closed, up and down are told when the command arrives, as the old server did, the
     inner beam never tells anything, and limits are never reached.
+    """
+
+    interfaces = ("gripper",)
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
+          <model:Pioneer2Gripper>
+            <id>gripper1</id>
+            <xyz>0.14003 0 -0.0975</xyz>
+          </model:Pioneer2Gripper>
+        </model:Pioneer2DX>
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102

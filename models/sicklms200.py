@@ -41,7 +41,19 @@ class SickAttributes:
 
 
 class SickLMS200(Model):
-    """A laser scanner of 7 kg; the origin is the centre of its bottom. Serves laser and fiducial."""
+    """SICK's scanning laser range-finder, of 7 kg; the origin is the centre of its bottom."""
+
+    attributes = SickAttributes
+    interfaces = ("laser", "fiducial")
+    example = """
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:SickLMS200>
+            <id>laser1</id>
+            <xyz>0.1 0 0.311</xyz>
+          </model:SickLMS200>
+        </model:Pioneer2AT>
+    """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SickAttributes, node)

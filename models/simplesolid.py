@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -17,6 +16,7 @@ from libgz.worldfile.attributes import (
     color,
     file,
     integer,
+    lengths_by,
     number,
     numbers,
     read,
@@ -32,9 +32,12 @@ DEFAULT_SIZES = {"box": (0.5, 0.5, 0.5), "cylinder": (0.1, 0.5), "sphere": (0.5,
 
 @dataclass(frozen=True)
 class SimpleSolidAttributes:
-    """What `<model:SimpleSolid>` may hold, besides `size`, whose meaning hangs on the shape."""
+    """What `<model:SimpleSolid>` may hold."""
 
     shape: str = choice("box", tuple(DEFAULT_SIZES), help="what it is")
+    size: tuple[float, ...] = lengths_by(
+        "shape", DEFAULT_SIZES, help="x y z of a box; diameter and height of a cylinder; diameter of a sphere"
+    )
     mass: float = number(1.0, unit="kg", above=0.0, help="mass")
     color: GzColor = color(1.0, 1.0, 1.0, help="colour; alpha shows only if it is transparent")
     transparent: bool = boolean(False, help="whether alpha shows")
@@ -52,17 +55,28 @@ class SimpleSolidAttributes:
 
 
 class SimpleSolid(Model):
-    """A solid whose origin is the centre of its bottom; a cylinder stands upright.
+    """A box, cylinder or sphere that can be pushed, marked and textured.
 
-    `size` is x y z of a box, diameter and height of a cylinder, diameter of a sphere [m].
+    The origin is the centre of its bottom; a cylinder stands upright.
+    """
+
+    attributes = SimpleSolidAttributes
+    example = """
+        <model:SimpleSolid>
+          <id>can</id>
+          <xyz>1 0 0</xyz>
+          <shape>cylinder</shape>
+          <size>0.2 0.4</size>
+          <mass>0.5</mass>
+          <color>0.8 0.8 0.2</color>
+        </model:SimpleSolid>
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SimpleSolidAttributes, node)
         body = Body(self.world)
         self.AddBody(body, True)
-        size = tuple(node.GetTupleDouble("size", i, v) for i, v in enumerate(DEFAULT_SIZES[values.shape]))
-        geom = self._shape(body, values.shape, size)
+        geom = self._shape(body, values.shape, values.size)
         geom.SetRelativePosition((0.0, 0.0, self.height / 2.0))
         geom.SetMass(values.mass)
         geom.SetHardness(*values.surfaceHardness)
@@ -79,8 +93,6 @@ class SimpleSolid(Model):
 
     def _shape(self, body: Body, shape: str, size: tuple[float, ...]) -> Geom:
         """The geom of a shape; sets `height` [m]."""
-        if any(not length > 0.0 for length in size):
-            raise ParameterError(f"size of a {shape} is {' '.join(map(str, size))}; all lengths must be above zero")
         self.height = size[{"box": 2, "cylinder": 1, "sphere": 0}[shape]]
         if shape == "box":
             return BoxGeom(body, self.modelSpaceId, *size)

@@ -24,7 +24,9 @@ class SkyDomeAttributes:
 
 
 class SkyDome(Model):
-    """The sky. It touches nothing."""
+    """A sky that changes its colours with the time of day. It touches nothing."""
+
+    attributes = SkyDomeAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(SkyDomeAttributes, node)

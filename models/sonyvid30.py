@@ -13,7 +13,20 @@ GREY = GzColor(0.3, 0.3, 0.3)
 
 
 class SonyVID30(PanTiltCamera):
-    """Pans 54 degrees to each side and tilts 90 degrees up and down. Serves ptz."""
+    """Sony's pan-tilt-zoom camera, standing.
+
+    It pans 54 degrees to each side and tilts 90 degrees up and down.
+    """
+
+    example = """
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:SonyVID30>
+            <id>camera1</id>
+            <xyz>0.1 0 0.311</xyz>
+          </model:SonyVID30>
+        </model:Pioneer2AT>
+    """
 
     panLimits = (-0.3 * math.pi, 0.3 * math.pi)
     tiltLimits = (-0.5 * math.pi, 0.5 * math.pi)

@@ -26,7 +26,9 @@ class StereoHeadAttributes(RobotCameraAttributes):
 
 
 class StereoHead(Model):
-    """A pair of cameras in one housing of 0.3 kg; the origin is the centre of its bottom."""
+    """Two cameras side by side in one housing of 0.3 kg; the origin is the centre of its bottom."""
+
+    attributes = StereoHeadAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(StereoHeadAttributes, node)

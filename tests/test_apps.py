@@ -83,6 +83,13 @@ def test_pause_reset_and_save_over_the_wire(gazebo, tmp_path):
     assert float(saved.partition("<xyz>")[2].split()[0]) > 1.4
 
 
+def test_a_server_announces_0x050_on_request(gazebo):
+    server = gazebo(WORLD, "--wire-version", "0.5")
+    with libgz.Client(server.id) as client:
+        assert client.sim().data.head.version == 0x050
+        assert client.position("robot1").data.head.version == 0x050
+
+
 def test_a_second_server_on_one_id_is_refused(gazebo):
     server = gazebo(WORLD)
     second = run("gazebo", "-s", server.id, WORLD)
@@ -130,6 +137,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["-d", "10", "x.world"], "invalid choice"),
         (["--rate", "nan", "x.world"], "invalid rate value"),
         (["--steps", "-1", str(WORLD)], "--steps is -1"),
+        (["--wire-version", "0.4", "x.world"], "'0.4' is no wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
         (["/tmp"], "worldfile '/tmp' is a directory"),
         (["-l", "/no/such/dir/log", str(WORLD)], "cannot write log file"),

@@ -418,6 +418,13 @@ def test_unknown_step_form(monkeypatch):
         lambda e, b: libgz.HingeJoint(e).SetParam(99, 0),
         lambda e, b: libgz.HingeJoint(e).SetParam(libgz.dParamVel, math.nan),
         lambda e, b: libgz.HingeJoint(e).Attach(b, b),
+        lambda e, b: libgz.Hinge2Joint(e).Attach(b, None),
+        lambda e, b: libgz.Hinge2Joint(e).Attach(b, libgz.Body(e, dummy=True)),
+        lambda e, b: libgz.Hinge2Joint(e).SetAnchor((0, 0, 0)),
+        lambda e, b: libgz.Hinge2Joint(e).SetAxis1((0, 0, 1)),
+        lambda e, b: libgz.Hinge2Joint(e).SetTorque(1, 1),
+        lambda e, b: libgz.SliderJoint(e).SetAxis(0, 0, 1),
+        lambda e, b: libgz.SliderJoint(e).SetSliderForce(1),
         lambda e, b: libgz.TriMeshGeom(b, Space(e), [(0, 0, 0)], [(0, 1, 2)]),
         lambda e, b: Engine(step_time=0),
         lambda e, b: Engine(solver="fast"),
@@ -487,3 +494,23 @@ def test_a_missing_library_says_how_to_install_it(monkeypatch):
     monkeypatch.setenv("LIBGZ_ODE", "libnothere.so.1")
     with pytest.raises(libgz.LibraryError, match="apt-get install libode8"):
         lib.OdeLibrary()
+
+
+@pytest.mark.parametrize(
+    "kind", ["HingeJoint", "SliderJoint", "Hinge2Joint", "UniversalJoint", "BallJoint", "FixedJoint"]
+)
+def test_joints_without_bodies_do_no_harm(kind):
+    engine = Engine()
+    one, two = (solid(engine, box(1, 1, 1), position=(x, 0, 0)) for x in (0, 3))
+    joint = getattr(libgz, kind)(engine)
+    for getter in [name for name in dir(joint) if name.startswith(("GetAngle", "GetPosition"))]:
+        assert getattr(joint, getter)() == 0.0
+    engine.step()
+    joint.Attach(one, two)
+    joint.Detach()
+    joint.GetAnchor()
+    joint.motors_off()
+    engine.step()
+    joint.Attach(one, two)
+    one.close()
+    engine.step()

@@ -184,7 +184,7 @@ def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
         assert ground.colors.shape == (COUNT * COUNT, 4)
         assert np.array_equal(ground.strip, strip)
         assert ground.GetDiffuseColor() == libgz.GzColor(0.7, 0.7, 0.7)
-        assert world.engine.surface[ground.row].tolist() == [math.inf, 0, 1, 0]
+        assert world.engine.surface[ground.row, :4].tolist() == [math.inf, 0, 1, 0]
 
 
 def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
@@ -377,7 +377,7 @@ def test_a_road_is_data_that_can_be_drawn(tmp_path):
         assert (road.normals[:, 2] > 0.0).all()
         assert road.texture_coordinates.shape == (len(road.vertices), 2)
         assert road.texture_coordinates.max(axis=0) == pytest.approx(((34 - 0.0) / 4, 16 / 2), abs=0.01)
-        assert world.engine.surface[road.row].tolist() == [1e4, 0, 1, 0]
+        assert world.engine.surface[road.row, :4].tolist() == [1e4, 0, 1, 0]
 
 
 @pytest.mark.parametrize(

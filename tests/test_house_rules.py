@@ -19,11 +19,12 @@ SOURCES = {
 
 # Who may import whom: downwards only. One row is one level.
 LEVELS = [
-    {"errors", "geometry", "ode", "_version"},
+    {"errors", "fault", "geometry", "ode", "_version"},
     {"physics", "worldfile", "sdf", "transport"},
     {"sensors", "rendering", "interfaces"},
-    {"simulation"},
+    {"simulation", "clib"},
     {"models", "classic"},
+    {"reference", "convert"},
     {"apps"},
 ]
 LEVEL = {name: i for i, row in enumerate(LEVELS) for name in row}
@@ -84,6 +85,12 @@ def test_every_public_name_can_be_imported():
     for name in dir(libgz):
         assert getattr(libgz, name) is not None
     assert {"World", "Model", "Body", "HingeJoint", "Client", "GZ_REGISTER_PLUGIN", "dParamVel"} <= set(dir(libgz))
+
+
+def test_a_star_import_brings_every_public_name():
+    names = {}
+    exec("from libgz import *", names)
+    assert {"World", "gz_client_alloc", "gz_position_open", "GZ_SEM_KEY"} <= set(names)
 
 
 def test_a_wrong_name_is_answered_with_the_right_one():

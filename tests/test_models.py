@@ -89,7 +89,7 @@ def test_pioneer2at_drives_as_measured():
         assert yaws[3] - yaws[2] == pytest.approx(1.078, abs=0.03)
         assert places[4][:2] == pytest.approx((1.885, 0.923), abs=0.1)
         assert robot.odometry[2] == pytest.approx(2.480 + 1.508 + 0.012, abs=0.03)
-        assert robot.batteryLevel == pytest.approx(12.38666, abs=1e-4)
+        assert robot.battery.level == pytest.approx(12.38666, abs=1e-4)
 
 
 def test_masses_with_the_old_faults_are_the_old_ones():
@@ -415,7 +415,7 @@ def test_solids_have_the_size_mass_and_friction_they_are_told():
         a, b = world.model("a"), world.model("b")
         assert a.geom.size == (1, 2, 0.5)
         assert a.GetBody().mass == pytest.approx(3)
-        assert world.engine.surface[a.geom.row].tolist() == [1e5, 20, 0.5, 0]
+        assert world.engine.surface[a.geom.row, :4].tolist() == [1e5, 20, 0.5, 0]
         assert a.geom.GetTransparency()
         assert a.geom.GetDiffuseColor() == libgz.GzColor(1, 0, 0, 0.5)
         assert (b.geom.radius, b.geom.length) == (0.25, 0.5)

@@ -94,6 +94,15 @@ def test_structs_lie_as_they_did(kind):
 
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)
+def test_structs_of_0x050_lie_as_they_did(kind):
+    struct = LAYOUT["_files"][kind.type]["struct"]
+    differs = LAYOUT["_versions"]["0x050"]["differs"]
+    assert set(kind.older) == ({0x050} if struct in differs else set())
+    if kind.older:
+        check_struct(kind.older[0x050], differs[struct])
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.type)
 def test_old_functions_exist_for_every_interface(kind):
     module = importlib.import_module(kind.__module__)
     for verb in ("alloc", "free", "create", "destroy", "open", "close", "lock", "unlock"):
@@ -121,6 +130,43 @@ def test_ids_larger_than_an_int_are_masked(server):
     interface = Position()
     interface.create(server, "a", "T", 0x7F00_9000_0001, 0)
     assert interface.data.head.model_id == -0x70000000 + 1
+
+
+@pytest.mark.parametrize("version", [0x050, 0x060])
+def test_both_versions_can_be_announced(wire, version):
+    server = Server(wire, version=version)
+    server.start()
+    truth, camera = serve(server, libgz.Truth, "t"), serve(server, libgz.Camera, "c")
+    serve(server, Sim, "default")
+    sizes = {0x050: (264, 230576), 0x060: (280, 921776)}[version]
+    for interface, size in ((truth, sizes[0]), (camera, sizes[1])):
+        raw = (Path(server.path) / f"{interface.type}.{interface.id}").read_bytes()
+        assert (len(raw), raw[:4], raw[8:16]) == (size, version.to_bytes(4, "little"), size.to_bytes(8, "little"))
+    here = libgz.GzPose(libgz.GzVector(1, 2, 3), libgz.GzQuaternFromEuler(0.1, 0.2, 0.3))
+    there = libgz.GzPose(libgz.GzVector(4, 5, 6), libgz.GzQuaternFromEuler(-0.1, 0.4, 2.3))
+    with truth.locked():
+        truth.publish(1.5, here)
+        assert truth.take_move() is None
+    if version == 0x050:
+        assert truth.rot.tolist() == pytest.approx([0.1, 0.2, 0.3])
+    with libgz.Client(wire) as client:
+        seen = client.truth("t")
+        assert tuple(seen.pose.pos) == (1, 2, 3)
+        assert tuple(seen.pose.rot) == pytest.approx(tuple(here.rot), abs=1e-15)
+        seen.move(there)
+        assert client.camera("c").all_pixels.size == camera.all_pixels.size
+    with truth.locked():
+        asked = truth.take_move()
+        assert tuple(asked.rot) == pytest.approx(tuple(there.rot), abs=1e-15)
+        assert truth.take_move() is None
+    server.stop()
+
+
+def test_other_versions_are_refused():
+    with pytest.raises(libgz.ParameterError, match="wire version is 0x070; allowed are 0x050, 0x060"):
+        Server(version=0x070)
+    with pytest.raises(libgz.ParameterError, match="wire version"):
+        libgz.World(wire_version=5)
 
 
 # Directory -------------------------------------------------------------------------------------------------------
@@ -322,7 +368,7 @@ def test_a_file_too_short_is_refused(server):
     (Path(server.path) / "laser.short").write_bytes(bytes(100))
     with libgz.Client(server.server_id) as client, pytest.raises(libgz.InterfaceError, match="expected file size"):
         client.laser("short")
-    (Path(server.path) / "laser.old").write_bytes(bytes(Laser.size()))
+    (Path(server.path) / "laser.old").write_bytes(bytes(Laser().size))
     with libgz.Client(server.server_id) as client, pytest.raises(libgz.InterfaceError, match="expected file size"):
         client.laser("old")
 

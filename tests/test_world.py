@@ -60,17 +60,18 @@ def test_all_faults_of_a_world_at_once(caplog):
         <param:Global><stepTime>-1</stepTime></param:Global>
         <model:SimpleSolid><shape>blob</shape></model:SimpleSolid>
         <model:SimpleSolid><size>1 0 1</size></model:SimpleSolid>
-        <model:Pioneer2AT><model:SickLMS200><parentBody>chasis</parentBody></model:SickLMS200></model:Pioneer2AT>
+        <model:Pioneer2AT><model:SickLMS200><parentBody>chasis</parentBody><rayCount>0</rayCount></model:SickLMS200></model:Pioneer2AT>
         <model:NoSuchThing/>
         <model:GroundPlane><texturFile>x.ppm</texturFile></model:GroundPlane>""")
     with pytest.raises(WorldFileError) as caught:
         world_of(body)
     lines = str(caught.value).splitlines()
-    assert len(lines) == 4
+    assert len(lines) == 5
     assert "<string>:2: <stepTime>: '-1' is not allowed; stepTime [s] must be above 0 and at most 1" in lines[0]
     assert "<string>:3: <shape>: 'blob' is not allowed; shape must be one of box, cylinder, sphere" in lines[1]
-    assert "<string>:4: <model:SimpleSolid>: size of a box is 1.0 0.0 1.0; all lengths must be above zero" in lines[2]
+    assert "<string>:4: <size>: '1 0 1' is not allowed; size [m] must be above 0 each" in lines[2]
     assert "<string>:5: <model:SickLMS200>: body [chasis] not defined for model 'Pioneer2AT'" in lines[3]
+    assert "<string>:5: <rayCount>: '0' is not allowed" in lines[4]
     assert "<model:NoSuchThing>: unknown model class" in caplog.text
     assert "<texturFile>: is not used by <model:GroundPlane>; did you mean 'textureFile'" in caplog.text
 

@@ -15,13 +15,14 @@ from libgz.apps.console import USAGE_ERROR, Parser, set_up_messages
 from libgz.errors import GazeboError, ParameterError
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
+from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
-from libgz.worldfile.file import WorldFile
 
 __all__ = ["main"]
 
 log = logging.getLogger("libgz.gazebo")
 
+WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.7": 0x060}
 STATUS_PERIOD = 0.2  # [s] of real time
 
 
@@ -46,6 +47,12 @@ def _rate(text: str) -> float:
 
 
 _rate.__name__ = "rate"
+
+
+def _wire_version(text: str) -> int:
+    if text not in WIRE_VERSIONS:
+        raise argparse.ArgumentTypeError(f"{text!r} is no wire version; allowed are {', '.join(WIRE_VERSIONS)}")
+    return WIRE_VERSIONS[text]
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -83,6 +90,13 @@ def make_parser() -> argparse.ArgumentParser:
         help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)",
     )
     add("--seed", type=int, default=0, metavar="N", help="seed of everything random (default 0)")
+    add(
+        "--wire-version",
+        type=_wire_version,
+        default=LIBGAZEBO_VERSION,
+        metavar="V",
+        help="version that interfaces announce: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
+    )
     add("--steps", type=int, default=None, metavar="N", help="quit after so many steps")
     return parser
 
@@ -153,10 +167,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(path: Path, options: argparse.Namespace) -> int:
     server_id = free_server_id() if options.server_id is None else options.server_id
-    world = World(server_id, options.force, seed=options.seed)
+    world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
     try:
-        file = WorldFile.from_file(path)
-        world.Load(file)
+        world.LoadFile(path)
         run = Run(world, options)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, run.stop)

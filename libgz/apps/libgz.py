@@ -14,8 +14,18 @@ __all__ = ["main"]
 
 # Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
 COMMANDS = {
+    "check": "tell what is wrong or unused in worldfiles",
+    "clean": "remove what dead servers left behind",
+    "config": "print what a C compiler needs for programs that speak libgazebo",
     "demo": "run a robot's world and drive it from a second process",
     "doctor": "show what this machine has of what libgz needs",
+    "echo": "print what an interface of a running server says, live",
+    "interfaces": "list what a running server offers",
+    "models": "list all models, or describe one",
+    "schema": "print a grammar of worldfiles for editors",
+    "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
+    "set": "write fields of an interface of a running server",
+    "upgrade": "rewrite a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7",
 }
 
 

@@ -33,6 +33,7 @@ class StepContext(ctypes.Structure):
         ("no_cylinder_pairs", c_int64),
         ("step", c_double),
         ("quick", c_int64),
+        ("classic", c_int64),
         ("seed", c_uint64),
         ("contact_count", c_int64),
         ("surface", c_void_p),
@@ -69,7 +70,13 @@ class Step(Protocol):
     reads_all: bool  # whether step() leaves all states copied out
 
     def step(self) -> bool:
-        """Collide, step, empty the contact group; false if ODE ran out of memory."""
+        """Both halves; false if ODE ran out of memory."""
+
+    def collide(self) -> None:
+        """The first half: find contacts and make joints of them."""
+
+    def solve(self) -> bool:
+        """The second half: move everything, empty the contact group; false if ODE ran out of memory."""
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""
@@ -106,6 +113,8 @@ def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
 def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
     """Copy angles and rates of one joint out of ODE into its row."""
     joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
+    if not joint:
+        return
     state = tables.joint_state[row]
     if kind == JointType.HINGE:
         state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)

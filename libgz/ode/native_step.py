@@ -44,6 +44,8 @@ class NativeStep:
         library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
         library.gz_step_context_size.restype = ctypes.c_size_t
         library.gz_step_bind.argtypes = [c_void_p]
+        library.gz_collide.argtypes = [c_void_p]
+        library.gz_solve.argtypes = [c_void_p]
         library.gz_read.argtypes = [c_void_p]
         library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
         library.gz_scan.restype = None
@@ -62,6 +64,14 @@ class NativeStep:
     def step(self) -> bool:
         """Collide, step and copy all states out."""
         return bool(self._step())
+
+    def collide(self) -> None:
+        """Find contacts and make joints of them."""
+        self._shared.gz_collide(self._address)
+
+    def solve(self) -> bool:
+        """Move everything, empty the contact group, copy all states out."""
+        return bool(self._shared.gz_solve(self._address))
 
     def read(self) -> None:
         """Copy all states out."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from libgz.geometry import rotate
 from libgz.ode.context import MAX_CONTACTS, NO_HIT, StepContext, Tables, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.types import Contact, ContactGeom, ContactMode, GeomClass, JointType, SurfaceParameters
+from libgz.ode.types import Contact, ContactGeom, ContactMode, GeomClass, JointType, Surface, SurfaceParameters
 
 __all__ = ["PythonStep"]
 
@@ -70,7 +70,7 @@ class PythonStep:
         connected = self._ode.unchecked("dAreConnectedExcluding", ctypes.c_int)
         create = self._ode.unchecked("dJointCreateContact", _Handle)
         attach = self._ode.unchecked("dJointAttach", None)
-        pairs, look_up = self._pairs, self._look_up_pair
+        context, pairs, look_up = self._context, self._pairs, self._look_up_pair
         world, group = c_void_p(self._context.world), c_void_p(self._context.contacts)
         most, size, contact_type = (ctypes.c_int(v) for v in (MAX_CONTACTS, ctypes.sizeof(Contact), JointType.CONTACT))
 
@@ -90,6 +90,8 @@ class PythonStep:
                 else:
                     count = self._collide_cylinder(geom1, geom2, first.value or 0)
                 if count:
+                    if context.classic:
+                        count = self._refine(geom1, geom2, count)
                     self._contact_count += count
                     for contact in contacts[count]:
                         attach(create(world, group, contact), body1, body2)
@@ -113,11 +115,62 @@ class PythonStep:
             kind = _BODIES if body1 and body2 else _PLAIN if body1 or body2 else _STATIC
             if kind == _BODIES and self._context.no_cylinder_pairs and GeomClass.CYLINDER in kinds <= _ROUND:
                 kind = _CYLINDERS
-            rows = [lib.dGeomGetData(geom) or 0 for geom in (geom1, geom2)]
-            first, contacts = self._contacts(*(self._tables.surface[row].tolist() for row in rows))
+            a, b = self._rows(geom1, geom2)
+            if self._context.classic and not int(a[Surface.BITS]) & int(b[Surface.BITS]):
+                kind = _STATIC
+            first, contacts = self._contacts(a, b)
             pair = (kind, one, two, c_void_p(body1), c_void_p(body2), first, contacts)
         self._pairs[geom1, geom2] = pair
         return pair
+
+    def _rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
+        """The surfaces of two geoms."""
+        surface, data = self._tables.surface, self._ode.dGeomGetData
+        return surface[data(geom1) or 0].tolist(), surface[data(geom2) or 0].tolist()
+
+    def _refine(self, geom1: int, geom2: int, count: int) -> int:
+        """What classic adds to contacts; deepest and refine_point in step.c, operation by operation."""
+        a, b = self._rows(geom1, geom2)
+        points, plain = self._contact_arrays[*a, *b][0], self._surface(a, b)
+        most = int(min(a[Surface.MAX_CONTACTS], b[Surface.MAX_CONTACTS]))
+        while count > most:
+            shallow = min(range(count), key=lambda i: points[i].geom.depth)
+            for i in range(shallow, count - 1):
+                points[i] = points[i + 1]
+            count -= 1
+        slips = [(a[column] + b[column]) * count for column in (Surface.SLIP1, Surface.SLIP2)]
+        slack = max(a[Surface.MIN_DEPTH], b[Surface.MIN_DEPTH])
+        limit = max(a[Surface.MAX_VEL], b[Surface.MAX_VEL])
+        for point in points[:count]:
+            point.surface = plain
+            surface, mode = point.surface, plain.mode
+            surface.slip1, surface.slip2 = slips
+            mode |= (ContactMode.SLIP1 if slips[0] > 0.0 else 0) | (ContactMode.SLIP2 if slips[1] > 0.0 else 0)
+            if self._friction_direction(a, b, geom1, geom2, point):
+                mode |= ContactMode.FDIR1
+            surface.mode = int(mode)
+            point.geom.depth = max(0.0, point.geom.depth - slack)
+            if point.geom.depth > 0.0:
+                surface.soft_erp = min(plain.soft_erp, limit * self._context.step / point.geom.depth)
+        return count
+
+    def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
+        """friction_direction in step.c, operation by operation."""
+        first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
+        local, geom = first, geom1
+        if _dot(first, first) == 0.0 or (b[Surface.MU] < a[Surface.MU] and _dot(second, second) > 0.0):
+            local, geom = second, geom2
+        if _dot(local, local) == 0.0:
+            return False
+        m, n = self._ode.dGeomGetRotation(geom).contents, point.geom.normal[:3]
+        aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
+        along = _dot(aim, n)
+        aim = [v - along * w for v, w in zip(aim, n, strict=True)]
+        size = math.sqrt(_dot(aim, aim))
+        if size < 1e-9:
+            return False
+        point.fdir1[:3] = [v / size for v in aim]
+        return True
 
     def _contacts(self, a: list[float], b: list[float]) -> tuple[c_void_p, list[tuple[c_void_p, ...]]]:
         """Contacts with the surface of two geoms: where dCollide writes, and the first n of them for each n."""
@@ -186,36 +239,56 @@ class PythonStep:
 
     def _surface(self, a: list[float], b: list[float]) -> SurfaceParameters:
         """The contact rule; make_surface in step.c, operation by operation."""
-        softness = 1.0 / a[0] + 1.0 / b[0]
-        kd = a[1] + b[1]
+        softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
+        kd = a[Surface.KD] + b[Surface.KD]
         erp, cfm = 1.0, 0.0
         if softness > 0.0:
             spring = self._context.step * (1.0 / softness)
             erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
         mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
-        bounce = max(a[3], b[3])
+        bounce, bounce_vel, mu2 = max(a[Surface.BOUNCE], b[Surface.BOUNCE]), 0.0, 0.0
+        if self._context.classic:
+            bounce = min(a[Surface.BOUNCE], b[Surface.BOUNCE])
+            bounce_vel = min(a[Surface.BOUNCE_VEL], b[Surface.BOUNCE_VEL])
+            mu2 = min(a[Surface.MU2], b[Surface.MU2])
+            mode |= ContactMode.MU2
         if bounce > 0.0:
             mode |= ContactMode.BOUNCE
         return SurfaceParameters(
-            mode=int(mode), mu=min(a[2], b[2]), bounce=bounce, bounce_vel=0.0, soft_erp=erp, soft_cfm=cfm
+            mode=int(mode),
+            mu=min(a[Surface.MU], b[Surface.MU]),
+            mu2=mu2,
+            bounce=bounce,
+            bounce_vel=bounce_vel,
+            soft_erp=erp,
+            soft_cfm=cfm,
         )
 
     def step(self) -> bool:
-        """Collide, step, empty the contact group."""
+        """Both halves."""
+        self.collide()
+        return self.solve()
+
+    def collide(self) -> None:
+        """Find contacts and make joints of them."""
         context, ode_ = self._context, self._ode
         valid_for = (self._tables.surface_edits, context.step)
         if valid_for != self._pairs_valid_for:
             self._pairs.clear()
             self._contact_arrays.clear()
             self._pairs_valid_for = valid_for
-        ode_.dRandSetSeed(context.seed)
         self._contact_count = 0
         ode_.dSpaceCollide(context.space, None, self._near)
         context.contact_count = self._contact_count
+        self._raise_fault()
+
+    def solve(self) -> bool:
+        """Move everything, empty the contact group."""
+        context, ode_ = self._context, self._ode
+        ode_.dRandSetSeed(context.seed)
         done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
-        self._raise_fault()
         return bool(done)
 
     def _raise_fault(self) -> None:

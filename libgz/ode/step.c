@@ -96,9 +96,10 @@ typedef struct {
     int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */
     double step;
     int64_t quick;         /* 1: dWorldQuickStep */
+    int64_t classic;       /* 1: the contact rule of Gazebo classic; 0: of the legacy server */
     uint64_t seed;         /* ODE's random state, one per world */
     int64_t contact_count; /* of the last step */
-    const double *surface; /* a row a geom: kp, kd, mu, bounce */
+    const double *surface; /* 16 a geom: see the SURFACE_ columns below */
     const int64_t *owner;  /* a number a geom: that of its body */
     int64_t body_count;
     void *const *bodies;   /* NULL: a free row */
@@ -114,15 +115,36 @@ size_t gz_step_context_size(void) { return sizeof(context); }
 
 enum { MAX_CONTACTS = 10, JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3 };
-enum { BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, APPROX1 = 0x3000 };
+enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
+enum { APPROX1 = 0x3000 };
+/* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
+enum {
+    SURFACE_KP,
+    SURFACE_KD,
+    SURFACE_MU,
+    SURFACE_BOUNCE,
+    SURFACE_MU2,
+    SURFACE_SLIP1,
+    SURFACE_SLIP2,
+    SURFACE_BOUNCE_VEL,
+    SURFACE_FDIR1,
+    SURFACE_MAX_CONTACTS = SURFACE_FDIR1 + 3,
+    SURFACE_MAX_VEL,
+    SURFACE_MIN_DEPTH,
+    SURFACE_BITS,
+    SURFACE_COLUMNS = 16
+};
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+static double larger(double a, double b) { return a > b ? a : b; }
 
 /* A contact is a spring and damper in series with its partner: erp = h kp / (h kp + kd), cfm = 1 / (h kp + kd). */
 static void make_surface(const context *c, const double *a, const double *b, surface_parameters *s)
 {
-    double softness = 1.0 / a[0] + 1.0 / b[0];
-    double kd = a[1] + b[1];
+    double softness = 1.0 / a[SURFACE_KP] + 1.0 / b[SURFACE_KP];
+    double kd = a[SURFACE_KD] + b[SURFACE_KD];
     s->mode = SOFT_ERP | SOFT_CFM | APPROX1;
-    s->mu = a[2] < b[2] ? a[2] : b[2];
+    s->mu = smaller(a[SURFACE_MU], b[SURFACE_MU]);
     s->soft_erp = 1.0;
     s->soft_cfm = 0.0;
     if (softness > 0.0) {
@@ -130,8 +152,14 @@ static void make_surface(const context *c, const double *a, const double *b, sur
         s->soft_erp = spring / (spring + kd);
         s->soft_cfm = 1.0 / (spring + kd);
     }
-    s->bounce = a[3] > b[3] ? a[3] : b[3];
+    s->bounce = larger(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
     s->bounce_vel = 0.0;
+    if (c->classic) {
+        s->bounce = smaller(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
+        s->bounce_vel = smaller(a[SURFACE_BOUNCE_VEL], b[SURFACE_BOUNCE_VEL]);
+        s->mu2 = smaller(a[SURFACE_MU2], b[SURFACE_MU2]);
+        s->mode |= MU2;
+    }
     if (s->bounce > 0.0)
         s->mode |= BOUNCE;
 }
@@ -214,11 +242,75 @@ static int collide_cylinder(const context *c, void *geom1, void *geom2, int clas
     return count;
 }
 
+/* The direction in which mu counts: that of the geom with the smaller mu, laid into the contact's plane. */
+static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+{
+    const double *local = a + SURFACE_FDIR1, *r, *n = point->geom.normal;
+    void *geom = geom1;
+    double along, size;
+    int k;
+
+    if (dot(local, local) == 0.0 || (b[SURFACE_MU] < a[SURFACE_MU] && dot(b + SURFACE_FDIR1, b + SURFACE_FDIR1) > 0.0)) {
+        local = b + SURFACE_FDIR1;
+        geom = geom2;
+    }
+    if (dot(local, local) == 0.0)
+        return 0;
+    r = dGeomGetRotation(geom);
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+    along = dot(point->fdir1, n);
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = point->fdir1[k] - along * n[k];
+    size = sqrt(dot(point->fdir1, point->fdir1));
+    if (size < 1e-9)
+        return 0;
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = point->fdir1[k] / size;
+    return 1;
+}
+
+/* What classic adds to one contact point: slip, a direction of friction, a slack depth, a bound on how fast a
+ * penetration is pushed out. */
+static void refine_point(const context *c, const double *a, const double *b, void *geom1, void *geom2, int count,
+                         contact *point)
+{
+    surface_parameters *s = &point->surface;
+    double limit = larger(a[SURFACE_MAX_VEL], b[SURFACE_MAX_VEL]);
+    s->slip1 = (a[SURFACE_SLIP1] + b[SURFACE_SLIP1]) * count;
+    s->slip2 = (a[SURFACE_SLIP2] + b[SURFACE_SLIP2]) * count;
+    if (s->slip1 > 0.0)
+        s->mode |= SLIP1;
+    if (s->slip2 > 0.0)
+        s->mode |= SLIP2;
+    if (friction_direction(a, b, geom1, geom2, point))
+        s->mode |= FDIR1;
+    point->geom.depth = larger(0.0, point->geom.depth - larger(a[SURFACE_MIN_DEPTH], b[SURFACE_MIN_DEPTH]));
+    if (point->geom.depth > 0.0)
+        s->soft_erp = smaller(s->soft_erp, limit * c->step / point->geom.depth);
+}
+
+/* Keep the `most` deepest of `count` contacts, in their order. */
+static int deepest(contact *points, int count, int most)
+{
+    while (count > most) {
+        int shallow = 0, i;
+        for (i = 1; i < count; i++)
+            if (points[i].geom.depth < points[shallow].geom.depth)
+                shallow = i;
+        for (i = shallow; i + 1 < count; i++)
+            points[i] = points[i + 1];
+        count--;
+    }
+    return count;
+}
+
 static void collide(void *data, void *geom1, void *geom2)
 {
     context *c = data;
     contact points[MAX_CONTACTS];
     surface_parameters surface;
+    const double *a, *b;
     void *body1, *body2;
     int count, i, class1, class2;
 
@@ -232,6 +324,10 @@ static void collide(void *data, void *geom1, void *geom2)
         return;
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, JOINT_CONTACT))
         return;
+    a = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom1);
+    b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
+    if (c->classic && !((uint32_t)a[SURFACE_BITS] & (uint32_t)b[SURFACE_BITS]))
+        return;
     class1 = dGeomGetClass(geom1);
     class2 = dGeomGetClass(geom2);
     if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
@@ -241,10 +337,13 @@ static void collide(void *data, void *geom1, void *geom2)
         count = dCollide(geom1, geom2, MAX_CONTACTS, &points[0].geom, sizeof(contact));
     if (!count)
         return;
-    make_surface(c, c->surface + 4 * (intptr_t)dGeomGetData(geom1), c->surface + 4 * (intptr_t)dGeomGetData(geom2),
-                 &surface);
+    make_surface(c, a, b, &surface);
+    if (c->classic)
+        count = deepest(points, count, (int)smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]));
     for (i = 0; i < count; i++) {
         points[i].surface = surface;
+        if (c->classic)
+            refine_point(c, a, b, geom1, geom2, count, &points[i]);
         dJointAttach(dJointCreateContact(c->world, c->contacts, &points[i]), body1, body2);
     }
     c->contact_count += count;
@@ -321,19 +420,31 @@ static void read_joints(context *c)
     }
 }
 
-/* Collide, step, copy the states out. Returns what ODE's step returned: 0 is out of memory. */
-int gz_step(context *c)
+/* The first half of a step: find contacts and make joints of them. */
+void gz_collide(context *c)
+{
+    c->contact_count = 0;
+    dSpaceCollide(c->space, c, collide);
+}
+
+/* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
+ * of memory. */
+int gz_solve(context *c)
 {
     int done;
     dRandSetSeed((unsigned long)c->seed);
-    c->contact_count = 0;
-    dSpaceCollide(c->space, c, collide);
     done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     read_bodies(c);
     read_joints(c);
     return done;
+}
+
+int gz_step(context *c)
+{
+    gz_collide(c);
+    return gz_solve(c);
 }
 
 void gz_read(context *c)

@@ -70,9 +70,13 @@ class Contact(ctypes.Structure):
 class ContactMode(enum.IntFlag):
     """Bits of `SurfaceParameters.mode`."""
 
+    MU2 = 0x001
+    FDIR1 = 0x002
     BOUNCE = 0x004
     SOFT_ERP = 0x008
     SOFT_CFM = 0x010
+    SLIP1 = 0x100
+    SLIP2 = 0x200
     APPROX1 = 0x3000  # pyramid along both friction directions, as dContactApprox1 was in ODE 0.5
 
 
@@ -83,6 +87,27 @@ class GeomClass(enum.IntEnum):
     BOX = 1
     CAPSULE = 2
     CYLINDER = 3
+
+
+class Surface(enum.IntEnum):
+    """Columns of the surface table; those from MU2 on count in worlds of Gazebo classic only."""
+
+    KP = 0  # [N/m]
+    KD = 1  # [N s/m]
+    MU = 2
+    BOUNCE = 3
+    MU2 = 4
+    SLIP1 = 5
+    SLIP2 = 6
+    BOUNCE_VEL = 7  # [m/s]
+    FDIR1 = 8  # three columns, in the geom's frame; zero: not used
+    MAX_CONTACTS = 11
+    MAX_VEL = 12  # [m/s] at which a penetration is pushed out
+    MIN_DEPTH = 13  # [m] of penetration that is let be
+    BITS = 14  # a pair without a common bit does not touch
+
+
+SURFACE_COLUMNS = 16
 
 
 class JointType(enum.IntEnum):

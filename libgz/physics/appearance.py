@@ -27,6 +27,7 @@ class Appearance:
     skin_file: Path | None = None
     skin_pose: GzPose = field(default_factory=GzPose)  # in the frame of the geom's centre
     skin_scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))
+    visible: bool = True  # whether the geom is drawn at all
     skin_null: bool = False  # while skins are shown, draw nothing
     laser: float = 1.0
     retro: float = 0.0

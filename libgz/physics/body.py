@@ -20,7 +20,7 @@ from libgz.geometry import (
 )
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
-from libgz.physics.check import finite_tuple
+from libgz.physics.check import LARGEST, finite_tuple, not_negative
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -54,6 +54,7 @@ class Body:
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy
+        self._given_mass: mass_.Mass | None = None
         self._closed = False
         self._id: int | None = None
         self.row = -1
@@ -132,7 +133,7 @@ class Body:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]"))
+        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(finite_tuple(pose.rot, 4, "rotation"))
         if self.row < 0:
             self._pose = GzPose(position, rotation)
@@ -182,7 +183,7 @@ class Body:
         self._set_velocity("dBodySetAngularVel", velocity, "angular velocity [rad/s]")
 
     def _set_velocity(self, function: str, velocity: VectorLike, what: str) -> None:
-        values = finite_tuple(velocity, 3, what)
+        values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
             getattr(ode(), function)(self.id, *values)
             self.engine.body_moved(self.row)
@@ -212,6 +213,17 @@ class Body:
         """The global axis about which mode 1 is exact; zero for all axes."""
         if self.row >= 0:
             ode().dBodySetFiniteRotationAxis(self.id, *finite_tuple((x, y, z), 3, "axis"))
+
+    def set_damping(self, linear: float, angular: float) -> None:
+        """Share of linear and angular velocity that is lost in each step, 0 to 1."""
+        if self.row >= 0:
+            ode().dBodySetLinearDamping(self.id, min(1.0, not_negative(linear, "linear damping")))
+            ode().dBodySetAngularDamping(self.id, min(1.0, not_negative(angular, "angular damping")))
+
+    def set_kinematic(self, kinematic: bool) -> None:
+        """Whether the body moves by its velocity only: forces and contacts do not move it."""
+        if self.row >= 0:
+            (ode().dBodySetKinematic if kinematic else ode().dBodySetDynamic)(self.id)
 
     # Forces: they act for one step -------------------------------------------------------------------------------
 
@@ -286,6 +298,9 @@ class Body:
         """Take mass and centre of mass from the geoms; nothing moves in the world. Geoms call this themselves."""
         if self.row < 0:
             return
+        if self._given_mass is not None:
+            self._take_mass(self._given_mass)
+            return
         parts = [geom.GetBodyMassMatrix() for geom in self.geoms]
         masses = [part for part in parts if part is not None]
         if not masses:
@@ -294,7 +309,15 @@ class Body:
             masses = [mass for mass in densities if mass is not None]
         if not masses:
             return
-        total = mass_.sum_masses(masses)
+        self._take_mass(mass_.sum_masses(masses))
+
+    def SetMassMatrix(self, mass: mass_.Mass) -> None:
+        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh."""
+        self._given_mass = mass
+        self.UpdateCoM()
+
+    def _take_mass(self, total: mass_.Mass) -> None:
+        """Hand a mass matrix to ODE; the body frame stays where it is."""
         pose = self.GetPose()
         self.engine.com[self.row] = total.c[:3]
         with_quirk = "originInertia" in self.engine.quirks

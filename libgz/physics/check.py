@@ -7,7 +7,11 @@ from collections.abc import Iterable
 
 from libgz.errors import ParameterError
 
-__all__ = ["finite", "finite_tuple", "not_negative", "positive", "unit_axis"]
+__all__ = ["LARGEST", "finite", "finite_tuple", "not_negative", "positive", "unit_axis"]
+
+# ODE ends the process where bounding boxes leave the whole numbers that a double holds, or inertia overflows. In
+# metres, kilograms and metres per second this is far inside of that, and far outside of any robot's world.
+LARGEST = 1e9
 
 
 def finite(value: float, what: str) -> float:
@@ -26,11 +30,13 @@ def positive(value: float, what: str) -> float:
     """`value` as a float.
 
     Raises:
-        ParameterError: it is not finite, or not above zero.
+        ParameterError: it is not finite, not above zero, or absurdly large.
     """
     number = finite(value, what)
     if number <= 0.0:
         raise ParameterError(f"{what} is {number:g}; it must be above zero")
+    if number > LARGEST:
+        raise ParameterError(f"{what} is {number:g}; it must be at most {LARGEST:g}")
     return number
 
 
@@ -46,15 +52,17 @@ def not_negative(value: float, what: str) -> float:
     return number
 
 
-def finite_tuple(values: Iterable[float], count: int, what: str) -> tuple[float, ...]:
+def finite_tuple(values: Iterable[float], count: int, what: str, largest: float = math.inf) -> tuple[float, ...]:
     """`values` as a tuple of `count` floats.
 
     Raises:
-        ParameterError: there are more or fewer, or one is NaN or infinite.
+        ParameterError: there are more or fewer, or one is NaN, infinite, or beyond +-largest.
     """
     numbers = tuple(map(float, values))
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
         raise ParameterError(f"{what} is {numbers}; it must be {count} finite numbers")
+    if largest < math.inf and max(map(abs, numbers)) > largest:
+        raise ParameterError(f"{what} is {numbers}; its numbers must be within +-{largest:g}")
     return numbers
 
 

@@ -17,8 +17,8 @@ from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
-from libgz.ode.types import dInfinity
-from libgz.physics.check import finite_tuple, positive
+from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
+from libgz.physics.check import finite_tuple, not_negative, positive
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,8 +34,12 @@ FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collid
 LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
 ALL_COLLIDE = 0xFFFFFFFF
 
+SMALLEST_CFM = 1e-10  # ODE's own, for doubles: none at all makes its solvers fail on redundant joints
 SOLVERS = ("world", "quick")
-DEFAULT_SURFACE = (1e4, 0.0, dInfinity, 0.0)  # kp [N/m], kd [N s/m], mu, bounce of a new geom
+# Of a new geom: kp 1e4 N/m, no damper, infinite friction; what only classic looks at is set by its collisions.
+DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
+DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2]] = 1e4, dInfinity, dInfinity
+DEFAULT_SURFACE[[Surface.MAX_CONTACTS, Surface.MAX_VEL, Surface.BITS]] = 10, dInfinity, 0xFFFFFFFF
 
 
 class HasEngine(Protocol):
@@ -160,7 +164,7 @@ class Engine:
         self.joint_state = np.zeros((16, 4))
         self.joint_types = np.zeros(16, dtype=np.int64)
         self.joint_ids = np.zeros(16, dtype=np.uintp)
-        self.surface = np.tile(np.array(DEFAULT_SURFACE), (16, 1))
+        self.surface = np.tile(DEFAULT_SURFACE, (16, 1))
         self.owner = np.zeros(16, dtype=np.int64)
         self.surface_edits = 0
 
@@ -212,15 +216,21 @@ class Engine:
         del self.bodies[row]
         self._free_rows["body"].append(row)
 
-    def add_joint(self, joint: Joint, handle: int, kind: int) -> int:
-        """Register a joint; its row."""
+    def add_joint(self, joint: Joint, kind: int) -> int:
+        """Register a joint; its row. It is read once it joins something: `join`."""
         row, self.joints_used = self._new_row("joint", self.joints_used)
-        self.joint_ids[row] = handle
+        self.joint_ids[row] = 0
         self.joint_types[row] = kind
         self.joint_state[row] = 0.0
         self.joints[row] = joint
         self._publish_tables()
         return row
+
+    def join(self, row: int, handle: int) -> None:
+        """Read a joint from now on; with handle 0 no more, for ODE crashes on some joints without bodies."""
+        self.joint_ids[row] = handle
+        self.joint_state[row] = 0.0
+        self.joint_moved(row)
 
     def remove_joint(self, row: int) -> None:
         """Free the row of a joint that closes."""
@@ -245,8 +255,8 @@ class Engine:
         del self.geoms[row]
         self._free_rows["geom"].append(row)
 
-    def set_surface(self, row: int, column: int, value: float) -> None:
-        """Change kp (column 0), kd (1), mu (2) or bounce (3) of a geom."""
+    def set_surface(self, row: int, column: Surface, value: float) -> None:
+        """Change one property of how a geom touches others."""
         self.surface[row, column] = value
         self.surface_edits += 1
 
@@ -342,6 +352,27 @@ class Engine:
         self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
         self._ode.dWorldSetGravity(self.world, *self._gravity)
 
+    def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
+        """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
+        self._ode.dWorldSetQuickStepNumIterations(self.world, max(1, int(iterations)))
+        self._ode.dWorldSetQuickStepW(self.world, positive(over_relaxation, "over-relaxation"))
+
+    def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
+        """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
+        self._ode.dWorldSetERP(self.world, not_negative(erp, "erp"))
+        self._ode.dWorldSetCFM(self.world, max(not_negative(cfm, "cfm"), SMALLEST_CFM))
+        self._ode.dWorldSetContactMaxCorrectingVel(self.world, not_negative(correcting_velocity, "velocity [m/s]"))
+
+    @property
+    def classic(self) -> bool:
+        """Whether contacts follow the rule of Gazebo classic, not that of the legacy server."""
+        return bool(self._context.classic)
+
+    @classic.setter
+    def classic(self, value: bool) -> None:
+        self._context.classic = int(value)
+        self.surface_edits += 1
+
     @property
     def contact_count(self) -> int:
         """Contact points in the last step."""
@@ -357,9 +388,24 @@ class Engine:
             ClosedError: the world was closed.
         """
         if get_ident() != self._thread:
-            self._ode.ensure_thread()
-            self._thread = get_ident()
-        done = self._step()
+            self._enter_thread()
+        self._finish(self._step())
+
+    def _enter_thread(self) -> None:
+        self._ode.ensure_thread()
+        self._thread = get_ident()
+
+    def collide(self) -> None:
+        """The first half of a step, for those who want to act between contacts and motion; `solve` follows."""
+        self._enter_thread()
+        self.step_form.collide()
+
+    def solve(self) -> None:
+        """The second half of a step."""
+        self._finish(self.step_form.solve())
+
+    def _finish(self, done: bool) -> None:
+        """Note which rows are fresh now."""
         if self._touched:
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints

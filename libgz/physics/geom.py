@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternMul, GzQuaternNormal, GzVector
 from libgz.ode.lib import ode
+from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.check import finite_tuple, not_negative, positive
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Geom"]
 
-KP, KD, MU, BOUNCE = range(4)  # columns of the engine's surface table
 MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
 
 
@@ -195,24 +195,24 @@ class Geom:
         """
         if not kp > 0.0:
             raise ParameterError(f"hardness kp is {kp:g} N/m; it must be above zero")
-        self.body.engine.set_surface(self.row, KP, float(kp))
-        self.body.engine.set_surface(self.row, KD, not_negative(kd, "hardness kd [N s/m]"))
+        self.body.engine.set_surface(self.row, Surface.KP, float(kp))
+        self.body.engine.set_surface(self.row, Surface.KD, not_negative(kd, "hardness kd [N s/m]"))
 
     def SetFriction(self, mu1: float, mu2: float | None = None) -> None:
-        """Coulomb coefficient; two geoms rub with the smaller of theirs. `mu2` was never used, and is not."""
-        self.body.engine.set_surface(self.row, MU, not_negative(mu1, "friction mu1"))
-        if mu2 is not None:
-            not_negative(mu2, "friction mu2")
+        """Coulomb coefficient; two geoms rub with the smaller of theirs. `mu2` counts in worlds of classic only."""
+        engine = self.body.engine
+        engine.set_surface(self.row, Surface.MU, not_negative(mu1, "friction mu1"))
+        engine.set_surface(self.row, Surface.MU2, not_negative(mu1 if mu2 is None else mu2, "friction mu2"))
 
     def SetBounce(self, bounce: float) -> None:
         """Share of the approach speed that a contact gives back, 0 to 1; not honoured with the quirk noBounce."""
         value = not_negative(bounce, "bounce")
         if "noBounce" not in self.body.engine.quirks:
-            self.body.engine.set_surface(self.row, BOUNCE, value)
+            self.body.engine.set_surface(self.row, Surface.BOUNCE, value)
 
     def GetBounce(self) -> float:
         """The bounce in force."""
-        return float(self.body.engine.surface[self.row, BOUNCE])
+        return float(self.body.engine.surface[self.row, Surface.BOUNCE])
 
     def SetSlip1(self, slip: float) -> None:
         """Kept, and not used: its old default would change every world."""

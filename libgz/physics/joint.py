@@ -75,7 +75,7 @@ class Joint:
         self.name = name
         self.bodies: tuple[Body | None, Body | None] = (None, None)
         self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
-        self.row = self.engine.add_joint(self, self.id, self.kind)
+        self.row = self.engine.add_joint(self, self.kind)
         if group is not None:
             group.add(self)
 
@@ -102,6 +102,16 @@ class Joint:
         ode().dJointDestroy(self._id)
         self._id = None
 
+    def _require_bodies(self, count: int = 1) -> None:
+        """Refuse what would make ODE end the process.
+
+        Raises:
+            ParameterError: fewer than `count` bodies, dummies not counted, are attached.
+        """
+        if sum(body is not None and not body.dummy for body in self.bodies) < count:
+            bodies = "two bodies" if count == 2 else "a body"
+            raise ParameterError(f"{self!r} must be attached to {bodies} first; dummies and the world do not count")
+
     def _forget_bodies(self) -> None:
         for body in self.bodies:
             if body is not None:
@@ -123,7 +133,7 @@ class Joint:
         return GzVector(*out[:3])
 
     def _value(self, column: int) -> float:
-        """One of angle 1, angle 2, rate 1, rate 2 from the table."""
+        """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
         engine, row = self.engine, self.row
         if not engine.joint_fresh[row]:
             _ = self.id
@@ -145,11 +155,12 @@ class Joint:
         for body in (one, two):
             if body is not None:
                 body.joints[self] = None
-        self.engine.joint_moved(self.row)
+        self.engine.join(self.row, self.id)
 
     def Detach(self) -> None:
         """Let both bodies go."""
         self._forget_bodies()
+        self.engine.join(self.row, 0)
         ode().dJointAttach(self.id, None, None)
 
     def GetJointBody(self, index: int) -> Body | None:
@@ -240,7 +251,19 @@ class Hinge2Joint(Joint):
         """The rolling axis, fixed to the second body; global."""
         self._set_axes(None, axis)
 
+    def Attach(self, one: Body | None, two: Body | None) -> None:
+        """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
+        if one is None or two is None or one.dummy or two.dummy:
+            raise ParameterError(f"{self!r} joins two bodies; neither may be the world or a dummy")
+        super().Attach(one, two)
+
+    def SetAnchor(self, anchor: VectorLike) -> None:
+        """Put the joint at a global point [m]."""
+        self._require_bodies(2)
+        super().SetAnchor(anchor)
+
     def _set_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
+        self._require_bodies(2)
         addresses = [None if a is None else (ctypes.c_double * 4)(*unit_axis(a, "axis")) for a in (axis1, axis2)]
         ode().dJointSetHinge2Axes(self.id, *addresses)
         self.engine.joint_moved(self.row)
@@ -275,6 +298,7 @@ class Hinge2Joint(Joint):
 
     def SetTorque(self, torque1: float, torque2: float) -> None:
         """Add torques about both axes for one step [N m]."""
+        self._require_bodies(2)
         ode().dJointAddHinge2Torques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))
 
 
@@ -292,6 +316,7 @@ class SliderJoint(Joint):
 
     def SetAxis(self, x: float, y: float, z: float) -> None:
         """The axis, global."""
+        self._require_bodies()
         self._set_vector("Axis", (x, y, z))
 
     def GetAxis(self) -> GzVector:
@@ -308,6 +333,7 @@ class SliderJoint(Joint):
 
     def SetSliderForce(self, force: float) -> None:
         """Add a force along the axis for one step [N]."""
+        self._require_bodies()
         ode().dJointAddSliderForce(self.id, finite(force, "force [N]"))
 
 

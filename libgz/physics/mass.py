@@ -5,12 +5,25 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Iterable
 
+import numpy as np
+
+from libgz.errors import ParameterError
 from libgz.geometry import GzHomoFromQuatern, GzPose
 from libgz.ode.lib import ode
 from libgz.ode.types import Mass
-from libgz.physics.check import positive
+from libgz.physics.check import finite_tuple, positive
 
-__all__ = ["Mass", "box_mass", "capsule_mass", "cylinder_mass", "moved", "scaled", "sphere_mass", "sum_masses"]
+__all__ = [
+    "Mass",
+    "box_mass",
+    "capsule_mass",
+    "cylinder_mass",
+    "given_mass",
+    "moved",
+    "scaled",
+    "sphere_mass",
+    "sum_masses",
+]
 
 _ALONG_Z = 3
 
@@ -73,6 +86,27 @@ def sum_masses(masses: Iterable[Mass]) -> Mass:
     for mass in masses:
         ode().dMassAdd(_address(total), _address(mass))
     return total
+
+
+def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass:
+    """A mass matrix from its numbers.
+
+    Args:
+        kilograms: mass [kg].
+        moments: ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about the centre of mass, along the axes of `pose`.
+        pose: the centre of mass and those axes, in the body frame.
+
+    Raises:
+        ParameterError: the mass is not above zero, or the moments are not those of any body.
+    """
+    mass = Mass()
+    numbers = finite_tuple(moments, 6, "moments of inertia [kg m^2]")
+    ixx, iyy, izz, ixy, ixz, iyz = numbers
+    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    if np.linalg.eigvalsh(matrix).min() <= 0.0:
+        raise ParameterError(f"moments of inertia {numbers} are not positive definite")
+    ode().dMassSetParameters(_address(mass), positive(kilograms, "mass [kg]"), 0.0, 0.0, 0.0, *numbers)
+    return moved(mass, pose)
 
 
 def about_centre(mass: Mass) -> Mass:

@@ -79,14 +79,19 @@ class ModelFactory:
                 )
             self.RegisterModel("plugin", name, kind)
 
-    def NewModel(self, world: World, classname: str) -> Model | None:
-        """A new model, or None if the name is unknown."""
+    def find(self, classname: str) -> Callable[[World], Model] | None:
+        """The class or function of a name, or None if it is unknown."""
         if classname in self._builtin:
             module, _, attribute = self._builtin[classname].partition(":")
-            return getattr(importlib.import_module(module), attribute)(world)  # type: ignore[no-any-return]
+            return getattr(importlib.import_module(module), attribute)  # type: ignore[no-any-return]
         kind = self._plugins.get(classname) or _static.get(classname)
         if kind is None and classname in self._offered():
             kind = self._offered()[classname].load()
+        return kind
+
+    def NewModel(self, world: World, classname: str) -> Model | None:
+        """A new model, or None if the name is unknown."""
+        kind = self.find(classname)
         return None if kind is None else kind(world)
 
     def _offered(self) -> dict[str, metadata.EntryPoint]:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVectorMag, GzVectorSub
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.engine import Space
 from libgz.physics.joint import HingeJoint
+from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -18,12 +20,25 @@ if TYPE_CHECKING:
     from libgz.worldfile.file import WorldFile
     from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["Model"]
+__all__ = ["CommonAttributes", "Model"]
 
 CANONICAL = "canonical"
 TRAIL_SPACING = 1.0  # [m] between logged poses
 
 _numbers = itertools.count(1)
+
+
+@dataclass(frozen=True)
+class CommonAttributes:
+    """What every model's element may hold besides its own attributes."""
+
+    id: str = text("", help="name of the model and its interfaces; the class name if it is absent")
+    xyz: GzVector = vector((0.0, 0.0, 0.0), help="place in the world, or in the body it is attached to")
+    rpy: GzPose = rotation(help="roll, pitch and yaw, likewise")
+    parentBody: str = text("canonical", help="body of the enclosing model that this one is attached to")
+    plugin: str = text("", help="Python file that brings the model")
+    gravity: bool = boolean(True, help="whether gravity acts on it")
+    enable: bool = boolean(True, help="false: it rests until something touches it; also written `enabled`")
 
 
 class Model:
@@ -35,6 +50,11 @@ class Model:
     Bodies are built in the model's own frame; the world moves them to their place after `Load`. Every model needs one
     canonical body: ``self.AddBody(body, True)``.
     """
+
+    # What tools tell about a model; `libgz models`, the reference pages and the grammar are made from it.
+    attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
+    interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
+    example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
 
     def __init__(self, world: World) -> None:
         self.world = world

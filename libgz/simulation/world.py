@@ -5,26 +5,32 @@ from __future__ import annotations
 import logging
 import os
 import time
+from collections.abc import Callable, Iterable
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, InterfaceError, NotFoundError, PluginError, WorldFileError, nearest
+from libgz.errors import GazeboError, NotFoundError, PluginError, WorldFileError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.sdf.reader import SdfFile, is_sdf
+from libgz.simulation.changes import delete_models, family_of, insert_models
+from libgz.simulation.clock import Clock
 from libgz.simulation.factory import ModelFactory
+from libgz.simulation.lookup import Lookup
+from libgz.simulation.origin import to_file, to_world
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
 from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
+from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
+from libgz.worldfile.spelling import NAMES_ONLY
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
-    from libgz.physics.joint import Joint
     from libgz.simulation.model import Model
-    from libgz.transport.interface import Interface
     from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["World"]
@@ -32,7 +38,7 @@ __all__ = ["World"]
 log = logging.getLogger("libgz.simulation")
 
 
-class World:
+class World(Lookup, Clock):
     """A simulated world.
 
     In process, without the wire::
@@ -47,16 +53,26 @@ class World:
         force: take over a server id whose owner cannot be told to be dead.
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
+        wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
 
     Raises:
         LibraryError: ODE is absent or unfit.
+        ParameterError: there is no such solver or version.
     """
 
     def __init__(
-        self, server_id: int | None = None, force: bool = False, *, seed: int = 0, solver: str = "world"
+        self,
+        server_id: int | None = None,
+        force: bool = False,
+        *,
+        seed: int = 0,
+        solver: str = "world",
+        wire_version: int = LIBGAZEBO_VERSION,
     ) -> None:
         self.server_id = server_id
-        self.gz_server: LocalServer = LocalServer() if server_id is None else Server(server_id, force)
+        self.gz_server: LocalServer = (
+            LocalServer(wire_version) if server_id is None else Server(server_id, force, wire_version)
+        )
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
         self.random = np.random.SeedSequence(seed)
@@ -66,9 +82,9 @@ class World:
         self.sim = Sim()
         self._updating: list[Model] = []
         self._followers: list[Model] = []
-        self._simTime = self._pauseTime = 0.0
-        self._start: float | None = None
-        self._paused = self._closed = False
+        Clock.__init__(self)
+        self._paused = self._closed = self._stepping = False
+        self._afterwards: list[Callable[[], object]] = []
         self._apply(GlobalAttributes(), False)
 
     def _apply(self, values: GlobalAttributes, fog: bool) -> None:
@@ -97,20 +113,20 @@ class World:
             PluginError: a model's Init failed.
             ServerError: the server id is in use.
         """
-        return cls._ready(WorldFile.from_file(filename), options)
+        return cls._ready(lambda world: world.LoadFile(filename), options)
 
     @classmethod
     def from_string(cls, text: str, **options: Any) -> World:
         """The same from the text of a worldfile."""
         file = WorldFile()
         file.LoadString(text)
-        return cls._ready(file, options)
+        return cls._ready(lambda world: world.Load(file), options)
 
     @classmethod
-    def _ready(cls, file: WorldFile, options: dict[str, Any]) -> World:
+    def _ready(cls, load: Callable[[World], object], options: dict[str, Any]) -> World:
         world = cls(**options)
         try:
-            world.Load(file)
+            load(world)
             world.Initialize()
         except BaseException:
             world.close()
@@ -144,20 +160,41 @@ class World:
         values, fog = read_global(file)
         self.engine.quirks = read_quirks(file, values.legacyQuirks)
         self._apply(values, fog)
-        self._visit(file.GetRootNode(), None)
+        self.visit(file.GetRootNode())
         file.GetRootNode().note_unused()
         for warning in file.faults.warnings:
             log.warning("%s", warning)
         file.faults.raise_errors()
         return 0
 
-    def _visit(self, node: WorldFileNode, parent: Model | None) -> None:
-        """Walk an element and what is in it; a model inside a model is its child, others have no parent."""
+    def LoadFile(self, filename: str | os.PathLike[str]) -> int:
+        """Build all models of a legacy worldfile or an SDF file, told apart by the root element; 0.
+
+        Raises:
+            WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
+        """
+        if not is_sdf(filename):
+            return self.Load(WorldFile.from_file(filename))
+        from libgz.simulation.sdf_world import load_sdf
+
+        self.engine.classic = True
+        load_sdf(self, SdfFile.load(filename))
+        return 0
+
+    def adopt(self, model: Model) -> None:
+        """Take a model in that is built: it is updated from the next step on."""
+        self.models.append(model)
+        self._updating.append(model)
+        if model.follows:
+            self._followers.append(model)
+
+    def visit(self, node: WorldFileNode) -> None:
+        """Load the models of an element and of what is in it; a model inside a model is its child."""
         if node.GetNSPrefix() == "model":
-            self.LoadModel(node, parent)
+            self.LoadModel(node)
             return
         for child in node.children:
-            self._visit(child, None)
+            self.visit(child)
 
     def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
         """Build the model of an element, and those inside it; None if there is none to build.
@@ -182,7 +219,7 @@ class World:
             if child.GetNSPrefix() == "model":
                 self.LoadModel(child, model)
             else:
-                self._visit(child, None)
+                self.visit(child)
         return model
 
     def _new_model(self, node: WorldFileNode) -> Model | None:
@@ -195,7 +232,9 @@ class World:
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(self, node.GetName())
         if model is None:
-            node.warn(f"unknown model class, skipped with all that is in it{nearest(node.name, self.factory.names())}")
+            hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
+            hint = hint or "; `libgz models` lists those there are"
+            node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model
 
     def _load_model(self, model: Model, node: WorldFileNode, parent: Model | None) -> None:
@@ -204,10 +243,10 @@ class World:
         model.SetName(node.GetName())
         model.SetId((node.GetString("id", node.GetName()) or "").strip())
         if parent is not None:
-            model.SetParent(parent, parent.GetBody((node.GetString("parentBody", "canonical") or "").strip()))
+            model.SetParent(parent, _parent_body(node, parent))
         try:
             model.MasterLoad(node.file, node)
-            model.initPose = self._given_pose(model, node)
+            model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
             self.SetModelPose(model, model.initPose)
             model.Attach()
         except BaseException:
@@ -216,27 +255,8 @@ class World:
             raise
         if model.fixed:
             model.modelSpaceId.set_fixed()
-        self.models.append(model)
-        self._updating.append(model)
-        if model.follows:
-            self._followers.append(model)
+        self.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
-
-    def _given_pose(self, model: Model, node: WorldFileNode) -> GzPose:
-        """The pose in the file, relative to the parent body; where a 0.4 file counts from another origin, corrected."""
-        pose = GzPose(node.GetPosition("xyz"), node.GetRotation("rpy"))
-        return self._convert_origin(model, pose, -1.0)
-
-    def _convert_origin(self, model: Model, pose: GzPose, sign: float) -> GzPose:
-        """A pose of the file's origin as one of ours (sign -1), or back (+1)."""
-        if model.node is None or not model.node.file.is_old:
-            return pose
-        file = model.node.file
-        own = GzPose(GzVector(0.0, 0.0, sign * file.origin_height(model.node)))
-        pose = GzCoordPoseAdd(own, pose)
-        if model.parent is not None and model.parent.node is not None:
-            pose.pos.z -= sign * file.origin_height(model.parent.node)
-        return pose
 
     # Start and end -----------------------------------------------------------------------------------------------
 
@@ -250,12 +270,16 @@ class World:
         self._start = time.monotonic()
         self.gz_server.start()
         file = self.file or WorldFile()
-        for model in self.models:
-            self._init_model(model, file)
+        self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
         self.gz_server.post()
         return 0
+
+    def init_models(self, models: Iterable[Model], file: WorldFile) -> None:
+        """Let models make their interfaces; nothing to do before the server is started."""
+        for model in models if self._start is not None else ():
+            self._init_model(model, file)
 
     def _init_model(self, model: Model, file: WorldFile) -> None:
         if model.node is None:
@@ -308,14 +332,22 @@ class World:
         """One step: buttons, models, physics, followers, clock, news to clients; 0."""
         step = self.engine.step_time
         paused = self._read_buttons()
-        self._update_models(0.0 if paused else step)
+        self._stepping = True
+        # Classic counts a step when it begins, the legacy server when its models have been updated.
         if paused:
+            self._update_models(0.0)
             self._pauseTime += step
         else:
-            self._simTime += step
+            early = self.engine.classic
+            self._simTime += step if early else 0.0
+            self._update_models(step)
+            self._simTime += 0.0 if early else step
             self.engine.step()
             for model in self._followers:
                 model.follow()
+        self._stepping = False
+        if self._afterwards:
+            self._act()
         if self.sim.lock():
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
@@ -355,6 +387,49 @@ class World:
                 if model.failed is not None:
                     model.motors_off()
             self._updating = [model for model in self._updating if model.failed is None]
+
+    # Changes -----------------------------------------------------------------------------------------------------
+
+    def after_step(self, action: Callable[[], object]) -> None:
+        """Call `action` at once, or if a step is running after it, before clients learn of the step."""
+        if self._stepping:
+            self._afterwards.append(action)
+        else:
+            action()
+
+    def _act(self) -> None:
+        actions, self._afterwards = self._afterwards, []
+        for action in actions:
+            try:
+                action()
+            except GazeboError as fault:
+                log.warning("%s", fault)
+
+    def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
+        """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.
+
+        Raises:
+            WorldFileError: the text has errors or no model; nothing was added.
+            PluginError: an Init failed; nothing was added.
+            GazeboError: a step is running; use `after_step`.
+        """
+        if self._stepping:
+            raise GazeboError("models cannot be inserted during a step; use World.after_step")
+        return insert_models(self, text, label)
+
+    def DeleteModel(self, model: Model | str) -> None:
+        """Remove a model, by itself or its id, and all that is attached to it; during a step, after it.
+
+        Raises:
+            NotFoundError: there is none of this id.
+        """
+        found = self.model(model) if isinstance(model, str) else model
+        self.after_step(lambda: delete_models(self, family_of(found)))
+
+    def forget(self, models: list[Model]) -> None:
+        """Take models off the lists."""
+        for kept in (self.models, self._updating, self._followers):
+            kept[:] = [model for model in kept if model not in models]
 
     # Poses -------------------------------------------------------------------------------------------------------
 
@@ -396,7 +471,7 @@ class World:
         for model in self.models:
             if model.parent is not None or model.node is None or model.node.file is not self.file:
                 continue
-            pose = self._convert_origin(model, model.GetPose(), +1.0)
+            pose = to_file(model, model.GetPose())
             model.initPose = model.GetPose()
             model.node.SetPosition("xyz", pose.pos, add=True)
             model.node.SetRotation("rpy", pose.rot, add=True)
@@ -407,86 +482,14 @@ class World:
             return -1
         return 0
 
-    # Time --------------------------------------------------------------------------------------------------------
 
-    def GetSimTime(self) -> float:
-        """Simulated time [s], pauses excluded."""
-        return self._simTime
-
-    def GetPauseTime(self) -> float:
-        """Simulated time spent paused [s]: one step for each paused step."""
-        return self._pauseTime
-
-    def GetRealTime(self) -> float:
-        """Wall-clock time since Initialize [s]."""
-        return 0.0 if self._start is None else time.monotonic() - self._start
-
-    def GetWallTime(self) -> float:
-        """Unix time [s]."""
-        return time.time()
-
-    def GetDayTime(self) -> float:
-        """Time since midnight [s]: the world's dayTime plus real time, or the local clock's."""
-        if self.settings.dayTime >= 0.0:
-            return self.settings.dayTime + self.GetRealTime()
-        now = time.localtime()
-        return now.tm_hour * 3600.0 + now.tm_min * 60.0 + now.tm_sec
-
-    # Look-up -----------------------------------------------------------------------------------------------------
-
-    def GetNumModels(self) -> int:
-        """How many models there are."""
-        return len(self.models)
-
-    def GetModels(self) -> list[Model]:
-        """All models, in order of the worldfile."""
-        return list(self.models)
-
-    def GetSpaceId(self) -> Space:
-        """The top space, in which the models' own spaces lie."""
-        return self.engine.top
-
-    def model(self, id: str) -> Model:
-        """The first model with this id.
-
-        Raises:
-            NotFoundError: there is none.
-        """
-        for model in self.models:
-            if model.GetId() == id:
-                return model
-        ids = [model.GetId() for model in self.models]
-        raise NotFoundError(f"there is no model {id!r}; there are {', '.join(map(repr, ids))}{nearest(id, ids)}")
-
-    def body(self, model: str, name: str = "canonical") -> Body:
-        """A body by the id of its model and its own name.
-
-        Raises:
-            NotFoundError: there is none.
-        """
-        return self.model(model).GetBody(name)
-
-    def joint(self, model: str, name: str) -> Joint:
-        """A joint by the id of its model and its own name.
-
-        Raises:
-            NotFoundError: there is none.
-        """
-        return self.model(model).GetJoint(name)
-
-    def interface(self, type: str, id: str) -> Interface[Any]:
-        """An interface that a model serves, by its type and id; commands to it act at the model's next tick.
-
-        Raises:
-            InterfaceError: there is none.
-        """
-        found = self.gz_server.interfaces.get((type, id))
-        if found is None:
-            names = [f"{kind}.{name}" for kind, name in self.gz_server.interfaces]
-            raise InterfaceError(
-                f"no model serves {type}.{id}; there are {', '.join(names)}" + nearest(f"{type}.{id}", names)
-            )
-        return found
+def _parent_body(node: WorldFileNode, parent: Model) -> Body:
+    """The body that an element names; if there is none, an error, and another body so that loading finds more."""
+    try:
+        return parent.GetBody((node.GetString("parentBody", "canonical") or "").strip())
+    except NotFoundError as fault:
+        node.error(str(fault))
+        return parent.GetBody()
 
 
 def _skip(node: WorldFileNode) -> None:

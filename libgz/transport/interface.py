@@ -9,8 +9,9 @@ import fcntl
 import logging
 import mmap
 import os
+import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, overload
 
 import numpy as np
@@ -69,10 +70,12 @@ class Interface(Generic[D]):
 
     type: ClassVar[str]
     data_class: ClassVar[_DataClass]
+    older: ClassVar[Mapping[int, _DataClass]] = {}  # version -> struct, where it was another one
     has_post: ClassVar[bool] = True
 
     def __init__(self) -> None:
         self.id = ""
+        self.layout = self.data_class
         self.server: LocalServer | None = None
         self.client: Client | None = None
         self._descriptor: int | None = None
@@ -86,10 +89,15 @@ class Interface(Generic[D]):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.type}.{self.id}>"
 
-    @classmethod
-    def size(cls) -> int:
+    @property
+    def model_id(self) -> int:
+        """The number of the model that made it, on the server's side."""
+        return self._owner[1]
+
+    @property
+    def size(self) -> int:
         """Bytes of the struct, and of its file."""
-        return ctypes.sizeof(cls.data_class)
+        return ctypes.sizeof(self.layout)
 
     @property
     def data(self) -> D:
@@ -107,10 +115,10 @@ class Interface(Generic[D]):
         found = self._arrays.get(name)
         if found is None:
             _ = self.data
-            field = fields_of(self.data_class)[name]
+            field = fields_of(self.layout)[name]
             shape = field.shape or ()
             buffer: Any = self._memory
-            offset = getattr(self.data_class, name).offset
+            offset = getattr(self.layout, name).offset
             found = np.ndarray(shape, dtype=numpy_type(field), buffer=buffer, offset=offset)
             self._arrays[name] = found
         return found
@@ -135,7 +143,8 @@ class Interface(Generic[D]):
         """
         self.id = check_id(self.type, id)
         self._require_closed()
-        size = self.size()
+        self.layout = self.older.get(server.version, self.data_class)
+        size = self.size
         self.server = server
         self._served = server.claim(self)
         if self._served and isinstance(server, Server):
@@ -154,8 +163,8 @@ class Interface(Generic[D]):
     def _write_head(self) -> None:
         head = self.data.head
         model_type, model_id, parent_model_id = self._owner
-        head.version = LIBGAZEBO_VERSION
-        head.size = self.size()
+        head.version = self.server.version if self.server is not None else LIBGAZEBO_VERSION
+        head.size = self.size
         head.model_type = model_type.encode()[: GAZEBO_MAX_MODEL_TYPE - 1]
         head.model_id = _int32(model_id)
         head.parent_model_id = _int32(parent_model_id)
@@ -184,14 +193,16 @@ class Interface(Generic[D]):
         """
         self.id = check_id(self.type, id)
         self._require_closed()
-        path, size = f"{client.path}/{self.type}.{self.id}", self.size()
+        path = f"{client.path}/{self.type}.{self.id}"
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
         except OSError as fault:
             hint = client.hint(self.type, self.id) if fault.errno == errno.ENOENT else ""
             raise InterfaceError(f"error opening device file {path} : {fault.strerror}{hint}") from None
         try:
-            length = os.fstat(descriptor).st_size
+            version = int.from_bytes(os.pread(descriptor, 4, 0), sys.byteorder)
+            self.layout = self.older.get(version, self.data_class)
+            length, size = os.fstat(descriptor).st_size, self.size
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
             self._memory = mmap.mmap(descriptor, size)
@@ -261,8 +272,8 @@ class Interface(Generic[D]):
     def _mend(self) -> None:
         """Give a file that a client cut short its length back: memory beyond the end of a file kills who touches it."""
         descriptor = self._descriptor or 0
-        if os.fstat(descriptor).st_size < self.size():
-            os.ftruncate(descriptor, self.size())
+        if os.fstat(descriptor).st_size < self.size:
+            os.ftruncate(descriptor, self.size)
             log.warning("a client cut %s.%s short; it has its length again", self.type, self.id)
             self._write_head()
 
@@ -293,7 +304,7 @@ class Interface(Generic[D]):
 
     def _map(self) -> None:
         memory: Any = self._memory
-        self._data = self.data_class.from_buffer(memory)  # type: ignore[assignment]
+        self._data = self.layout.from_buffer(memory)  # type: ignore[assignment]
 
     def _release(self) -> None:
         """Let memory and file go; the memory itself lives as long as somebody holds a view of it."""

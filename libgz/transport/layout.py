@@ -26,8 +26,10 @@ from libgz.errors import ParameterError
 __all__ = [
     "BOTH",
     "CLIENT",
+    "GAZEBO_MAX_MODEL_TYPE",
     "LIBGAZEBO_VERSION",
     "SERVER",
+    "VERSIONS",
     "Array",
     "Data",
     "Element",
@@ -46,6 +48,7 @@ __all__ = [
 ]
 
 LIBGAZEBO_VERSION = 0x060
+VERSIONS = (0x050, 0x060)  # that a server can announce: those of Gazebo 0.5, and of 0.6 and 0.7
 GAZEBO_MAX_MODEL_TYPE = 128
 
 SERVER, CLIENT, BOTH = "S", "C", "S/C"

@@ -10,14 +10,15 @@ import os
 import stat
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import ServerError
+from libgz.errors import ParameterError, ServerError
+from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
 from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
 from libgz.transport.semaphores import SemaphoreSet
 
 if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
-__all__ = ["LocalServer", "Server", "free_server_id"]
+__all__ = ["LocalServer", "Server", "alive", "free_server_id"]
 
 log = logging.getLogger("libgz.transport")
 
@@ -25,11 +26,22 @@ _FILE_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
 
 
 class LocalServer:
-    """A server without a wire: its interfaces are memory of this process, for worlds that run in process."""
+    """A server without a wire: its interfaces are memory of this process, for worlds that run in process.
+
+    Args:
+        version: what interfaces announce.
+
+    Raises:
+        ParameterError: there is no such version.
+    """
 
     server_id: int | None = None
 
-    def __init__(self) -> None:
+    def __init__(self, version: int = LIBGAZEBO_VERSION) -> None:
+        if version not in VERSIONS:
+            allowed = ", ".join(f"{known:#05x}" for known in VERSIONS)
+            raise ParameterError(f"wire version is {version:#05x}; allowed are {allowed}")
+        self.version = version
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
 
     def start(self) -> None:
@@ -68,12 +80,13 @@ class Server(LocalServer):
     Args:
         server_id: 0 and up; several servers on one machine need different ones.
         force: take over an id whose owner cannot be told to be dead. A server that is alive is never disturbed.
+        version: what interfaces announce, and lie by: 0x060, or 0x050 for clients of Gazebo 0.5.
     """
 
     server_id: int
 
-    def __init__(self, server_id: int = 0, force: bool = False) -> None:
-        super().__init__()
+    def __init__(self, server_id: int = 0, force: bool = False, version: int = LIBGAZEBO_VERSION) -> None:
+        super().__init__(version)
         self.server_id = check_server_id(server_id)
         self.force = force
         self.path = server_directory(self.server_id)
@@ -163,7 +176,7 @@ class Server(LocalServer):
         except OSError as fault:
             raise self._in_use(f"its semaphores belong to another user: {fault.strerror}", "") from None
         poster = semaphores.last_poster()
-        if not self.force and poster != os.getpid() and _alive(poster):
+        if not self.force and poster != os.getpid() and alive(poster):
             # Our own lock was free, so this is a server of another kind, or one that lost its directory.
             advice = ", or -f if you definitely want to use this id"
             raise self._in_use(f"pid {poster} posts to its semaphores", advice)
@@ -277,7 +290,7 @@ def free_server_id() -> int:
     raise ServerError("server ids 0 to 999 are all taken; name another one: -s")
 
 
-def _alive(pid: int) -> bool:
+def alive(pid: int) -> bool:
     """Whether a process lives; pid 0, of another pid namespace, counts as alive."""
     if pid == 0:
         return True

@@ -20,15 +20,17 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from libgz.errors import nearest
-from libgz.geometry import DTOR, GzColor, GzPose, GzVector, VectorLike
+from libgz.geometry import DTOR, RTOD, GzColor, GzPose, GzQuaternToEuler, GzVector, VectorLike
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import rubbish
 
 __all__ = [
     "Attribute",
+    "Limits",
+    "NoAttributes",
     "angle",
     "attributes_of",
     "boolean",
@@ -38,15 +40,43 @@ __all__ = [
     "integer",
     "length",
     "lengths",
+    "lengths_by",
     "number",
     "numbers",
     "read",
     "rotation",
     "text",
     "vector",
+    "written",
 ]
 
 T = TypeVar("T")
+
+
+class Limits(NamedTuple):
+    """What a number may be, in the file's unit; None where there is no limit."""
+
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+
+    def __str__(self) -> str:
+        words = [f"above {self.above:g}"] if self.above is not None else []
+        words += [f"at least {self.least:g}"] if self.least is not None else []
+        words += [f"at most {self.most:g}"] if self.most is not None else []
+        return " and ".join(words)
+
+    @property
+    def check(self) -> Callable[[float], bool] | None:
+        """A test for the range; None if everything is allowed."""
+        if self == NO_LIMITS:
+            return None
+        above, low = self.above, -math.inf if self.least is None else self.least
+        high = math.inf if self.most is None else self.most
+        return lambda v: low <= v <= high and (above is None or v > above)
+
+
+NO_LIMITS = Limits()
 
 
 @dataclass(frozen=True)
@@ -59,6 +89,15 @@ class Attribute:
     read: Callable[[WorldFileNode, str, Any], Any]
     allowed: str = ""  # in words
     check: Callable[[Any], bool] | None = None
+    limits: Limits = NO_LIMITS
+    words: tuple[str, ...] = ()  # the only ones allowed
+    by: str = ""  # an earlier attribute that decides which default holds
+    cases: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # its values -> defaults
+
+
+@dataclass(frozen=True)
+class NoAttributes:
+    """A model without attributes of its own."""
 
 
 def _field(default: Any, attribute: Attribute) -> Any:
@@ -66,17 +105,6 @@ def _field(default: Any, attribute: Attribute) -> Any:
     if isinstance(default, GzColor | GzVector | GzPose):
         return dataclasses.field(default_factory=lambda: dataclasses.replace(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
-
-
-def _limits(above: float | None, least: float | None, most: float | None) -> tuple[str, Callable[[float], bool] | None]:
-    """Words and test for a range."""
-    words = [f"above {above:g}"] if above is not None else []
-    words += [f"at least {least:g}"] if least is not None else []
-    words += [f"at most {most:g}"] if most is not None else []
-    if not words:
-        return "", None
-    low, high = (-math.inf if least is None else least), (math.inf if most is None else most)
-    return " and ".join(words), lambda v: low <= v <= high and (above is None or v > above)
 
 
 def number(
@@ -89,8 +117,9 @@ def number(
     most: float | None = None,
 ) -> float:
     """A number."""
-    allowed, check = _limits(above, least, most)
-    return _field(default, Attribute("number", unit, help, WorldFileNode.GetDouble, allowed, check))  # type: ignore[no-any-return]
+    limits = Limits(above, least, most)
+    attribute = Attribute("number", unit, help, WorldFileNode.GetDouble, str(limits), limits.check, limits)
+    return _field(default, attribute)  # type: ignore[no-any-return]
 
 
 def length(default: float, *, help: str, above: float | None = None, least: float | None = None) -> float:
@@ -100,15 +129,18 @@ def length(default: float, *, help: str, above: float | None = None, least: floa
 
 def integer(default: int, *, unit: str = "", help: str, least: int | None = None, most: int | None = None) -> int:
     """A whole number."""
-    allowed, check = _limits(None, least, most)
-    return _field(default, Attribute("whole number", unit, help, WorldFileNode.GetInt, allowed, check))  # type: ignore[no-any-return]
+    limits = Limits(None, least, most)
+    attribute = Attribute("whole number", unit, help, WorldFileNode.GetInt, str(limits), limits.check, limits)
+    return _field(default, attribute)  # type: ignore[no-any-return]
 
 
 def angle(default_degrees: float, *, help: str, above: float | None = None, most: float | None = None) -> float:
     """An angle: degrees in the file and in this declaration, radians once read."""
-    allowed, check = _limits(above, None, most)
+    limits = Limits(above, None, most)
+    allowed, check = str(limits), limits.check
     in_degrees = None if check is None else lambda radians: check(math.degrees(radians))
-    attribute = Attribute("angle", "deg", help, WorldFileNode.GetAngle, f"{allowed} deg" if allowed else "", in_degrees)
+    words = f"{allowed} deg" if allowed else ""
+    attribute = Attribute("angle", "deg", help, WorldFileNode.GetAngle, words, in_degrees, limits)
     return _field(DTOR(default_degrees), attribute)  # type: ignore[no-any-return]
 
 
@@ -129,7 +161,8 @@ def _read_text(node: WorldFileNode, key: str, default: str) -> str:
 def choice(default: str, allowed: tuple[str, ...], *, help: str) -> str:
     """One of several words."""
     words = f"one of {', '.join(allowed)}"
-    return _field(default, Attribute("word", "", help, _read_text, words, allowed.__contains__))  # type: ignore[no-any-return]
+    attribute = Attribute("word", "", help, _read_text, words, allowed.__contains__, words=allowed)
+    return _field(default, attribute)  # type: ignore[no-any-return]
 
 
 def color(r: float, g: float, b: float, a: float = 1.0, *, help: str) -> GzColor:
@@ -159,15 +192,36 @@ def numbers(
     least: float | None = None,
 ) -> tuple[float, ...]:
     """Several numbers; those that a file leaves out have their defaults."""
-    allowed, check = _limits(above, least, None)
-    test = None if check is None else lambda values: all(map(check, values))
-    kind = f"{len(default)} numbers"
-    return _field(tuple(default), Attribute(kind, unit, help, _read_numbers, allowed and f"{allowed} each", test))  # type: ignore[no-any-return]
+    limits = Limits(above, least, None)
+    allowed, test = _each(limits)
+    attribute = Attribute(f"{len(default)} numbers", unit, help, _read_numbers, allowed, test, limits)
+    return _field(tuple(default), attribute)  # type: ignore[no-any-return]
+
+
+def _each(limits: Limits) -> tuple[str, Callable[[Any], bool] | None]:
+    """Words and test for several numbers, each within the limits."""
+    check = limits.check
+    return ("", None) if check is None else (f"{limits} each", lambda values: all(map(check, values)))
 
 
 def lengths(*default: float, help: str) -> tuple[float, ...]:
     """Several lengths [m], each above zero."""
     return numbers(*default, unit="m", help=help, above=0.0)
+
+
+def lengths_by(by: str, cases: Mapping[str, tuple[float, ...]], *, help: str) -> tuple[float, ...]:
+    """Several lengths [m], each above zero, whose number and defaults hang on another attribute.
+
+    Args:
+        by: name of an attribute declared before this one, with a word as its value.
+        cases: that word -> defaults.
+        help: what they mean.
+    """
+    counts = sorted({len(default) for default in cases.values()})
+    kind = f"{counts[0]} to {counts[-1]} numbers" if len(counts) > 1 else f"{counts[0]} numbers"
+    limits = Limits(above=0.0)
+    attribute = Attribute(kind, "m", help, _read_numbers, *_each(limits), limits, by=by, cases=cases)
+    return _field((), attribute)  # type: ignore[no-any-return]
 
 
 def _read_numbers(node: WorldFileNode, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -202,15 +256,32 @@ def read(declaration: type[T], node: WorldFileNode) -> T:
     in for it until then.
     """
     defaults = declaration()
-    values = {}
+    values: dict[str, Any] = {}
     for name, attribute in attributes_of(declaration).items():
-        default = getattr(defaults, name)
+        default = attribute.cases[values[attribute.by]] if attribute.by else getattr(defaults, name)
         value = attribute.read(node, name, default)
         if attribute.check is not None and not attribute.check(value):
             _report(node, name, attribute, value)
             value = default
         values[name] = value
     return declaration(**values)
+
+
+def written(attribute: Attribute, value: Any) -> str:
+    """A value as a worldfile has it: angles in degrees."""
+    if attribute.type == "angle":
+        return f"{RTOD(value):.12g}"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, GzPose):
+        return " ".join(f"{RTOD(angle) + 0.0:.12g}" for angle in GzQuaternToEuler(value.rot))
+    if isinstance(value, GzColor):
+        return " ".join(f"{v:g}" for v in (value if value.a != 1.0 else list(value)[:3]))
+    if isinstance(value, GzVector | tuple):
+        return " ".join(f"{v:.6g}" for v in value)
+    if isinstance(value, int | float):
+        return f"{value:.12g}"
+    return "" if value is None else str(value)
 
 
 def _report(node: WorldFileNode, name: str, attribute: Attribute, value: Any) -> None:

@@ -12,13 +12,13 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.errors import WorldFileError
-from libgz.worldfile.fault import Fault, Faults
+from libgz.fault import Fault, Faults
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice
 from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
 
-__all__ = ["WorldFile"]
+__all__ = ["WorldFile", "write_whole"]
 
 log = logging.getLogger("libgz.worldfile")
 
@@ -171,7 +171,13 @@ class WorldFile:
 
     @functools.cached_property
     def is_old(self) -> bool:
-        """Whether this file was written for Gazebo 0.4, when some models had their origin higher."""
+        """Whether this file was written for Gazebo 0.4, when some models had their origin higher.
+
+        A `version` attribute of the root says so; without one, tags that only 0.4 had, and models that ended with it.
+        """
+        version = self.GetRootNode().attributes.get("version")
+        if version is not None:
+            return atof(version) < 0.5
         models = [node for node in self.GetRootNode().walk() if node.prefix == "model"]
         return any(node.name in OLD_MODELS or any(c.name in OLD_TAGS for c in node.children) for node in models)
 
@@ -216,7 +222,7 @@ class WorldFile:
             self.added.clear()
         log.info("saving: %s", target)
         try:
-            _write_whole(Path(target), self.source)
+            write_whole(Path(target), self.source)
         except OSError as fault:
             raise WorldFileError(f"unable to save {str(target)!r}: {fault.strerror}") from None
         return 0
@@ -236,7 +242,7 @@ def _encoding(root: etree._Element) -> str:
         return "utf-8"
 
 
-def _write_whole(target: Path, data: bytes) -> None:
+def write_whole(target: Path, data: bytes) -> None:
     """Replace a file in one step, so that nobody ever sees half of it."""
     target = target.resolve()
     mode = target.stat().st_mode & 0o777 if target.exists() else 0o644

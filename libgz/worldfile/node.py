@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from libgz.errors import nearest
+from libgz.fault import Fault
 from libgz.geometry import DTOR, RTOD, GzColor, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
-from libgz.worldfile.fault import Fault
 from libgz.worldfile.number import atof, atoi, rubbish
 from libgz.worldfile.spelling import ignored_tags, renamed_tags
 

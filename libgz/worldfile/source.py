@@ -17,6 +17,7 @@ class Span:
     start: int
     content: int
     end: int = -1  # of the content
+    after: int = -1  # of the closing tag
     empty: bool = False  # <tag/>
 
 
@@ -43,6 +44,7 @@ def element_spans(source: bytes) -> list[Span]:
     def end(_name: str) -> None:
         span = open_spans.pop()
         span.end = span.content if span.empty else parser.CurrentByteIndex
+        span.after = span.content if span.empty else source.index(b">", span.end) + 1
 
     parser.StartElementHandler = start
     parser.EndElementHandler = end

@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 from libgz.worldfile.number import atof
 
-__all__ = ["IGNORED", "OLD_ORIGIN_HEIGHT", "OLD_TAGS", "Renamed", "ignored_tags", "renamed_tags"]
+__all__ = [
+    "IGNORED",
+    "NAMES_ONLY",
+    "OLD_ORIGIN_HEIGHT",
+    "OLD_TAGS",
+    "Renamed",
+    "ignored_tags",
+    "renamed_keys",
+    "renamed_tags",
+]
 
 DEFAULT_STEP = 0.02  # [s]
 
@@ -40,6 +49,8 @@ def _is(word: str) -> Callable[[str, float], str]:
 
 
 _EVERYWHERE: dict[str, tuple[Renamed, ...]] = {
+    "xyz": (Renamed(("pos",)),),
+    "rpy": (Renamed(("rot",)),),
     "updateRate": (Renamed(("updatePeriod",), _rate_of_period),),
     "imageSize": (Renamed(("imgSize",)), Renamed(("window", "size"))),
     "hfov": (Renamed(("lens", "hfov")),),
@@ -79,6 +90,12 @@ IGNORED: dict[str, tuple[tuple[str, ...], ...]] = {
 OLD_TAGS = frozenset({"window", "lens", "updatePeriod", "displayLaser", "imgSize", "cfm"})
 OLD_MODELS = frozenset({"MapExtruder", "Pioneer2Sonars"})
 
+# Models of 0.4 of which no more than the name is known, and what to say of them.
+NAMES_ONLY = {
+    "PointSet": "; no manual tells its attributes: it only drew points, and touched nothing",
+    "TotemPole": "; no manual tells its attributes: SimpleSolids on top of each other can stand in for it",
+}
+
 # Where the origin of 0.4 lay above that of 0.5 [m]; SimpleSolid's lay at its centre.
 OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}
 
@@ -86,6 +103,11 @@ OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}
 def renamed_tags(model: str, key: str) -> tuple[Renamed, ...]:
     """Older places of `key` in a model of this kind."""
     return _BY_MODEL.get(model, {}).get(key, ()) + _EVERYWHERE.get(key, ())
+
+
+def renamed_keys(model: str) -> tuple[str, ...]:
+    """All keys that have older places in a model of this kind."""
+    return (*_BY_MODEL.get(model, {}), *_EVERYWHERE)
 
 
 def ignored_tags(model: str) -> tuple[tuple[str, ...], ...]:

@@ -1,4 +1,4 @@
-"""Faults of a worldfile: gathered while it is read and told all at once."""
+"""Faults of a file: gathered while it is read and told all at once."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["Fault", "Faults"]
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing wrong in a worldfile. `str()` gives ``file:line: <element>: message``."""
+    """One thing wrong in a worldfile or an SDF file. `str()` gives ``file:line: <element>: message``."""
 
     file: str
     line: int

@@ -1,0 +1,32 @@
+"""libgz clean: remove what dead servers left behind, and only that."""
+
+from __future__ import annotations
+
+import argparse
+
+from libgz.errors import ParameterError
+from libgz.transport.leavings import remove_leavings
+
+__all__ = ["configure", "run"]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("-s", dest="server_id", metavar="ID", type=int, default=None, help="of one server only")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Remove, and say what was removed.
+
+    Raises:
+        ParameterError: the server id is negative.
+    """
+    if options.server_id is not None and options.server_id < 0:
+        raise ParameterError(f"server id is {options.server_id}; it must not be negative")
+    count = 0
+    for leaving in remove_leavings(options.server_id):
+        count += 1
+        print(f"removed {leaving.what}")
+    if count == 0:
+        print("dead servers left nothing behind")
+    return 0

@@ -1,0 +1,80 @@
+"""libgz models: all models in one line each, or everything about one."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+from collections.abc import Iterable
+from pathlib import Path
+
+from libgz.errors import GazeboError
+from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries, entry
+from libgz.reference.pages import write_pages
+
+__all__ = ["configure", "describe", "run"]
+
+WIDTH = 100
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("name", nargs="?", metavar="MODEL", help="the model to describe; without it, all are listed")
+    parser.add_argument("--pages", type=Path, metavar="DIR", help="write the reference pages of all built-in models")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print what is asked for.
+
+    Raises:
+        GazeboError: there is no such model, or pages cannot be written.
+    """
+    if options.pages is not None:
+        try:
+            changed = write_pages(options.pages)
+        except OSError as fault:
+            raise GazeboError(f"cannot write {fault.filename}: {fault.strerror}") from None
+        print("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
+    elif options.name is not None:
+        print(describe(entry(options.name)), end="")
+    else:
+        found = list(entries())
+        width = max(len(entry.name) for entry in found)
+        for known in found:
+            print(f"{known.name:{width}}  {known.summary}")
+    return 0
+
+
+def describe(model: Entry) -> str:
+    """All about a model, as text for a terminal."""
+    bodies, joints = model.parts()
+    sections = [f"{model.name}: {model.summary}"]
+    if model.description:
+        sections.append(model.description)
+    sections.append(f"Interfaces: {', '.join(model.kind.interfaces) or 'none'}")
+    sections.append("Attributes:\n" + (_attributes(model.rows) or "  none of its own\n").rstrip())
+    sections.append("Attributes of all models:\n" + _attributes(common_rows()).rstrip())
+    sections.append("Bodies:\n" + _parts(bodies))
+    if joints:
+        sections.append("Joints:\n" + _parts(joints))
+    sections.append("Example:\n" + textwrap.indent(model.example.rstrip(), "  "))
+    return "\n\n".join(sections) + "\n"
+
+
+def _attributes(rows: Iterable[Row]) -> str:
+    """Name, type, default and unit on a line, the meaning below it."""
+    text = ""
+    for row in rows:
+        unit = f" [{row.unit}]" if row.unit else ""
+        default = f", default {row.default}" if row.default else ""
+        text += f"  {row.name}{unit}: {row.type}{default}\n"
+        text += textwrap.fill(row.meaning, WIDTH, initial_indent="      ", subsequent_indent="      ") + "\n"
+    return text
+
+
+def _parts(parts: list[Part]) -> str:
+    width = max(len(part.name) for part in parts)
+    indent = " " * (width + 4)
+    return "\n".join(
+        textwrap.fill(f"{part.name:{width}}  {part.text}", WIDTH, initial_indent="  ", subsequent_indent=indent)
+        for part in parts
+    )

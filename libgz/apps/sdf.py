@@ -1,0 +1,35 @@
+"""libgz sdf: check an SDF file, or print it with includes resolved and defaults filled in."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from libgz.errors import WorldFileError
+from libgz.sdf.reader import SdfFile
+
+__all__ = ["configure", "run"]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--check", metavar="FILE", help="tell all that is wrong with an SDF file; exit code 1 on errors")
+    what.add_argument("--print", metavar="FILE", help="print it with includes resolved and defaults filled in")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check or print; 1 if the file has errors."""
+    try:
+        file = SdfFile.load(options.check or options.print)
+    except WorldFileError as unreadable:
+        print(f"error   : {unreadable}", file=sys.stderr)
+        return 1
+    for fault in file.faults.found:
+        print(f"{'error   ' if fault.severity == 'error' else 'warning '}: {fault}", file=sys.stderr)
+    if options.print:
+        print("<?xml version='1.0'?>")
+        print(file.root.ToString(), end="")
+    elif not file.faults.errors:
+        print("Check complete")
+    return 1 if file.faults.errors else 0

@@ -1,0 +1,176 @@
+/* gz_iface_*: one memory-mapped file with its lock, whatever struct it holds. */
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/file.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "error.h"
+#include "gazebo.h"
+
+/* What gz_iface_alloc makes: the public part has no place for the number of bytes mapped. */
+typedef struct {
+    gz_iface_t part;
+    size_t mapped;
+} whole_iface_t;
+
+gz_iface_t *gz_iface_alloc(void)
+{
+    whole_iface_t *whole = calloc(1, sizeof *whole);
+
+    if (whole == NULL)
+        return NULL;
+    whole->part.mmap_fd = -1;
+    return &whole->part;
+}
+
+void gz_iface_free(gz_iface_t *self)
+{
+    if (self == NULL)
+        return;
+    free(self->filename);
+    free(self);
+}
+
+static int set_filename(gz_iface_t *self, const char *directory, const char *type, const char *id)
+{
+    char path[GZ_PATH_SIZE];
+
+    if (id == NULL) {
+        GZ_ERROR("interface [%s] id is NULL", type);
+        return -1;
+    }
+    if (strchr(id, '.') != NULL) {
+        GZ_ERROR("invalid id [%s] (must not contain '.')", id);
+        return -1;
+    }
+    snprintf(path, sizeof path, "%s/%s.%s", directory ? directory : "", type, id);
+    free(self->filename);
+    self->filename = strdup(path);
+    return 0;
+}
+
+/* Let memory and file go; -1, for those who do so because something failed. */
+static int let_go(gz_iface_t *self)
+{
+    if (self->mmap != NULL)
+        munmap(self->mmap, ((whole_iface_t *) self)->mapped);
+    self->mmap = NULL;
+    if (self->mmap_fd >= 0)
+        close(self->mmap_fd);
+    self->mmap_fd = -1;
+    return -1;
+}
+
+static int map_file(gz_iface_t *self, size_t size)
+{
+    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, self->mmap_fd, 0);
+
+    if (memory == MAP_FAILED)
+        return -1;
+    self->mmap = memory;
+    ((whole_iface_t *) self)->mapped = size;
+    return 0;
+}
+
+int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, const char *id, size_t size)
+{
+    gz_data_t *head;
+
+    self->server = server;
+    if (set_filename(self, server->filename, type, id) != 0)
+        return -1;
+    self->mmap_fd = open(self->filename, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
+    if (self->mmap_fd < 0) {
+        GZ_ERROR("error creating mmap file: %s", strerror(errno));
+        return -1;
+    }
+    if (ftruncate(self->mmap_fd, (off_t) size) < 0) {
+        GZ_ERROR("error setting size of mmap file: %s", strerror(errno));
+        return let_go(self);
+    }
+    if (map_file(self, size) != 0) {
+        GZ_ERROR("error mapping mmap file: %s", strerror(errno));
+        return let_go(self);
+    }
+    head = self->mmap;
+    head->version = LIBGAZEBO_VERSION;
+    head->size = size;
+    GZ_MESSAGE(GZ_FILES, "creating %s %03X %lu", self->filename, head->version, (unsigned long) size);
+    return 0;
+}
+
+int gz_iface_destroy(gz_iface_t *self)
+{
+    GZ_MESSAGE(GZ_FILES, "deleting %s", self->filename);
+    let_go(self);
+    if (unlink(self->filename) != 0) {
+        GZ_ERROR("error deleting mmap file: %s", strerror(errno));
+        return -1;
+    }
+    return 0;
+}
+
+int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size)
+{
+    struct stat about;
+    size_t told;
+
+    self->client = client;
+    if (set_filename(self, client->filename, type, id) != 0)
+        return -1;
+    self->mmap_fd = open(self->filename, O_RDWR | O_CLOEXEC);
+    if (self->mmap_fd < 0) {
+        GZ_ERROR("error opening device file %s : %s", self->filename, strerror(errno));
+        return -1;
+    }
+    /* Memory beyond the end of a file kills who touches it, so look before mapping. */
+    if (fstat(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
+        GZ_ERROR("expected file size: %d < %d", (int) size, (int) about.st_size);
+        return let_go(self);
+    }
+    if (map_file(self, size) != 0) {
+        GZ_ERROR("error mapping device file: %s", strerror(errno));
+        return let_go(self);
+    }
+    told = ((gz_data_t *) self->mmap)->size;
+    if (told < size) {
+        GZ_ERROR("expected file size: %d < %d", (int) size, (int) told);
+        return let_go(self);
+    }
+    GZ_MESSAGE(GZ_FILES, "opening %s %03X %lu", self->filename, ((gz_data_t *) self->mmap)->version,
+               (unsigned long) size);
+    return 0;
+}
+
+int gz_iface_close(gz_iface_t *self)
+{
+    GZ_MESSAGE(GZ_FILES, "closing %s", self->filename);
+    let_go(self);
+    return 0;
+}
+
+int gz_iface_lock(gz_iface_t *self, int blocking)
+{
+    (void) blocking; /* never had an effect */
+    if (flock(self->mmap_fd, LOCK_EX) == 0)
+        return 0;
+    GZ_ERROR("flock %s error: %s", self->filename, strerror(errno));
+    return -1;
+}
+
+void gz_iface_unlock(gz_iface_t *self)
+{
+    if (flock(self->mmap_fd, LOCK_UN) != 0)
+        GZ_ERROR("flock error: %s", strerror(errno));
+}
+
+int gz_iface_post(gz_iface_t *self)
+{
+    return gz_server_post(self->server);
+}

@@ -1,0 +1,231 @@
+"""Element: a piece of an SDF document, with the getters that plugins use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar, overload
+from xml.sax.saxutils import escape, quoteattr
+
+from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.sdf.description import Description
+from libgz.sdf.value import format_value, parse
+
+__all__ = ["Element", "Param"]
+
+T = TypeVar("T")
+
+
+class Param:
+    """A value of an element or attribute: its text, and whether the file gave it."""
+
+    def __init__(self, name: str, kind: str, text: str, *, given: bool) -> None:
+        self.name = name
+        self.kind = kind
+        self.text = text
+        self.given = given
+
+    def Get(self, kind: type[T]) -> T:
+        """The value as a `kind`; see `libgz.sdf.value.parse`."""
+        return parse(kind, self.text)
+
+    def GetAsString(self) -> str:
+        """The text, blanks trimmed."""
+        return self.text.strip()
+
+    def Set(self, value: Any) -> None:
+        """Replace the value."""
+        self.text, self.given = format_value(value), True
+
+    def SetFromString(self, text: str) -> bool:
+        """Replace the text."""
+        self.text, self.given = text, True
+        return True
+
+    def GetKey(self) -> str:
+        """The name of the element or attribute."""
+        return self.name
+
+
+class Element:
+    """One element of an SDF document.
+
+    Args:
+        name: the tag.
+        description: what may stand in it; None for an element that SDF does not know, such as those of plugins.
+        file, line: where it was read, for messages.
+    """
+
+    def __init__(self, name: str, description: Description | None = None, *, file: str = "", line: int = 0) -> None:
+        self.name = name
+        self.description = description
+        self.file, self.line = file, line
+        self.parent: Element | None = None
+        self.children: list[Element] = []
+        self.attributes: dict[str, Param] = {}
+        kind, default = (description.type, description.default) if description else ("", "")
+        self.value = Param(name, kind, default, given=False)
+        for key, about in description.all_attributes.items() if description else ():
+            self.attributes[key] = Param(key, about.type, about.default, given=False)
+
+    def __repr__(self) -> str:
+        return f"<Element {self.name} at {self.where}>"
+
+    @property
+    def where(self) -> str:
+        """``file:line``."""
+        return f"{self.file or '<string>'}:{self.line}"
+
+    def GetName(self) -> str:
+        """The tag."""
+        return self.name
+
+    def GetParent(self) -> Element | None:
+        """The element around this one."""
+        return self.parent
+
+    # Children ----------------------------------------------------------------------------------------------------
+
+    def named(self, name: str) -> Iterator[Element]:
+        """All children of one name, in order."""
+        return (child for child in self.children if child.name == name)
+
+    def HasElement(self, name: str) -> bool:
+        """Whether there is a child of this name."""
+        return any(True for _ in self.named(name))
+
+    def GetElement(self, name: str) -> Element | None:
+        """The first child of this name. One that SDF knows here is made with its defaults; of others, None."""
+        found = next(self.named(name), None)
+        if found is None and self.description is not None and name in self.description.children:
+            return self.AddElement(name)
+        return found
+
+    def child(self, name: str) -> Element:
+        """The same, where a child must be had.
+
+        Raises:
+            NotFoundError: there is none, and SDF knows none of this name here.
+        """
+        found = self.GetElement(name)
+        if found is None:
+            names = [child.name for child in self.children]
+            raise NotFoundError(f"{self.where}: <{self.name}> has no <{name}>{nearest(name, names)}")
+        return found
+
+    def GetFirstElement(self) -> Element | None:
+        """The first child."""
+        return self.children[0] if self.children else None
+
+    def GetNextElement(self, name: str = "") -> Element | None:
+        """The next element beside this one, of a name if one is given."""
+        beside = self.parent.children if self.parent is not None else []
+        index = next((i for i, element in enumerate(beside) if element is self), len(beside))
+        return next((e for e in beside[index + 1 :] if not name or e.name == name), None)
+
+    def AddElement(self, name: str) -> Element:
+        """Add a child at the end; one that SDF knows here gets its required children with their defaults."""
+        description = self.description.children.get(name) if self.description is not None else None
+        element = self.InsertElement(Element(name, description, file=self.file, line=self.line))
+        element.add_required()
+        return element
+
+    def add_required(self) -> None:
+        """Make the children that must stand here and do not."""
+        for name, about in self.description.children.items() if self.description is not None else ():
+            if about.required and not self.HasElement(name):
+                self.AddElement(name)
+
+    def InsertElement(self, element: Element) -> Element:
+        """Put an element in, as the last child."""
+        element.parent = self
+        self.children.append(element)
+        return element
+
+    def RemoveChild(self, element: Element) -> None:
+        """Take a child out."""
+        self.children = [child for child in self.children if child is not element]
+        element.parent = None
+
+    # Values ------------------------------------------------------------------------------------------------------
+
+    def HasAttribute(self, key: str) -> bool:
+        """Whether the file gave this attribute."""
+        return key in self.attributes and self.attributes[key].given
+
+    def GetAttribute(self, key: str) -> Param | None:
+        """An attribute; None if SDF knows none of this name here."""
+        return self.attributes.get(key)
+
+    def GetValue(self) -> Param:
+        """This element's own value."""
+        return self.value
+
+    @overload
+    def Get(self, kind: type[T], key: str = "") -> T: ...
+
+    @overload
+    def Get(self, kind: type[T], key: str, default: T) -> tuple[T, bool]: ...
+
+    def Get(self, kind: type[T], key: str = "", default: T | None = None) -> T | tuple[T, bool]:
+        """A value: of the attribute `key`, else of the child `key`, else the default of the description.
+
+        Without a key, this element's own. What is nowhere is empty: an empty string, 0, False, the zero pose. With a
+        third argument, the pair (value, whether it was found), and that default where it was not.
+
+        Raises:
+            ParameterError: the text means no such value; the message says where it stands.
+        """
+        element, text, found = self._look_up(key)
+        if default is not None and not found:
+            return default, False
+        try:
+            value = parse(kind, text)
+        except ParameterError as fault:
+            raise ParameterError(f"{element.where}: <{element.name}>: {fault}") from None
+        return (value, True) if default is not None else value
+
+    def _look_up(self, key: str) -> tuple[Element, str, bool]:
+        """(element, text, whether it was found)."""
+        if not key:
+            return self, self.value.text, True
+        if key in self.attributes:
+            return self, self.attributes[key].text, self.attributes[key].given
+        child = next(self.named(key), None)
+        if child is not None:
+            return child, child.value.text, True
+        known = self.description.children.get(key) if self.description is not None else None
+        return self, known.default if known is not None else "", False
+
+    def Set(self, value: Any) -> bool:
+        """Replace this element's own value."""
+        self.value.Set(value)
+        return True
+
+    def set_attribute(self, key: str, value: Any) -> None:
+        """Give an attribute a value."""
+        self.attributes.setdefault(key, Param(key, "string", "", given=True)).Set(value)
+
+    # Copies and text ---------------------------------------------------------------------------------------------
+
+    def Clone(self) -> Element:
+        """A copy of this element and all in it, without a parent."""
+        copy = Element(self.name, self.description, file=self.file, line=self.line)
+        copy.value = Param(self.name, self.value.kind, self.value.text, given=self.value.given)
+        copy.attributes = {k: Param(k, p.kind, p.text, given=p.given) for k, p in self.attributes.items()}
+        for child in self.children:
+            copy.InsertElement(child.Clone())
+        return copy
+
+    def ToString(self, prefix: str = "") -> str:
+        """The element as XML, each line after `prefix`; attributes that the file does not give are left out."""
+        words = [f" {k}={quoteattr(p.GetAsString())}" for k, p in self.attributes.items() if p.given]
+        start = f"{prefix}<{self.name}{''.join(words)}"
+        text = escape(self.value.GetAsString())
+        if self.children:
+            inside = "".join(child.ToString(prefix + "  ") for child in self.children)
+            return f"{start}>{text}\n{inside}{prefix}</{self.name}>\n"
+        return f"{start}>{text}</{self.name}>\n" if text else f"{start}/>\n"
+
+    def PrintValues(self, prefix: str = "") -> str:
+        """The same; the old name."""
+        return self.ToString(prefix)

@@ -1,0 +1,87 @@
+"""Where SDF files look for others: models and media by URI. Never on the network."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from libgz.errors import NotFoundError
+
+__all__ = ["find_model", "find_uri", "model_directories", "resource_directories"]
+
+BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
+MEDIA = ("", "models", "media/models", "Media/models")
+
+
+def _listed(variable: str) -> list[Path]:
+    return [Path(part).expanduser() for part in os.environ.get(variable, "").split(":") if part]
+
+
+def model_directories() -> list[Path]:
+    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, the models that come with libgz."""
+    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), BUILT_IN]
+
+
+def resource_directories() -> list[Path]:
+    """Where files look: the current directory, then GAZEBO_RESOURCE_PATH and the usual folders below its parts."""
+    return [Path.cwd(), *(folder / sub for folder in _listed("GAZEBO_RESOURCE_PATH") for sub in MEDIA)]
+
+
+def find_uri(uri: str, beside: Path | None = None) -> Path:
+    """The file or folder of a URI: `model://name/...`, `file://path`, or a plain path.
+
+    Args:
+        uri: as written.
+        beside: folder of the file that names it; plain paths are tried there first.
+
+    Raises:
+        NotFoundError: it is nowhere; the message lists the places tried.
+    """
+    scheme, separator, rest = uri.strip().partition("://")
+    if not separator:
+        scheme, rest = "", uri.strip()
+    if scheme in ("http", "https"):
+        raise NotFoundError(f"Unable to find uri[{uri}]: libgz never looks on the network; put the model on disk")
+    if scheme not in ("", "model", "file"):
+        raise NotFoundError(f"Unable to find uri[{uri}]: {scheme}:// is not known; model:// and file:// are")
+    folders = model_directories() if scheme == "model" else [*([beside] if beside else []), *resource_directories()]
+    places = [Path(rest)] if Path(rest).is_absolute() else [folder / rest for folder in folders]
+    for place in places:
+        if place.exists():
+            return place
+    tried = ", ".join(dict.fromkeys(map(str, places)))
+    advice = "; set GAZEBO_MODEL_PATH" if scheme == "model" else "; set GAZEBO_RESOURCE_PATH"
+    raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+
+
+def find_model(uri: str, beside: Path | None = None) -> Path:
+    """The SDF file of an included model: the URI's file, or that of the highest version in its `model.config`.
+
+    Raises:
+        NotFoundError: there is no such model, or its folder names no SDF file.
+    """
+    place = find_uri(uri, beside)
+    return place if place.is_file() else _named_in_config(place)
+
+
+def _named_in_config(folder: Path) -> Path:
+    from lxml import etree
+
+    config = next((folder / name for name in ("model.config", "manifest.xml") if (folder / name).is_file()), None)
+    if config is None:
+        raise NotFoundError(f"{folder} has no model.config")
+    parser = etree.XMLParser(resolve_entities=False, no_network=True)
+    try:
+        files = etree.parse(str(config), parser).getroot().findall("sdf")
+    except etree.XMLSyntaxError as fault:
+        raise NotFoundError(f"{config} cannot be read: {fault}") from None
+    if not files:
+        raise NotFoundError(f"{config} names no <sdf> file")
+
+    def version(element: etree._Element) -> tuple[int, ...]:
+        words = (element.get("version") or "0").split(".")
+        return tuple(int(word) for word in words if word.isdigit())
+
+    supported = [f for f in files if version(f) <= (1, 6)] or files
+    best = max(supported, key=version)
+    return folder / (best.text or "").strip()

@@ -1,0 +1,243 @@
+"""Reading SDF files: parsed safely, checked against the description of their version, includes resolved."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from lxml import etree
+
+from libgz.errors import NotFoundError, WorldFileError, nearest
+from libgz.fault import Fault, Faults
+from libgz.sdf.description import UNSET, VERSIONS, Description, describe
+from libgz.sdf.element import Element, Param
+from libgz.sdf.paths import find_model
+from libgz.sdf.value import check
+
+__all__ = ["SdfFile", "is_sdf"]
+
+LARGEST_FILE = 64 * 1024 * 1024  # bytes
+DEEPEST_INCLUDE = 20
+LATER = ("frame", "relative_to")  # SDF 1.7's frames
+
+
+class SdfFile:
+    """An SDF document, read and checked.
+
+    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `faults` what is wrong with it. Unknown
+    attributes are warnings; unknown elements are kept as they are.
+    """
+
+    def __init__(self) -> None:
+        self.root = Element("sdf")
+        self.faults = Faults()
+        self.version = VERSIONS[-1]
+        self._label = "<string>"
+        self._folder: Path | None = None
+        self._depth = 0
+
+    @classmethod
+    def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
+        """Read a file; its errors are in `faults`.
+
+        Raises:
+            WorldFileError: it cannot be read, is not well-formed, or is not SDF.
+        """
+        file = cls()
+        file._read_file(Path(filename))
+        return file
+
+    @classmethod
+    def from_string(cls, text: str | bytes, label: str = "<string>", folder: Path | None = None) -> SdfFile:
+        """The same from text; `label` is what messages call it, `folder` where its relative paths begin."""
+        file = cls()
+        file._label, file._folder = label, folder
+        file._read(text.encode() if isinstance(text, str) else text)
+        return file
+
+    def _read_file(self, path: Path) -> None:
+        try:
+            if path.stat().st_size > LARGEST_FILE:
+                raise WorldFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
+            data = path.read_bytes()
+        except OSError as fault:
+            raise WorldFileError(f"Unable to read sdf file[{path}]: {fault.strerror}") from None
+        self._label, self._folder = str(path), path.parent
+        self._read(data)
+
+    def _read(self, data: bytes) -> None:
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
+        try:
+            xml = etree.fromstring(data, parser)
+        except etree.XMLSyntaxError as fault:
+            raise WorldFileError(f"{self._label}:{fault.lineno or 1}: {fault.msg}") from None
+        if _local(xml) != "sdf":
+            raise WorldFileError(
+                f"{self._label}:{_line(xml)}: <{_local(xml)}>: the root of an SDF file must be <sdf version='...'>"
+            )
+        self.version = self._described_version(xml)
+        blocks = describe(self.version)
+        self.root = self._element(xml, blocks["sdf"])
+
+    def _described_version(self, xml: etree._Element) -> str:
+        """The version whose description holds: the file's, or the nearest one, with a warning."""
+        said = xml.get("version")
+        if said is None:
+            self._fault(xml, "version is missing and must be given", "error")
+            return VERSIONS[-1]
+        if said in VERSIONS:
+            return said
+        try:
+            number = tuple(map(int, said.split(".")))
+        except ValueError:
+            self._fault(xml, f"version {said!r} is not allowed; {', '.join(VERSIONS)} are", "error")
+            return VERSIONS[-1]
+        nearest_version = VERSIONS[0] if number < (1, 4) else VERSIONS[-1]
+        self._fault(xml, f"version {said} is read as {nearest_version}; {', '.join(VERSIONS)} are known", "warning")
+        return nearest_version
+
+    def _fault(self, xml: etree._Element, message: str, severity: str) -> None:
+        self.faults.add(Fault(self._label, _line(xml), _local(xml), message, severity))
+
+    # Elements ----------------------------------------------------------------------------------------------------
+
+    def _element(self, xml: etree._Element, description: Description | None) -> Element:
+        """An element and all in it, checked against its description."""
+        element = Element(_local(xml), description, file=self._label, line=_line(xml))
+        self._read_attributes(xml, element)
+        self._read_value(xml, element)
+        for child in xml:
+            if isinstance(child.tag, str):
+                self._read_child(child, element)
+        if description is not None:
+            self._check_required(xml, element, description)
+        return element
+
+    def _read_attributes(self, xml: etree._Element, element: Element) -> None:
+        description = element.description
+        for key, text in xml.attrib.items():
+            name = str(key).rpartition("}")[2]
+            if name in LATER:
+                self._fault(xml, f"{name} is of SDF 1.7 and later, which libgz does not read", "error")
+            elif description is not None and not description.open and name not in element.attributes:
+                known = nearest(name, element.attributes)
+                self._fault(xml, f"attribute {name!r} is not of SDF {self.version}, and is ignored{known}", "warning")
+                continue
+            param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
+            param.SetFromString(str(text))
+            allowed = check(param.kind, param.text)
+            if allowed:
+                self._fault(xml, f"{name} is {param.text!r}; it must be {allowed}", "error")
+        for about in description.all_attributes.values() if description is not None else ():
+            if about.required and about.default == UNSET and not element.attributes[about.name].given:
+                self._fault(xml, f"attribute {about.name!r} is missing and must be given", "error")
+
+    def _read_value(self, xml: etree._Element, element: Element) -> None:
+        pieces = [xml.text or "", *(child.tail or "" for child in xml)]
+        text = "".join(pieces)
+        if not text.strip():
+            return
+        element.value.SetFromString(text)
+        allowed = check(element.value.kind, text)
+        if allowed:
+            self._fault(xml, f"{text.strip()!r} is not allowed; it must be {allowed}", "error")
+
+    def _read_child(self, xml: etree._Element, parent: Element) -> None:
+        name, description = _local(xml), parent.description
+        if name == "include" and description is not None and "include" in description.children:
+            self._include(xml, parent, description.children["include"])
+            return
+        if name == "frame" and description is not None and not description.open:
+            self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
+            return
+        known = description.children.get(name) if description is not None and not description.open else None
+        if known is not None and known.count in ("0", "1") and parent.HasElement(name):
+            self._fault(xml, f"stands more than once in <{parent.name}>; the first one holds", "warning")
+        elif known is None and description is not None and not description.open and description.children:
+            hint = nearest(name, description.children)
+            self._fault(
+                xml, f"is not of SDF {self.version} in <{parent.name}>, and is kept without effect{hint}", "warning"
+            )
+        parent.InsertElement(self._element(xml, known))
+
+    def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
+        """Required children that are missing are made with their defaults, but for those that have none."""
+        for name, about in description.children.items():
+            if not about.required or element.HasElement(name):
+                continue
+            if about.default == UNSET:
+                self._fault(xml, f"<{name}> is missing and must be given", "error")
+            elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
+                continue
+            elif element.name == "joint" and name == "axis":
+                self._fault(xml, "<axis> is missing and must be given", "error")
+            else:
+                element.AddElement(name)
+
+    # Includes ----------------------------------------------------------------------------------------------------
+
+    def _include(self, xml: etree._Element, parent: Element, description: Description) -> None:
+        """Put an included model, actor or light in its place, under the name and pose that the include gives it."""
+        said = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
+        uri = said.get("uri", "")
+        if not uri:
+            self._fault(xml, "<uri> is missing and must be given", "error")
+            return
+        if self._depth >= DEEPEST_INCLUDE:
+            self._fault(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?", "error")
+            return
+        try:
+            path = find_model(uri, self._folder)
+            included = SdfFile()
+            included._depth = self._depth + 1
+            included._read_file(path)
+        except (NotFoundError, WorldFileError) as fault:
+            self._fault(xml, str(fault), "error")
+            return
+        for fault_ in included.faults.found:
+            self.faults.add(fault_)
+        entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
+        if entity is None:
+            self._fault(xml, f"{path} has no model, light or actor", "error")
+            return
+        self._place(xml, entity, said)
+        included.root.RemoveChild(entity)
+        parent.InsertElement(entity)
+
+    def _place(self, xml: etree._Element, entity: Element, said: dict[str, str]) -> None:
+        """Name, pose, static and plugins of an include replace or join those of what is included."""
+        if said.get("name"):
+            entity.set_attribute("name", said["name"])
+        for key in ("pose", "static"):
+            if key in said:
+                target = entity.GetElement(key)
+                if target is not None:
+                    target.value.SetFromString(said[key])
+                    allowed = check(target.value.kind, said[key])
+                    if allowed:
+                        self._fault(xml, f"<{key}> is {said[key]!r}; it must be {allowed}", "error")
+        plugin = describe(self.version)["plugin"]
+        for child in xml:
+            if isinstance(child.tag, str) and _local(child) == "plugin":
+                entity.InsertElement(self._element(child, plugin))
+
+
+def is_sdf(filename: str | os.PathLike[str]) -> bool:
+    """Whether the root element of a file is `<sdf>`; false for what cannot be read or is not XML."""
+    try:
+        with Path(filename).open("rb") as stream:
+            events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
+            _, root = next(iter(events))
+            return _local(root) == "sdf"
+    except (OSError, StopIteration, etree.XMLSyntaxError):
+        return False
+
+
+def _local(xml: etree._Element) -> str:
+    """The tag without its namespace."""
+    return str(xml.tag).rpartition("}")[2]
+
+
+def _line(xml: etree._Element) -> int:
+    line = xml.sourceline
+    return line if isinstance(line, int) else 0

@@ -1,0 +1,122 @@
+"""Values in SDF: text, and what it means."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from libgz.errors import ParameterError
+from libgz.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+
+__all__ = ["check", "format_value", "parse"]
+
+T = TypeVar("T")
+
+
+def _numbers(text: str, count: int, least: int) -> list[float]:
+    """`least` to `count` numbers, padded with zeros."""
+    values = [float(token) for token in text.split()]
+    if not least <= len(values) <= count or any(map(math.isnan, values)):
+        raise ValueError(text)
+    return values + [0.0] * (count - len(values))
+
+
+def _bool(text: str) -> bool:
+    word = text.strip().lower()
+    if word not in ("true", "1", "false", "0", ""):
+        raise ValueError(text)
+    return word in ("true", "1")
+
+
+def _int(text: str) -> int:
+    return int(text.strip() or "0", 0)
+
+
+def _float(text: str) -> float:
+    return float(text.strip() or 0.0)
+
+
+def _vector(text: str) -> GzVector:
+    return GzVector(*_numbers(text, 3, 0 if not text.strip() else 2))
+
+
+def _pose(text: str) -> GzPose:
+    """x y z [m], roll pitch yaw [rad]: qz(yaw) qy(pitch) qx(roll), the same convention as in legacy worlds."""
+    x, y, z, roll, pitch, yaw = _numbers(text, 6, 0 if not text.strip() else 6)
+    return GzPose(GzVector(x, y, z), GzQuaternFromEuler(roll, pitch, yaw))
+
+
+def _color(text: str) -> GzColor:
+    values = [float(token) for token in text.split()] or [0.0, 0.0, 0.0]
+    if len(values) not in (3, 4):
+        raise ValueError(text)
+    return GzColor(*values)
+
+
+_PARSERS: dict[type, Callable[[str], Any]] = {
+    str: str,
+    bool: _bool,
+    int: _int,
+    float: _float,
+    GzVector: _vector,
+    GzPose: _pose,
+    GzColor: _color,
+}
+# The words of the description -> the Python type, and what is allowed.
+_KINDS: dict[str, tuple[type, str]] = {
+    "string": (str, "text"),
+    "bool": (bool, "true, false, 1 or 0"),
+    "int": (int, "a whole number"),
+    "unsigned int": (int, "a whole number"),
+    "double": (float, "a number"),
+    "vector2d": (GzVector, "2 numbers"),
+    "vector2i": (GzVector, "2 numbers"),
+    "vector3": (GzVector, "3 numbers"),
+    "pose": (GzPose, "6 numbers: x y z [m] roll pitch yaw [rad]"),
+    "color": (GzColor, "3 or 4 numbers"),
+    "time": (str, "seconds and nanoseconds"),
+}
+
+
+def parse(kind: type[T], text: str) -> T:
+    """The value of `text` as a `kind`.
+
+    Args:
+        kind: str, bool, int, float, GzVector, GzPose, GzColor, or a class with a class method `from_sdf(text)`.
+        text: as it stands in the file.
+
+    Raises:
+        ParameterError: the text means no such value, or the kind is unknown.
+    """
+    reader: Callable[[str], T] | None = _PARSERS.get(kind) or getattr(kind, "from_sdf", None)
+    if reader is None:
+        names = ", ".join(k.__name__ for k in _PARSERS)
+        raise ParameterError(f"{kind!r} is no kind of SDF value; use {names}, or a class with from_sdf(text)")
+    try:
+        return reader(text)
+    except ValueError:
+        raise ParameterError(f"{text.strip()!r} is not a {kind.__name__}") from None
+
+
+def check(kind: str, text: str) -> str:
+    """What is allowed, if `text` is not of the described kind; an empty string if it is."""
+    if kind not in _KINDS:
+        return ""
+    python_type, allowed = _KINDS[kind]
+    try:
+        parse(python_type, text)
+    except ParameterError:
+        return allowed
+    return ""
+
+
+def format_value(value: Any) -> str:
+    """A value as it stands in a file."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, GzPose):
+        return " ".join(f"{v + 0.0:.12g}" for v in (*value.pos, *GzQuaternToEuler(value.rot)))
+    if isinstance(value, GzVector | GzColor):
+        return " ".join(f"{v + 0.0:.12g}" for v in value)
+    return repr(value) if isinstance(value, float) else str(value)

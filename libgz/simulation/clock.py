@@ -1,0 +1,42 @@
+"""Clock: what time it is in a world."""
+
+from __future__ import annotations
+
+import time
+
+from libgz.simulation.settings import GlobalAttributes
+
+__all__ = ["Clock"]
+
+
+class Clock:
+    """Base of World: simulated, paused and real time."""
+
+    settings: GlobalAttributes
+
+    def __init__(self) -> None:
+        self._simTime = self._pauseTime = 0.0
+        self._start: float | None = None  # on the monotonic clock; None while the world does not run
+
+    def GetSimTime(self) -> float:
+        """Simulated time [s], pauses excluded."""
+        return self._simTime
+
+    def GetPauseTime(self) -> float:
+        """Simulated time spent paused [s]: one step for each paused step."""
+        return self._pauseTime
+
+    def GetRealTime(self) -> float:
+        """Wall-clock time since Initialize [s]."""
+        return 0.0 if self._start is None else time.monotonic() - self._start
+
+    def GetWallTime(self) -> float:
+        """Unix time [s]."""
+        return time.time()
+
+    def GetDayTime(self) -> float:
+        """Time since midnight [s]: the world's dayTime plus real time, or the local clock's."""
+        if self.settings.dayTime >= 0.0:
+            return self.settings.dayTime + self.GetRealTime()
+        now = time.localtime()
+        return now.tm_hour * 3600.0 + now.tm_min * 60.0 + now.tm_sec

@@ -1,0 +1,33 @@
+"""Origin: where Gazebo 0.4 had a model's origin, and where it is now."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
+
+if TYPE_CHECKING:
+    from libgz.simulation.model import Model
+
+__all__ = ["to_file", "to_world"]
+
+
+def to_world(model: Model, pose: GzPose) -> GzPose:
+    """A pose of the model's file, relative to the parent body, with the origin that the model has now."""
+    return _convert(model, pose, -1.0)
+
+
+def to_file(model: Model, pose: GzPose) -> GzPose:
+    """The same back."""
+    return _convert(model, pose, +1.0)
+
+
+def _convert(model: Model, pose: GzPose, sign: float) -> GzPose:
+    if model.node is None or not model.node.file.is_old:
+        return pose
+    file = model.node.file
+    own = GzPose(GzVector(0.0, 0.0, sign * file.origin_height(model.node)))
+    pose = GzCoordPoseAdd(own, pose)
+    if model.parent is not None and model.parent.node is not None:
+        pose.pos.z -= sign * file.origin_height(model.parent.node)
+    return pose

@@ -1,0 +1,37 @@
+"""AvatarHeli: the University of Southern California's helicopter AVATAR.
+
+Its source is lost, and no command of any kind is known: it is a rigid body that falls and lands on its skids.
+Dimensions were chosen for libgz after the mesh that its old world draws it with.
+"""
+
+from __future__ import annotations
+
+from libgz.geometry import GzColor
+from libgz.models.parts import DARK, GREY, fit
+from libgz.models.skin import SkinAttributes, clothe
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom, CylinderGeom
+from libgz.simulation.model import Model
+from libgz.worldfile.attributes import read
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+ORANGE = GzColor(0.9, 0.4, 0.1)
+
+
+class AvatarHeli(Model):
+    """Fuselage, tail, skids and a rotor that does not turn; the origin is 49 cm above the ground. No interface."""
+
+    attributes = SkinAttributes
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        values = read(SkinAttributes, node)
+        hull = Body(self.world)
+        self.AddBody(hull, True)
+        space = self.modelSpaceId
+        fuselage = fit(BoxGeom(hull, space, 0.60, 0.25, 0.35), (0.0, 0.0, -0.15), 8.0, ORANGE)
+        fit(BoxGeom(hull, space, 0.90, 0.05, 0.05), (-0.75, 0.0, -0.05), 0.5, GREY)
+        for y in (0.18, -0.18):
+            fit(BoxGeom(hull, space, 0.60, 0.03, 0.03), (0.0, y, -0.475), 0.5, DARK)
+        fit(CylinderGeom(hull, space, 0.90, 0.02), (0.0, 0.0, 0.18), 0.0, DARK)
+        clothe(self, fuselage, values)

@@ -1,0 +1,176 @@
+"""Bandit: the University of Southern California's humanoid torso, with two arms and a head.
+
+Its source is lost, but for the names and the order of its joints. Dimensions, masses and axes were chosen for libgz.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
+from libgz.interfaces.joint import JointData, Joints
+from libgz.models.parts import DARK, GREY, fit
+from libgz.models.wheels import add_hinge
+from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom
+from libgz.physics.joint import FixedJoint, HingeJoint, UniversalJoint
+from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
+from libgz.transport.guard import Guard
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+UPDATE_RATE = 10.0  # [Hz], of the interface; the joints are controlled each step
+GAIN, TORQUE = 4.0, 5.0  # [1/s], [N m]
+LARGEST_ANGLE = 3.1416  # [rad], of a command
+SHOULDER, ELBOW, WRIST, NECK = 0.34, 0.07, -0.165, 0.42  # heights of the joints [m]
+ARM_SIDE = 0.17  # [m], from the middle
+# The bodies of an arm, from the shoulder down: name, size [m], height of the centre [m], mass [kg].
+ARM = (
+    ("Shoulder", (0.06, 0.06, 0.06), SHOULDER, 0.3),
+    ("UpperArm", (0.06, 0.06, 0.22), 0.20, 0.4),
+    ("Elbow", (0.05, 0.05, 0.05), ELBOW, 0.3),
+    ("LowerArm", (0.05, 0.05, 0.20), -0.055, 0.3),
+    ("Hand", (0.08, 0.03, 0.10), -0.225, 0.3),
+)
+# The hinges of an arm, each between a body and the one above: name, height [m], axis.
+HINGES = (("SHOULDER", SHOULDER, Y), ("UPPERARM", SHOULDER, X), ("ELBOW", ELBOW, Y), ("LOWERARM", ELBOW, Z))
+
+
+class Servo:
+    """A joint whose angles follow their commands, by velocities in proportion to the errors."""
+
+    def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
+        self.joint = joint
+        self.command = (0.0, 0.0)  # [rad]
+        # Of each axis: its velocity parameter, its angle [rad], its rate [rad/s].
+        self.axes: list[tuple[int, Callable[[], float], Callable[[], float]]]
+        if isinstance(joint, UniversalJoint):
+            self.axes = [
+                (dParamVel, joint.GetAngle1, joint.GetAngleRate1),
+                (dParamVel2, joint.GetAngle2, joint.GetAngleRate2),
+            ]
+            joint.SetParam(dParamFMax2, TORQUE)
+        else:
+            self.axes = [(dParamVel, joint.GetAngle, joint.GetAngleRate)]
+        joint.SetParam(dParamFMax, TORQUE)
+
+    def follow(self) -> None:
+        """Set the velocities; to be called each step."""
+        for (velocity, angle, _), wanted in zip(self.axes, self.command, strict=False):
+            self.joint.SetParam(velocity, GAIN * (wanted - angle()))
+
+    def publish(self, data: JointData) -> None:
+        """Fill in one joint of the interface."""
+        joint = self.joint
+        data.type = joint.GetType()
+        data.anchor[:] = tuple(joint.GetAnchor())
+        if isinstance(joint, UniversalJoint):
+            data.axis[:] = tuple(GzVectorMul(-1.0, joint.GetAxis1()))
+            data.axis2[:] = tuple(GzVectorMul(-1.0, joint.GetAxis2()))
+            data.angle2, data.angular_velocity2 = joint.GetAngle2(), joint.GetAngleRate2()
+        else:
+            data.axis[:] = tuple(joint.GetAxis())
+        _, angle, rate = self.axes[0]
+        data.angle, data.angular_velocity = angle(), rate()
+
+
+class Bandit(Model):
+    """A torso that is fixed to the world, or to what it is nested in; its arms hang 28 cm below its origin.
+
+    The origin is the centre of the torso's bottom. Serves joint, in this order: left SHOULDER, UPPERARM, ELBOW,
+    LOWERARM and WRIST, the same of the right, and HEAD. Wrists and head turn about two axes: x and y, z and y.
+    """
+
+    interfaces = ("joint",)
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.rate = UpdateRate(UPDATE_RATE)
+        self.servos: list[Servo] = []
+        self.base: FixedJoint | None = None
+        torso = Body(self.world)
+        self.AddBody(torso, True)
+        fit(BoxGeom(torso, self.modelSpaceId, 0.18, 0.26, 0.40), (0.0, 0.0, 0.20), 5.0, GzColor(0.2, 0.3, 0.6))
+        self._add_arm(torso, "left", ARM_SIDE)
+        self._add_arm(torso, "right", -ARM_SIDE)
+        head = self._add_part("head", (0.14, 0.16, 0.18), (0.0, 0.0, 0.52), 1.0)
+        self._add_universal("HEAD", head, torso, (0.0, 0.0, NECK), Z, Y)
+        if self.parent is None:
+            self.base = FixedJoint(self.world, name="base")
+            self.base.Attach(torso, None)
+
+    def _add_part(self, name: str, size: tuple[float, float, float], position: VectorLike, mass: float) -> Body:
+        body = Body(self.world, name)
+        self.AddBody(body)
+        color = GREY if min(size) == max(size) else GzColor(0.75, 0.75, 0.8)
+        fit(BoxGeom(body, self.modelSpaceId, *size), (0.0, 0.0, 0.0), mass, DARK if name == "head" else color)
+        body.SetPosition(position)
+        return body
+
+    def _add_arm(self, torso: Body, side: str, y: float) -> None:
+        """Five bodies on four hinges and a wrist of two axes."""
+        bodies = [torso]
+        for name, size, height, mass in ARM:
+            bodies.append(self._add_part(f"{side}{name}", size, (0.0, y, height), mass))
+        letter = side[0].upper()
+        for i, (name, height, axis) in enumerate(HINGES):
+            hinge = add_hinge(self, bodies[i + 1], bodies[i], (0.0, y, height), axis, f"{letter}_{name}")
+            self.servos.append(Servo(hinge))
+        self._add_universal(f"{letter}_WRIST", bodies[5], bodies[4], (0.0, y, WRIST), X, Y)
+
+    def _add_universal(
+        self, name: str, moving: Body, base: Body, anchor: VectorLike, axis1: VectorLike, axis2: VectorLike
+    ) -> None:
+        """A joint of two axes: the first stays with the base, the second with what moves."""
+        joint = UniversalJoint(self.world, name=name)
+        joint.Attach(base, moving)
+        joint.SetAnchor(anchor)
+        # The base has to come first, which turns the signs about.
+        joint.SetAxis1(GzVectorMul(-1.0, axis1))
+        joint.SetAxis2(GzVectorMul(-1.0, axis2))
+        self.servos.append(Servo(joint))
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Move all bodies as one, and fix the torso where it then is."""
+        super().SetPose(pose)
+        if self.base is not None:
+            self.base.SetFixed()
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.interface = Joints()
+        self.guard = Guard(f"joint.{self.GetId()}")
+        self.interface.create(
+            self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId()
+        )
+        self.interface.data.joint_count = len(self.servos)
+
+    def Fini(self) -> None:  # noqa: D102
+        self.interface.destroy()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        if step == 0.0:
+            return
+        now = self.world.GetSimTime()
+        if self.rate.due(now):
+            self._exchange(now)
+        for servo in self.servos:
+            servo.follow()
+
+    def _exchange(self, now: float) -> None:
+        """Publish the joints, and take those commands that are sane."""
+        if not self.interface.lock():
+            return
+        data = self.interface.data
+        data.time = now
+        wishes = []
+        for servo, joint in zip(self.servos, data.joints, strict=False):
+            servo.publish(joint)
+            wishes.append((joint.cmd_angle, joint.cmd_angle2))
+        self.interface.unlock()
+        for i, (servo, wish) in enumerate(zip(self.servos, wishes, strict=True)):
+            servo.command = (
+                self.guard.number(f"joints[{i}].cmd_angle", wish[0], servo.command[0], LARGEST_ANGLE),
+                self.guard.number(f"joints[{i}].cmd_angle2", wish[1], servo.command[1], LARGEST_ANGLE),
+            )

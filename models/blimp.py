@@ -1,0 +1,102 @@
+"""Blimp: the University of Pennsylvania's airship, nine metres long.
+
+Its source is lost, but for the kinds of its shapes. Dimensions, masses and the rules of flight were chosen for libgz.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from libgz.geometry import (
+    GzColor,
+    GzCoordPoseSub,
+    GzPose,
+    GzQuaternFromAxis,
+    GzQuaternInverse,
+    GzQuaternToEuler,
+    GzVector,
+    rotate,
+)
+from libgz.interfaces.position import PositionData
+from libgz.models.parts import GREY, fit
+from libgz.models.robot import MobileRobot, RobotAttributes, clamp
+from libgz.physics.body import Body
+from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
+from libgz.worldfile.attributes import boolean
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+RADIUS, LENGTH = 1.15, 6.7  # [m], of the envelope's cylinder, which ends in half spheres
+ENVELOPE_MASS, END_MASS, GONDOLA_MASS = 12.0, 4.0, 10.0  # [kg]
+SILVER = GzColor(0.85, 0.85, 0.9)
+DRAG, MAX_THRUST = 15.0, 20.0  # [N s/m], [N], along each axis
+YAW_GAIN, MAX_YAW_TORQUE = 40.0, 40.0  # [N m s/rad], [N m]
+RIGHTING, DAMPING = 60.0, 40.0  # [N m/rad], [N m s/rad]: the gondola hangs below
+
+
+@dataclass(frozen=True)
+class BlimpAttributes(RobotAttributes):
+    """What `<model:Blimp>` may hold."""
+
+    is3d: bool = boolean(False, help="without effect: the position is always of three dimensions")
+
+
+class Blimp(MobileRobot):
+    """An airship that neither rises nor sinks; what is attached to it has its weight and pulls it down.
+
+    The origin is the centre of the envelope. Serves position, all of it true and counted from where it started. It
+    obeys cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2].
+    """
+
+    attributes: ClassVar[type[RobotAttributes]] = BlimpAttributes
+    commands = (("cmd_vel_pos", 0), ("cmd_vel_rot", 2), ("cmd_vel_pos", 2))
+
+    def build(self) -> None:  # noqa: D102
+        hull = Body(self.world)
+        self.AddBody(hull, True)
+        space = self.modelSpaceId
+        along_x = GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)
+        fit(CylinderGeom(hull, space, RADIUS, LENGTH), (0.0, 0.0, 0.0), ENVELOPE_MASS, SILVER, along_x)
+        for x in (LENGTH / 2.0, -LENGTH / 2.0):
+            fit(SphereGeom(hull, space, RADIUS), (x, 0.0, 0.0), END_MASS, SILVER)
+        fit(BoxGeom(hull, space, 0.8, 0.4, 0.3), (0.0, 0.0, -1.3), GONDOLA_MASS, GREY)
+        hull.SetGravityMode(False)
+
+    def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        super().Init(file, node)
+        self.start = self.GetPose()
+        self.measure(0.0)
+
+    def measure(self, step: float) -> None:
+        """True velocities in the hull's frame."""
+        hull = self.GetBody()
+        self.globalPose = hull.GetPose()
+        into_hull = GzQuaternInverse(self.globalPose.rot)
+        self.hullVelocity = rotate(into_hull, hull.GetLinearVel())  # [m/s]
+        self.hullRate = rotate(into_hull, hull.GetAngularRate())  # [rad/s]
+
+    def publish(self, data: PositionData) -> None:
+        """The true pose from the start, and velocities."""
+        relative: GzPose = GzCoordPoseSub(self.globalPose, self.start)
+        data.pos[:] = tuple(relative.pos)
+        data.rot[:] = tuple(GzQuaternToEuler(relative.rot))
+        data.vel_pos[:] = tuple(self.hullVelocity)
+        data.vel_rot[:] = tuple(self.hullRate)
+
+    def act(self, step: float) -> None:
+        """Thrust, drag and the righting of the gondola."""
+        forward, turn, up = self.wanted
+        hull, velocity, rate = self.GetBody(), self.hullVelocity, self.hullRate
+        attitude: GzVector = GzQuaternToEuler(self.globalPose.rot)
+        hull.AddRelForce(
+            clamp(DRAG * (forward - velocity.x), MAX_THRUST),
+            -DRAG * velocity.y,
+            clamp(DRAG * (up - velocity.z), MAX_THRUST),
+        )
+        hull.AddRelTorque(
+            -RIGHTING * attitude.x - DAMPING * rate.x,
+            -RIGHTING * attitude.y - DAMPING * rate.y,
+            clamp(YAW_GAIN * (turn - rate.z), MAX_YAW_TORQUE),
+        )

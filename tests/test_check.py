@@ -1,0 +1,172 @@
+"""libgz check, models and schema, as users run them."""
+
+import json
+import re
+import subprocess
+import sys
+
+import pytest
+
+from libgz.reference.check import check
+from libgz.worldfile.attributes import installed_worlds
+
+HEAD = '<gz:world xmlns:gz="g" xmlns:model="m" xmlns:param="p">\n'
+FAULTY = (
+    HEAD
+    + """\
+<model:GroundPlane><texturFile>x.ppm</texturFile></model:GroundPlane>
+<model:SimpleSolid><shape>blob</shape></model:SimpleSolid>
+<model:Ball><plugin>Ball.so</plugin></model:Ball>
+<model:SimpleSolid><size>1 0 1</size></model:SimpleSolid>
+<model:Cup><plugin>Cup.py</plugin></model:Cup>
+<model:Pioneer2AX/>
+</gz:world>
+"""
+)
+
+
+def libgz(*arguments, **options):
+    return subprocess.run(
+        [sys.executable, "-m", "libgz.apps.libgz", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        **options,
+    )
+
+
+@pytest.fixture
+def faulty(tmp_path):
+    path = tmp_path / "faulty.world"
+    path.write_text(FAULTY)
+    return path
+
+
+def test_all_faults_at_once_in_order_of_lines(faulty):
+    done = libgz("check", faulty)
+    assert done.returncode == 1, done.stderr
+    assert done.stderr == ""
+    lines = [line for line in done.stdout.splitlines() if line.startswith(str(faulty))]
+    assert [int(line.removeprefix(f"{faulty}:").partition(":")[0]) for line in lines] == [2, 3, 4, 5, 6, 7]
+    assert lines[0].endswith(
+        "<texturFile>: warning: is not used by <model:GroundPlane>; did you mean 'textureFile' or 'textureSize'?"
+    )
+    assert "<shape>: 'blob' is not allowed; shape must be one of box, cylinder, sphere" in lines[1]
+    assert "plugin 'Ball.so' was not found; tried" in lines[2]
+    assert "plugin 'Cup.py' was not found; tried" in lines[4]
+    assert f"{faulty.parent}/ (the worldfile's directory): has no Ball.py" in done.stdout
+    assert "unknown model class" in lines[5]
+    assert "did you mean 'Pioneer2" in lines[5]
+
+
+def test_json(faulty):
+    done = libgz("check", "--json", faulty)
+    faults = json.loads(done.stdout)
+    assert done.returncode == 1
+    assert faults[1] == {
+        "file": str(faulty),
+        "line": 3,
+        "element": "shape",
+        "message": "'blob' is not allowed; shape must be one of box, cylinder, sphere",
+        "severity": "error",
+    }
+
+
+def test_warnings_are_errors_if_wanted(tmp_path):
+    path = tmp_path / "unused.world"
+    path.write_text(HEAD + "<model:GroundPlane><colour>1 0 0</colour></model:GroundPlane></gz:world>")
+    assert libgz("check", path).returncode == 0
+    strict = libgz("check", "--strict", path)
+    assert strict.returncode == 1
+    assert "warning: " not in strict.stdout
+    assert "did you mean 'color'" in strict.stdout
+
+
+def test_ready_worlds_are_clean():
+    for path in installed_worlds().glob("*.world"):
+        assert check(path) == []
+
+
+def test_files_that_are_no_worlds(tmp_path):
+    broken = tmp_path / "broken.world"
+    broken.write_text("<gz:world xmlns:gz='g'>\n<model:\n</gz:world>")
+    later = tmp_path / "later.world"
+    later.write_text("<?xml version='1.0'?>\n<sdf version='1.6'/>")
+    absent = tmp_path / "absent.world"
+    assert {fault.line for fault in check(broken)} & {2, 3}
+    (fault,) = check(later)
+    assert (fault.line, fault.element) == (2, "sdf")
+    assert "Gazebo classic" in fault.message
+    (fault,) = check(absent)
+    assert str(fault.message).startswith("cannot read worldfile")
+    done = libgz("check", broken, later, absent)
+    assert done.returncode == 1
+    assert f"{later}:2: <sdf>: this is an SDF world" in done.stdout
+
+
+def test_two_models_that_want_one_interface(tmp_path):
+    path = tmp_path / "twins.world"
+    path.write_text(
+        HEAD + "<model:Pioneer2AT><id>r</id></model:Pioneer2AT>\n<model:Pioneer2DX><id>r</id>\n"
+        "<model:SickLMS200><id>r</id></model:SickLMS200></model:Pioneer2DX></gz:world>"
+    )
+    (fault,) = check(path)
+    assert (fault.line, fault.severity) == (3, "warning")
+    assert fault.message.startswith("does not serve position.r and power.r and sonar.r")
+    assert "<model:Pioneer2AT>, line 2, does" in fault.message
+
+
+PLUGIN = """
+from libgz import Body, BoxGeom, GZ_REGISTER_PLUGIN, Model
+class Cup(Model):
+    def Load(self, file, node):
+        body = Body(self.world)
+        self.AddBody(body, True)
+        BoxGeom(body, self.modelSpaceId, 1, 1, 1)
+        if node.GetBool("fail"):
+            raise RuntimeError("it leaks")
+    def Init(self, file, node):
+        open("{trace}", "w").close()
+GZ_REGISTER_PLUGIN("Cup", Cup)
+"""
+
+
+def test_plugins_are_loaded_but_not_started_and_nothing_is_left(wire, tmp_path):
+    trace = tmp_path / "trace"
+    (tmp_path / "CheckedCup.py").write_text(PLUGIN.format(trace=trace))
+    path = tmp_path / "cup.world"
+    text = HEAD + "<model:Cup><plugin>CheckedCup.py</plugin><fail>{}</fail></model:Cup></gz:world>"
+    path.write_text(text.format("true"))
+    (fault,) = check(path)
+    assert "RuntimeError: it leaks" in fault.message
+    path.write_text(text.format("false"))
+    assert check(path) == []
+    assert not trace.exists()
+
+
+def test_models_are_listed_and_described(tmp_path):
+    listed = libgz("models")
+    assert listed.returncode == 0
+    assert re.search("SickLMS200 +SICK's scanning laser range-finder", listed.stdout)
+    told = libgz("models", "SickLMS200").stdout
+    for words in (
+        "minAngle [deg]: angle, default -90",
+        "Interfaces: laser, fiducial",
+        "parentBody",
+        "7 kg",
+        "<id>laser1",
+    ):
+        assert words in told
+    wrong = libgz("models", "Sik")
+    assert wrong.returncode == 1
+    assert wrong.stderr.startswith("libgz: there is no model 'Sik'; there are ")
+    assert "SickLMS200.md" in libgz("models", "--pages", tmp_path / "pages").stdout
+    (tmp_path / "file").write_text("")
+    assert "cannot write" in libgz("models", "--pages", tmp_path / "file").stderr
+
+
+def test_the_grammar_is_written(tmp_path):
+    path = tmp_path / "world.rng"
+    assert libgz("schema", "--rng", "-o", path).returncode == 0
+    assert path.read_text() == libgz("schema", "--rng").stdout
+    assert "cannot write" in libgz("schema", "--rng", "-o", tmp_path / "no" / "world.rng").stderr

@@ -1,0 +1,183 @@
+"""The contact rule of Gazebo classic: friction by direction, slip, slack, bounded push-out, bounce, bits."""
+
+import math
+
+import pytest
+
+import libgz
+from libgz.ode.native_step import native_path
+from libgz.ode.types import Surface
+from libgz.physics.engine import Engine, Space
+
+FORMS = ["python"] + (["native"] if native_path() is not None else [])
+
+
+@pytest.fixture(params=FORMS)
+def engine(request, monkeypatch):
+    monkeypatch.setenv("LIBGZ_STEP", request.param)
+    made = Engine(step_time=0.001, gravity=(0, 0, -9.8))
+    made.classic = True
+    return made
+
+
+def ground(engine, **surface):
+    body = libgz.Body(engine, dummy=True)
+    plane = libgz.PlaneGeom(body, Space(engine), 0.0, (0, 0, 1))
+    return set_surface(engine, plane, **surface)
+
+
+def set_surface(engine, geom, mu=1.0, mu2=None, fdir1=(0, 0, 0), **more):
+    values = {"KP": 1e12, "KD": 1.0, "MAX_VEL": 0.01, "BOUNCE_VEL": 1e5, **more}
+    for name, value in values.items():
+        engine.set_surface(geom.row, Surface[name], value)
+    geom.SetFriction(mu, mu2)
+    for i, value in enumerate(fdir1):
+        engine.set_surface(geom.row, Surface.FDIR1 + i, value)
+    return geom
+
+
+def box(engine, position, height=1.0, **surface):
+    body = libgz.Body(engine)
+    geom = libgz.BoxGeom(body, Space(engine), 1, 1, height)
+    geom.SetMass(1.0)
+    set_surface(engine, geom, **surface)
+    body.SetPosition(position)
+    return body
+
+
+def run(engine, seconds):
+    for _ in range(round(seconds / engine.step_time)):
+        engine.step()
+
+
+def test_a_dropped_box_rests_at_its_height(engine):
+    ground(engine)
+    body = box(engine, (0, 0, 1.0))
+    run(engine, 2.0)
+    assert body.GetPosition().z == pytest.approx(0.5, abs=1e-4)
+    assert abs(body.GetLinearVel().z) < 0.0101
+
+
+def test_friction_slides_by_the_smaller_coefficient(engine):
+    engine.gravity = (0, -1.0, -1.0)
+    ground(engine, mu=100)
+    bodies = [(mu, box(engine, (3 * i, 0, 0.1), height=0.2, mu=mu)) for i, mu in enumerate((0.9, 0.99, 1.01))]
+    run(engine, 2.0)
+    for mu, body in bodies:
+        velocity = body.GetLinearVel()
+        assert velocity.y == pytest.approx(min(0.0, mu - 1.0) * 2.0, abs=5e-3)
+        assert abs(velocity.x) < 1e-3
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.2])
+def test_fdir1_is_where_mu_counts(engine, angle):
+    """Rough along fdir1, slippery across it: the box goes across, whatever gravity wants."""
+    engine.gravity = (0, -1.0, -9.8)
+    ground(engine, mu=100, mu2=100)
+    body = box(engine, (0, 0, 0.5), mu=1.0, mu2=0.0, fdir1=(math.cos(angle), math.sin(angle), 0))
+    run(engine, 1.0)
+    velocity = body.GetLinearVel()
+    along = velocity.x * math.cos(angle) + velocity.y * math.sin(angle)
+    across = -velocity.x * math.sin(angle) + velocity.y * math.cos(angle)
+    assert along == pytest.approx(0.0, abs=5e-3)
+    assert across == pytest.approx(-math.cos(angle), abs=0.02)
+
+
+def test_slip_lets_bodies_creep_under_a_force(engine):
+    """Terminal speed is force times slip over the number of contact points, which the slip is multiplied with."""
+    engine.gravity = (0, 2.0, -9.81)
+    ground(engine, mu=100)
+    body = libgz.Body(engine)
+    ball = libgz.SphereGeom(body, Space(engine), 0.5)
+    ball.SetMass(2.0)
+    set_surface(engine, ball, mu=100, SLIP1=0.1, SLIP2=0.1)
+    body.SetPosition((0, 0, 0.5))
+    hinge = libgz.SliderJoint(engine)  # keeps it from rolling
+    hinge.Attach(body, None)
+    hinge.SetAxis(0, 1, 0)
+    run(engine, 3.0)
+    assert body.GetLinearVel().y == pytest.approx(2.0 * 2.0 * 0.1, rel=0.015)
+
+
+def test_bounce_needs_both_and_a_threshold(engine):
+    ground(engine, BOUNCE=0.5, BOUNCE_VEL=0.1, KD=1e6)
+    bouncing = box(engine, (0, 0, 1.5), BOUNCE=0.8, BOUNCE_VEL=0.1, KD=1e6)
+    dull = box(engine, (3, 0, 1.5), BOUNCE=0.0, KD=1e6)
+    peaks = [0.0, 0.0]
+    for _ in range(1200):
+        engine.step()
+        for i, body in enumerate((bouncing, dull)):
+            if body.GetLinearVel().z > 0:
+                peaks[i] = max(peaks[i], body.GetPosition().z - 0.5)
+    assert peaks[0] == pytest.approx(0.25, abs=0.02)  # e^2 h, e the smaller one
+    assert peaks[1] < 0.02
+
+
+def test_a_penetration_is_pushed_out_slowly(engine):
+    ground(engine, MAX_VEL=0.01)
+    engine.gravity = (0, 0, 0)
+    body = box(engine, (0, 0, 0.4), MAX_VEL=0.0)
+    run(engine, 1.0)
+    assert body.GetPosition().z == pytest.approx(0.41, abs=1e-3)
+
+
+def test_a_slack_depth_is_let_be(engine):
+    ground(engine)
+    deep, shallow = box(engine, (0, 0, 0.48), MIN_DEPTH=0.01), box(engine, (3, 0, 0.495), MIN_DEPTH=0.01)
+    run(engine, 3.0)
+    assert deep.GetPosition().z == pytest.approx(0.49, abs=1e-3)
+    assert shallow.GetPosition().z == pytest.approx(0.495, abs=1e-3)
+
+
+def test_bits_say_who_touches_whom(engine):
+    ground(engine, BITS=0xFF)
+    falls, rests = box(engine, (0, 0, 0.5), BITS=0x10000), box(engine, (3, 0, 0.5), BITS=1)
+    run(engine, 0.5)
+    assert falls.GetPosition().z < 0
+    assert rests.GetPosition().z == pytest.approx(0.5, abs=1e-3)
+
+
+def test_fewer_contacts_on_request(engine):
+    ground(engine, MAX_CONTACTS=3)
+    box(engine, (0, 0, 0.499))
+    engine.step()
+    assert engine.contact_count == 3
+
+
+def test_both_forms_agree_to_the_bit(monkeypatch):
+    if len(FORMS) < 2:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    ends = []
+    for form in FORMS:
+        monkeypatch.setenv("LIBGZ_STEP", form)
+        engine = Engine(step_time=0.001, solver="quick", seed=3)
+        engine.classic = True
+        ground(engine, mu=0.8, BOUNCE=0.3, BOUNCE_VEL=0.1)
+        for i in range(6):
+            spin = {
+                "fdir1": (1, 0.3, 0),
+                "SLIP1": 0.01 * i,
+                "MIN_DEPTH": 1e-4 * i,
+                "BOUNCE": 0.1 * i,
+                "BOUNCE_VEL": 0.1,
+            }
+            body = box(engine, (0.4 * i, 0.1 * i, 0.6 + 1.1 * i), mu=0.2 * i, mu2=0.5, MAX_CONTACTS=4 + i, **spin)
+            body.SetAngularVel((i, 1, 0))
+        run(engine, 1.5)
+        ends.append(engine.states.tobytes())
+    assert ends[0] == ends[1]
+
+
+def test_the_halves_of_a_step_are_a_step(engine):
+    ground(engine)
+    body = box(engine, (0, 0, 0.5))
+    twin = Engine(step_time=0.001)
+    twin.classic = True
+    ground(twin)
+    other = box(twin, (0, 0, 0.5))
+    for _ in range(50):
+        engine.step()
+        twin.collide()
+        twin.solve()
+    assert tuple(body.GetPosition()) == tuple(other.GetPosition())
+    assert twin.contact_count == engine.contact_count > 0

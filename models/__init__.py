@@ -39,6 +39,3 @@ MODELS = {
         "WiFi",
     )
 }
-
-# Known names of which no more is known than that.
-MODELS |= {name: f"libgz.models.unsimulated:{name}" for name in ("PointSet", "TotemPole")}

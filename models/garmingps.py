@@ -29,10 +29,27 @@ class GarminGPSAttributes:
 
 
 class GarminGPS(Model):
-    """A receiver without noise and without anything in the sky's way; the origin is its bottom's centre. Serves gps.
+    """A satellite receiver without noise, whose view of the sky nothing blocks.
 
-    The world's utmOffset is added to its position; utmZone makes latitude and longitude of that, on WGS84. Where a
-    world sets no zone they stay 0.
+    The origin is the centre of its bottom. The world's utmOffset is added to its position; utmZone makes latitude and
+    longitude of that, on WGS84. Where a world sets no zone they stay 0.
+    """
+
+    attributes = GarminGPSAttributes
+    interfaces = ("gps",)
+    example = """
+        <param:Global>
+          <utmZone>31</utmZone>
+          <utmOffset>448251.795 5411932.678 35</utmOffset>
+        </param:Global>
+
+        <model:Pioneer2AT>
+          <id>robot1</id>
+          <model:GarminGPS>
+            <id>gps1</id>
+            <xyz>-0.15 0 0.311</xyz>
+          </model:GarminGPS>
+        </model:Pioneer2AT>
     """
 
     attributes = GarminGPSAttributes

@@ -36,7 +36,20 @@ class MapExtruderAttributes:
 
 
 class MapExtruder(Model):
-    """Fixed walls, one box for each side of an outline; `walls` holds their ends [m], shape (n, 2, 2)."""
+    """Fixed walls on the outlines of a floor plan, a box for each side.
+
+    `walls` holds their ends [m], shape (n, 2, 2).
+    """
+
+    attributes = MapExtruderAttributes
+    example = """
+        <model:MapExtruder>
+          <id>rooms</id>
+          <imageFile>example2.png</imageFile>
+          <scale>0.05</scale>
+          <errBound>1</errBound>
+        </model:MapExtruder>
+    """
 
     attributes = MapExtruderAttributes
     example = """

@@ -100,7 +100,7 @@ class _Slide:
 
 
 class Pioneer2Gripper(Model):
-    """A gripper, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975). Serves gripper.
+    """Two paddles on a lift, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975).
 
     It begins open and down. A command holds until the next one; other numbers than the interface's do nothing. What it
     tells of itself is measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press
@@ -115,10 +115,10 @@ class Pioneer2Gripper(Model):
     example = """
         <model:Pioneer2DX>
           <id>robot1</id>
-          <xyz>0 0 0.238</xyz>
+          <xyz>0 0 0.24</xyz>
           <model:Pioneer2Gripper>
             <id>gripper1</id>
-            <xyz>0.14 0 -0.0975</xyz>
+            <xyz>0.14003 0 -0.0975</xyz>
           </model:Pioneer2Gripper>
         </model:Pioneer2DX>
     """

@@ -13,7 +13,7 @@ UPDATE_RATE = 10.0  # [Hz]
 
 
 class Pioneer2Sonars(Model):
-    """Sixteen sonars on the robot it is nested in, laid out as on that robot; without a shape. Serves sonar.
+    """Sixteen sonars on the robot it is nested in, laid out as on that robot; without a shape.
 
     The robot's own sonar interface stays. On anything but a Pioneer2AT the layout is that of a Pioneer2DX.
     """
@@ -22,7 +22,7 @@ class Pioneer2Sonars(Model):
     example = """
         <model:Pioneer2DX>
           <id>robot1</id>
-          <xyz>0 0 0.238</xyz>
+          <xyz>0 0 0.24</xyz>
           <model:Pioneer2Sonars>
             <id>sonars1</id>
           </model:Pioneer2Sonars>

@@ -32,7 +32,19 @@ class RoadAttributes:
 
 
 class Road(Model):
-    """A fixed road of 16 m. The world's utmOffset is taken off its coordinates."""
+    """A fixed road of 16 m along surveyed points; the world's utmOffset is taken off their coordinates."""
+
+    attributes = RoadAttributes
+    example = """
+        <param:Global>
+          <utmOffset>500000 4000000</utmOffset>
+        </param:Global>
+
+        <model:Road>
+          <id>road1</id>
+          <roadFile>road.txt</roadFile>
+        </model:Road>
+    """
 
     attributes = RoadAttributes
     example = """

@@ -34,7 +34,19 @@ class TerrainAttributes:
 
 
 class Terrain(Model):
-    """Fixed ground; the origin is that of the terrain file, or the corner of the height map at -x, -y."""
+    """Fixed ground from a terrain file or a height map.
+
+    The origin is that of the terrain file, or the corner of the height map at -x, -y.
+    """
+
+    attributes = TerrainAttributes
+    example = """
+        <model:Terrain>
+          <id>hills</id>
+          <terrainFile>terrain.gzb</terrainFile>
+          <xyz>-32 -32 0.01</xyz>
+        </model:Terrain>
+    """
 
     attributes = TerrainAttributes
     example = """

@@ -16,7 +16,7 @@ FARTHEST = 1e6  # [m]; no world is larger
 
 
 class TruthWidget(Model):
-    """The true global pose of the model it is nested in, or its own at the top level; without a shape. Serves truth.
+    """The true global pose of the model it is nested in, or its own at the top level; without a shape.
 
     A client that writes `cmd_pos` and `cmd_rot` and then sets `cmd_new` puts that model there, at rest. Both go on in
     each step, and while the world is paused.
@@ -24,12 +24,13 @@ class TruthWidget(Model):
 
     interfaces = ("truth",)
     example = """
-        <model:Pioneer2AT>
+        <model:Pioneer2DX>
           <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
           <model:TruthWidget>
             <id>truth1</id>
           </model:TruthWidget>
-        </model:Pioneer2AT>
+        </model:Pioneer2DX>
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102

@@ -33,7 +33,7 @@ class WiFiAttributes:
 
 
 class WiFi(Model):
-    """A radio without a shape, mostly nested in a robot. Serves wifi: links to the other WiFi models in reach.
+    """A radio without a shape, mostly nested in a robot, linked to the other radios in reach.
 
     The level of a link is the other's power, less the loss of free space over the first metre (40.2 dB at 2.437 GHz),
     less 10 pathLoss log10(distance / 1 m): the log-distance model. Nothing between two radios counts. The strongest
@@ -42,6 +42,15 @@ class WiFi(Model):
 
     attributes = WiFiAttributes
     interfaces = ("wifi",)
+    example = """
+        <model:Pioneer2DX>
+          <id>robot1</id>
+          <xyz>0 0 0.24</xyz>
+          <model:WiFi>
+            <id>wifi1</id>
+          </model:WiFi>
+        </model:Pioneer2DX>
+    """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(WiFiAttributes, node)

@@ -396,11 +396,11 @@ def test_radio_addresses_are_checked(caplog):
 
 
 @pytest.mark.parametrize("name", ["TotemPole", "PointSet"])
-def test_models_known_by_name_only_say_so_once(name, caplog):
+def test_models_known_by_name_only_are_skipped_with_a_word(name, caplog):
     solid = "<model:SimpleSolid><id>s</id><xyz>0 0 1</xyz></model:SimpleSolid>"
     with world_of(f"<model:{name}><id>p</id><xyz>1 0 0</xyz><colors><c>1</c></colors>{solid}</model:{name}>") as world:
-        assert tuple(world.model("s").GetPose().pos) == (1, 0, 1)
-    assert [r.getMessage().count("not simulated") for r in caplog.records] == [1]
+        assert world.GetNumModels() == 0
+    assert [r.getMessage().count("no manual tells its attributes") for r in caplog.records] == [1]
 
 
 def test_a_gripper_over_the_wire(gazebo, wire, tmp_path):

@@ -26,6 +26,7 @@ from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
+from libgz.worldfile.spelling import NAMES_ONLY
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -231,7 +232,8 @@ class World(Lookup, Clock):
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(self, node.GetName())
         if model is None:
-            hint = nearest(node.name, self.factory.names()) or "; `libgz models` lists those there are"
+            hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
+            hint = hint or "; `libgz models` lists those there are"
             node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model
 

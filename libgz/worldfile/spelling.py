@@ -10,7 +10,16 @@ from dataclasses import dataclass
 
 from libgz.worldfile.number import atof
 
-__all__ = ["IGNORED", "OLD_ORIGIN_HEIGHT", "OLD_TAGS", "Renamed", "ignored_tags", "renamed_keys", "renamed_tags"]
+__all__ = [
+    "IGNORED",
+    "NAMES_ONLY",
+    "OLD_ORIGIN_HEIGHT",
+    "OLD_TAGS",
+    "Renamed",
+    "ignored_tags",
+    "renamed_keys",
+    "renamed_tags",
+]
 
 DEFAULT_STEP = 0.02  # [s]
 
@@ -80,6 +89,12 @@ IGNORED: dict[str, tuple[tuple[str, ...], ...]] = {
 # A file with a model that has one of these children, or of one of these kinds, was written for 0.4.
 OLD_TAGS = frozenset({"window", "lens", "updatePeriod", "displayLaser", "imgSize", "cfm"})
 OLD_MODELS = frozenset({"MapExtruder", "Pioneer2Sonars"})
+
+# Models of 0.4 of which no more than the name is known, and what to say of them.
+NAMES_ONLY = {
+    "PointSet": "; no manual tells its attributes: it only drew points, and touched nothing",
+    "TotemPole": "; no manual tells its attributes: SimpleSolids on top of each other can stand in for it",
+}
 
 # Where the origin of 0.4 lay above that of 0.5 [m]; SimpleSolid's lay at its centre.
 OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}

@@ -42,7 +42,7 @@ SONAR_HEIGHT = 0.36  # [m]; over the wheels, which are spheres to a ray
 class Atrv(DifferentialRobot):
     """Four driven wheels and twenty-six sonars; the origin is on the ground under the centre.
 
-    Serves position, power and sonar.
+    Serves position, power and sonar. Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     interfaces = ("position", "power", "sonar")

@@ -20,7 +20,17 @@ ORANGE = GzColor(0.9, 0.4, 0.1)
 
 
 class AvatarHeli(Model):
-    """Fuselage, tail, skids and a rotor that does not turn; the origin is 49 cm above the ground. No interface."""
+    """Fuselage, tail, skids and a rotor that does not turn; the origin is 49 cm above the ground.
+
+    It has no interface. Dimensions and layout chosen for libgz.
+    """
+
+    example = """
+    <model:AvatarHeli>
+      <id>robot1</id>
+      <xyz>0 0 1</xyz>
+    </model:AvatarHeli>
+    """
 
     attributes = SkinAttributes
 

@@ -37,7 +37,7 @@ def sonar_poses() -> list[tuple[float, float, float, float]]:
 class B21R(DifferentialRobot):
     """Two driven wheels, two sliding casters, two rings of 24 sonars; the origin is on the ground below the centre.
 
-    Serves position, power and sonar.
+    Serves position, power and sonar. Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     interfaces = ("position", "power", "sonar")

@@ -82,6 +82,14 @@ class Bandit(Model):
 
     The origin is the centre of the torso's bottom. Serves joint, in this order: left SHOULDER, UPPERARM, ELBOW,
     LOWERARM and WRIST, the same of the right, and HEAD. Wrists and head turn about two axes: x and y, z and y.
+    Dimensions and layout chosen for libgz.
+    """
+
+    example = """
+    <model:Bandit>
+      <id>robot1</id>
+      <xyz>0 0 0.8</xyz>
+    </model:Bandit>
     """
 
     interfaces = ("joint",)

@@ -47,7 +47,14 @@ class Blimp(MobileRobot):
     """An airship that neither rises nor sinks; what is attached to it has its weight and pulls it down.
 
     The origin is the centre of the envelope. Serves position, all of it true and counted from where it started. It
-    obeys cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2].
+    obeys cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2]. Dimensions and layout chosen for libgz.
+    """
+
+    example = """
+    <model:Blimp>
+      <id>robot1</id>
+      <xyz>0 0 10</xyz>
+    </model:Blimp>
     """
 
     attributes: ClassVar[type[RobotAttributes]] = BlimpAttributes

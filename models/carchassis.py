@@ -39,6 +39,7 @@ class CarChassis(MobileRobot):
 
     Serves position. It obeys cmd_vel_pos[0], the speed [m/s], and cmd_vel_rot[2], which is not a turning rate here but
     the angle of the front wheels [rad]. Its odometry is that of a bicycle.
+    Dimensions and layout chosen for libgz.
     """
 
     attributes: ClassVar[type[RobotAttributes]] = CarChassisAttributes

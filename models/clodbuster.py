@@ -41,6 +41,7 @@ class ClodBuster(DifferentialRobot):
     """Four wheels, each on a stub that steers; the origin is on the ground under the centre.
 
     Serves position. It cannot turn on the spot: a turn without a speed leaves it standing.
+    Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     attributes: ClassVar[type[RobotAttributes]] = ClodBusterAttributes

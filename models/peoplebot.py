@@ -35,6 +35,7 @@ class PeopleBot(DifferentialRobot):
     """Two driven wheels, a ball caster, a column with a deck, and sixteen sonars in two half rings.
 
     The origin is on the ground under the axle. Serves position, power and sonar.
+    Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     interfaces = ("position", "power", "sonar")

@@ -20,6 +20,7 @@ class Roomba(DifferentialRobot):
     """A low disc on two driven wheels, with a ball in front and a skid behind.
 
     The origin is on the ground under the centre. Serves position and power.
+    Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     interfaces = ("position", "power")

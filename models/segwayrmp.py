@@ -37,6 +37,7 @@ class SegwayRMP(DifferentialRobot):
     """A base and a `topPlate` on two wheels; the origin is on the ground under the axle.
 
     Serves position, with the pitch in rot[1]. It balances from the first step on; with its motors off it falls.
+    Dimensions as published for the real machine; layout chosen for libgz.
     """
 
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes

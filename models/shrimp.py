@@ -35,6 +35,14 @@ class Shrimp(DifferentialRobot):
     """Six driven wheels that keep to the ground, the front and the rear one steered; the origin is 20 cm above it.
 
     Serves position; its odometry comes from the four wheels of the bogies. It climbs steps of 10 cm.
+    Dimensions as published for the real machine; layout chosen for libgz.
+    """
+
+    example = """
+    <model:Shrimp>
+      <id>robot1</id>
+      <xyz>0 0 0.2</xyz>
+    </model:Shrimp>
     """
 
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes

@@ -23,7 +23,14 @@ BLUE = GzColor(0.1, 0.2, 0.5)
 class WheelChair(DifferentialRobot):
     """A chair on four sprung wheels; the origin is the top of the backrest, 1.20 m above the ground.
 
-    Serves position.
+    Serves position. Dimensions and layout chosen for libgz.
+    """
+
+    example = """
+    <model:WheelChair>
+      <id>robot1</id>
+      <xyz>0 0 1.2</xyz>
+    </model:WheelChair>
     """
 
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes

@@ -15,7 +15,7 @@ from libgz.errors import GazeboError, PluginError, WorldFileError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.engine import Engine
-from libgz.simulation.changes import delete_models, family_of, insert_models
+from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.lookup import Lookup
 from libgz.simulation.origin import to_file, to_world
@@ -359,6 +359,7 @@ class World(Lookup):
             for model in self._updating:
                 if model.failed is not None:
                     model.motors_off()
+                    unlock_interfaces(self, model)
             self._updating = [model for model in self._updating if model.failed is None]
 
     # Changes -----------------------------------------------------------------------------------------------------

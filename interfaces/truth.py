@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
@@ -98,7 +99,11 @@ class Truth(Interface[TruthData]):
 
 
 def _quaternion(rotation: Array[float]) -> GzQuatern:
-    return GzQuatern(*rotation) if len(rotation) == 4 else GzQuaternFromEuler(*rotation)
+    if len(rotation) == 4:
+        return GzQuatern(*rotation)
+    if not all(map(math.isfinite, rotation)):  # nobody knows what turns that far
+        return GzQuatern(math.nan, math.nan, math.nan, math.nan)
+    return GzQuaternFromEuler(*rotation)
 
 
 def gz_truth_euler_from_quatern(truth: Truth | None, e: Array[float], q: Sequence[float]) -> None:

@@ -41,7 +41,10 @@ class Factory(Model):
         self.box.destroy()
 
     def Update(self, step: float) -> None:  # noqa: D102
-        if not self._letter[0] or not self.box.lock():
+        if not self.box.lock():  # without it, a file that a client cut short would not be mended before it is read
+            return
+        if not self._letter[0]:
+            self.box.unlock()
             return
         content = self._letter.tobytes()
         taken = content == self._seen

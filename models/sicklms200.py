@@ -171,8 +171,9 @@ class SickLMS200(Model):
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
         data.res_angle = (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
-        self.laser.ranges[:] = self.readings()
-        self.laser.intensities[:] = bright[self._first] | bright[self._second]
+        count = self.rangeCount  # not the file's: a client may have written another one
+        self.laser.all_ranges[:count] = self.readings()
+        self.laser.all_intensities[:count] = bright[self._first] | bright[self._second]
         self.laser.unlock()
 
     def _publish_fiducials(self, now: float) -> None:

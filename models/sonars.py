@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from libgz.interfaces.sonar import Sonar
+from libgz.interfaces.sonar import Sonar, SonarData
 from libgz.physics.body import Body
 from libgz.sensors.rays import RayProximity
 from libgz.simulation.model import Model
@@ -56,18 +56,24 @@ class SonarRing:
             model.world.gz_server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId()
         )
         with self.interface.locked() as data:
-            count = data.sonar_count = len(self.poses)
-            data.max_range = MAX_RANGE
-            self.interface.sonar_pos[:count] = self.poses[:, :3]
-            self.interface.sonar_rot[:count, 2] = self.poses[:, 3]
-            self.interface.sonar_ranges[:count] = MAX_RANGE
+            self._describe(data)
+            self.interface.sonar_ranges[: len(self.poses)] = MAX_RANGE
+
+    def _describe(self, data: SonarData) -> None:
+        """Write what never changes, under the lock."""
+        count = data.sonar_count = len(self.poses)
+        data.max_range = MAX_RANGE
+        self.interface.sonar_pos[:count] = self.poses[:, :3]
+        self.interface.sonar_rot[:count, 2] = self.poses[:, 3]
 
     def Update(self, now: float) -> None:
         """Cast the rays and publish, at sim time `now` [s]."""
         self.rays.Update()
         if self.interface.lock():
-            self.interface.data.time = now
-            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.ranges)
+            data = self.interface.data
+            data.time = now
+            self._describe(data)  # a client may have written over it
+            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.sonar_ranges[: len(self.poses)])
             self.interface.unlock()
 
     def Fini(self) -> None:

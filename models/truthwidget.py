@@ -40,7 +40,6 @@ class TruthWidget(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.guard = Guard(f"truth.{self.GetId()}")
         self.truth.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
-        self.truth.data.cmd_rot[0] = 1.0
         self._publish()
 
     def Fini(self) -> None:  # noqa: D102
@@ -49,11 +48,7 @@ class TruthWidget(Model):
     def Update(self, step: float) -> None:  # noqa: D102
         if not self.truth.lock():
             return
-        data = self.truth.data
-        wanted = None
-        if data.cmd_new:
-            data.cmd_new = 0
-            wanted = (*data.cmd_pos, *data.cmd_rot)
+        wanted = self.truth.take_move()
         self.truth.unlock()
         if wanted is not None:
             self._move(wanted)
@@ -66,19 +61,17 @@ class TruthWidget(Model):
     def _publish(self) -> None:
         pose = self._subject.GetPose()
         if self.truth.lock():
-            data = self.truth.data
-            data.time = self.world.GetSimTime()
-            data.pos[:], data.rot[:] = tuple(pose.pos), tuple(pose.rot)
+            self.truth.publish(self.world.GetSimTime(), pose)
             self.truth.unlock()
 
-    def _move(self, wanted: tuple[float, ...]) -> None:
+    def _move(self, wanted: GzPose) -> None:
         """Put the model at a global pose, if it is one."""
-        rotation = wanted[3:]
-        length = math.sqrt(sum(q * q for q in rotation)) if all(map(math.isfinite, wanted)) else 0.0
-        if not 1e-6 < length < 1e6 or max(map(abs, wanted[:3])) > FARTHEST:
-            self.guard.tell("cmd_pos, cmd_rot", f"are {wanted}, which is no pose, and are ignored")
+        numbers = (*wanted.pos, *wanted.rot)
+        length = math.sqrt(sum(q * q for q in wanted.rot)) if all(map(math.isfinite, numbers)) else 0.0
+        if not 1e-6 < length < 1e6 or max(map(abs, wanted.pos)) > FARTHEST:
+            self.guard.tell("cmd_pos, cmd_rot", f"are {numbers}, which is no pose, and are ignored")
             return
-        pose = GzPose(GzVector(*wanted[:3]), GzQuaternNormal(GzQuatern(*rotation)))
+        pose = GzPose(GzVector(*wanted.pos), GzQuaternNormal(GzQuatern(*wanted.rot)))
         subject = self._subject
         if subject.parentBody is not None:
             pose = GzCoordPoseSub(pose, subject.parentBody.GetPose())

@@ -295,6 +295,31 @@ def test_a_c_program_without_any_library_reads_by_offsets(tmp_path, server, kind
 
 
 @needs_compiler
+@pytest.mark.parametrize("kind", ["truth", "camera"])
+def test_a_c_program_reads_0x050_by_offsets(tmp_path, wire, kind):
+    server = Server(wire, version=0x050)
+    server.start()
+    served = new_interface(kind)
+    served.create(server, "thing1", "Tester")
+    served.data.time = 12.5
+    struct, head = LAYOUT["_versions"]["0x050"]["differs"][f"gz_{kind}_data"], LAYOUT["gz_data"]["fields"]
+    last = list(struct["fields"].values())[-1]
+    values = {
+        "size": struct["size"],
+        "version": head["version"][0],
+        "head_size": head["size"][0],
+        "model_type": head["model_type"][0],
+        "time": struct["fields"]["time"][0],
+        "body": f"    memset(memory + {last[0]}, 1, {last[1]});",
+    }
+    done = run(compile_c(tmp_path, RAW % values), Path(server.path) / f"{kind}.thing1")
+    assert done.stdout.split() == ["50", str(struct["size"]), "Tester", "12.500"]
+    array = served.array("cmd_rot" if kind == "truth" else "image")
+    assert array.tobytes() == b"\1" * last[1]
+    server.stop()
+
+
+@needs_compiler
 def test_a_c_program_drives_the_robot_of_a_running_server(tmp_path, flags, gazebo):
     body = r"""
     face->data->cmd_vel_pos[0] = 0.4;

@@ -15,8 +15,8 @@ HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 GROUND = "<model:GroundPlane/>"
 
 
-def world_of(body, settings=""):
-    return libgz.World.from_string(f"{HEAD}<param:Global>{settings}</param:Global>{body}</gz:world>")
+def world_of(body, settings="", **options):
+    return libgz.World.from_string(f"{HEAD}<param:Global>{settings}</param:Global>{body}</gz:world>", **options)
 
 
 # Gripper ---------------------------------------------------------------------------------------------------------
@@ -299,6 +299,20 @@ def test_poses_that_are_none_move_nothing(position, rotation, caplog):
         assert tuple(world.model("s").GetPose().pos) == (0, 0, 0)
         assert truth.data.cmd_new == 0
         assert caplog.text.count("a client wrote truth.t") == 1
+
+
+def test_truth_of_0x050_speaks_in_angles(caplog):
+    with world_of("<model:TruthWidget><id>t</id><rpy>10 20 30</rpy></model:TruthWidget>", wire_version=0x050) as world:
+        truth = world.interface("truth", "t")
+        assert tuple(truth.data.rot) == pytest.approx(np.radians((10, 20, 30)))
+        truth.data.cmd_pos[:], truth.data.cmd_rot[:], truth.data.cmd_new = (1, 2, 3), (0.1, 0.2, 0.3), 1
+        world.step()
+        assert tuple(truth.data.pos) == (1, 2, 3)
+        assert tuple(truth.data.rot) == pytest.approx((0.1, 0.2, 0.3))
+        truth.data.cmd_rot[:], truth.data.cmd_new = (math.inf, 0, 0), 1
+        world.step()
+        assert tuple(truth.data.rot) == pytest.approx((0.1, 0.2, 0.3))
+        assert "which is no pose" in caplog.text
 
 
 # Sonars ----------------------------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ import pytest
 
 import libgz
 import libgz.interfaces
+import libgz.interfaces.reference
 from libgz.interfaces.gripper import GripperDataCvs
 from libgz.interfaces.laser import Laser
 from libgz.interfaces.position import Position
@@ -222,6 +223,28 @@ def test_a_dead_servers_leavings_are_reclaimed(wire):
     server.stop()
     server.stop()
     assert not folder.exists()
+
+
+def test_clients_of_a_dead_server_learn_of_its_successor(wire):
+    script = (
+        f"import os; from libgz.transport.server import Server; from libgz.interfaces.sim import Sim\n"
+        f"s = Server({wire}); s.start(); Sim().create(s, 'default'); s.post()\n"
+        f"print('up', flush=True); input(); os._exit(9)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as first:
+        assert first.stdout.readline() == "up\n"
+        client = libgz.Client(wire)
+        client.wait(timeout=5.0)
+        first.communicate("\n", timeout=30)
+    server = Server(wire)
+    server.start()
+    server.post()
+    with pytest.raises(libgz.ServerGoneError):  # its files are frozen: news would be a lie
+        client.wait(timeout=5.0)
+    client.disconnect()
+    server.stop()
 
 
 def test_semaphores_of_a_live_foreign_server_are_respected(wire):
@@ -509,3 +532,9 @@ def test_every_field_is_described():
 
 def test_view_docstrings_carry_units():
     assert Position.vel_pos.__doc__.startswith("velocity in the robot's frame, forward first [m/s], shape (3,)")
+
+
+def test_the_reference_page_is_what_the_declarations_say():
+    page = Path(__file__).parent.parent / "docs" / "interfaces.md"
+    again = "run `python -m libgz.interfaces.reference > docs/interfaces.md`"
+    assert page.read_text() == libgz.interfaces.reference.reference(), again

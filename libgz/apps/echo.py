@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import importlib
 import json
 import math
 import time
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
+from libgz.apps.target import add_target, connect, element_values, find_field, open_target, unit_of, values_of
 from libgz.errors import GazeboError, LibraryError, ParameterError, ServerGoneError
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
@@ -133,13 +134,10 @@ def _text(value: Any) -> str:
 
 def _pyplot() -> Any:
     try:
-        import matplotlib as mpl
-
-        mpl.use("agg")
-        from matplotlib import pyplot
+        importlib.import_module("matplotlib").use("agg")
+        return importlib.import_module("matplotlib.pyplot")
     except ImportError:
         raise LibraryError("--plot draws with matplotlib, which is not installed: pip install 'libgz[plot]'") from None
-    return pyplot
 
 
 def _plot(
@@ -157,9 +155,10 @@ def _plot(
             times.append(now)
             with interface.locked() as data:
                 for text, place in places.items():
-                    row = list(element_values(data, place))
+                    row, unit = list(element_values(data, place)), unit_of(data, place)
                     for i, value in enumerate(row):
-                        lines.setdefault(text if len(row) == 1 else f"{text}[{i}]", []).append(value)
+                        label = text if len(row) == 1 else f"{text}[{i}]"
+                        lines.setdefault(f"{label} [{unit}]" if unit else label, []).append(value)
     figure, axes = pyplot.subplots(figsize=(8, 4.5))
     for label, values in lines.items():
         axes.plot(times, values, label=label, marker="." if len(times) < 50 else None)

@@ -14,7 +14,7 @@ from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 from libgz.transport.layout import fields_of
 
-__all__ = ["add_server", "add_target", "connect", "element_values", "find_field", "open_target", "values_of"]
+__all__ = ["add_server", "add_target", "connect", "element_values", "find_field", "open_target", "unit_of", "values_of"]
 
 LONGEST = 16  # elements of an array that are printed; counts and pictures would fill screens
 ELEMENT = re.compile(r"(\w+)((?:\[\d+\])*)((?:\.\w+)?)")
@@ -126,6 +126,13 @@ def element_values(data: Any, place: tuple[str, tuple[int, ...], str]) -> Iterat
     for index in indices:
         value = value[index]
     yield from _numbers(getattr(value, inner) if inner else value)
+
+
+def unit_of(data: Any, place: tuple[str, tuple[int, ...], str]) -> str:
+    """The unit of the numbers at a place."""
+    name, _, inner = place
+    field = fields_of(type(data))[name]
+    return (fields_of(field.ctype)[inner] if inner else field).unit
 
 
 def _numbers(value: Any) -> Iterator[float]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from libgz.simulation.model import Model
     from libgz.simulation.world import World
 
-__all__ = ["delete_models", "family_of", "insert_models"]
+__all__ = ["delete_models", "family_of", "insert_models", "unlock_interfaces"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -81,6 +81,13 @@ def delete_models(world: World, models: list[Model]) -> None:
     for model in reversed(leaving):
         model.Detach()
         model.close()
+
+
+def unlock_interfaces(world: World, model: Model) -> None:
+    """Give back the locks that a model may hold whose Update failed: clients wait for them without end."""
+    for interface in world.gz_server.interfaces.values():
+        if interface.model_id == model.GetIntId():
+            interface.unlock()
 
 
 def _destroy_interfaces(world: World, model: Model) -> None:

@@ -16,7 +16,7 @@ from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.engine import Engine
 from libgz.sdf.reader import SdfFile, is_sdf
-from libgz.simulation.changes import delete_models, family_of, insert_models
+from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.lookup import Lookup
@@ -386,6 +386,7 @@ class World(Lookup, Clock):
             for model in self._updating:
                 if model.failed is not None:
                     model.motors_off()
+                    unlock_interfaces(self, model)
             self._updating = [model for model in self._updating if model.failed is None]
 
     # Changes -----------------------------------------------------------------------------------------------------

@@ -106,8 +106,10 @@ class Server(LocalServer):
         self._open_directory()
         try:
             self._take_lock()
-            self._make_semaphores()
+            left = self._left_semaphores()
+            # Old files go before new semaphores come: a client that finds the new set never opens an old file.
             self._remove_files()
+            self._make_semaphores(left)
         except BaseException:
             self._abandon()
             raise
@@ -160,19 +162,12 @@ class Server(LocalServer):
             + advice
         )
 
-    def _make_semaphores(self) -> None:
-        """Create the set, or reclaim that of a dead server."""
-        try:
-            self._semaphores = SemaphoreSet.create(self.server_id)
-        except FileExistsError:
-            self._semaphores = self._reclaim_semaphores()
-        except OSError as fault:
-            raise ServerError(f"failed to allocate semaphore [{fault.strerror}]") from None
-
-    def _reclaim_semaphores(self) -> SemaphoreSet:
-        """The set that is there, if its server is dead or force is on."""
+    def _left_semaphores(self) -> SemaphoreSet | None:
+        """The set of a dead server, or of any server if force is on; None if there is no set."""
         try:
             semaphores = SemaphoreSet.attach(self.server_id)
+        except FileNotFoundError:
+            return None
         except OSError as fault:
             raise self._in_use(f"its semaphores belong to another user: {fault.strerror}", "") from None
         poster = semaphores.last_poster()
@@ -180,9 +175,20 @@ class Server(LocalServer):
             # Our own lock was free, so this is a server of another kind, or one that lost its directory.
             advice = ", or -f if you definitely want to use this id"
             raise self._in_use(f"pid {poster} posts to its semaphores", advice)
-        log.info("reclaiming the semaphores that a dead server left (id %d)", self.server_id)
-        semaphores.clear()
         return semaphores
+
+    def _make_semaphores(self, left: SemaphoreSet | None) -> None:
+        """Create the set. One that a dead server left is removed, not used again: who waits on it must learn that the
+        files it has open are nobody's any more."""
+        try:
+            if left is not None:
+                log.info("removing the semaphores that a dead server left (id %d)", self.server_id)
+                left.remove()
+            self._semaphores = SemaphoreSet.create(self.server_id)
+        except FileExistsError:
+            raise self._in_use("it started just now", "") from None
+        except OSError as fault:
+            raise ServerError(f"failed to allocate semaphore [{fault.strerror}]") from None
 
     def _remove_files(self) -> None:
         """Remove what a dead server left in the directory. Links are removed, never followed."""

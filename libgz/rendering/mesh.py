@@ -44,7 +44,7 @@ class Mesh:
 
     Attributes:
         vertices: [m], shape (n, 3).
-        normals: unit vectors, shape (n, 3); None: unlit.
+        normals: unit vectors, shape (n, 3); None: unlit, in the plain diffuse colour.
         texcoords: shape (n, 2), (0, 0) is the lower left of a picture; None: never textured.
         indices: of vertices, counter-clockwise seen from outside; None: all in order.
         mode: a GL primitive.

@@ -233,7 +233,8 @@ class Library:
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE)
         gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, Constant.LINEAR)
-        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.LINEAR_MIPMAP_LINEAR)
+        # Mixing the mipmaps, too, would cost as much as all the rest of a software-drawn picture.
+        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.NEAREST_MIPMAP_NEAREST)
         gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
         height, width, _ = pixels.shape
         gl.glTexImage2D(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import GazeboError
+from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import GzPose
 from libgz.interfaces.camera import GAZEBO_CAMERA_MAX_IMAGE_SIZE, Camera
 from libgz.physics.body import Body
@@ -130,40 +130,63 @@ class CameraServer:
         self.rate = UpdateRate(values.updateRate)
         self.saver = FrameSaver(values.savePath)
         self.eye: Eye | None = None
+        self._taken: float | None = None  # when the picture was taken that is not served yet [s]
 
     def init(self) -> None:
         """Open the eye and make the interface.
 
         Raises:
             LibraryError: the chosen OpenGL does not work here.
+            ParameterError: the interface of this wire version cannot hold such a picture.
         """
         model = self.model
         self.eye = make_eye(model, self.values)
         server = model.world.gz_server
         self.interface.create(server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId())
-        self.interface.data.width, self.interface.data.height = self.eye.GetImageSize()
+        width, height = self.eye.GetImageSize()
+        room = self.interface.array("image").size
+        if width * height * 3 > room:  # only that of 0x050 is smaller than what check_optics lets through
+            raise ParameterError(
+                f"model {model.GetId()!r}: imageSize {width} {height} is not allowed; "
+                f"the camera interface of this wire version holds {room // 3} pixels"
+            )
+        self.interface.data.width, self.interface.data.height = width, height
 
     def update(self, pose: GzPose, hfov: float) -> bool:
         """Take a picture from a global pose [m] with a field of view [rad], if it is time; whether it was."""
-        now = self.model.world.GetSimTime()
-        if self.eye is None or self.eye.blind or not self.rate.due(now):
+        eye, now = self.eye, self.model.world.GetSimTime()
+        if eye is None or eye.blind:
             return False
-        set_view(self.model, self.eye, hfov)
-        self.eye.SetPose(pose)
-        image = self.eye.Update()
+        due = self.rate.due(now)
+        if self._taken is not None and (due or eye.ready):
+            self._publish(eye, self._taken)
+        if due:
+            set_view(self.model, eye, hfov)
+            eye.SetPose(pose)
+            eye.Start()
+            self._taken = now
+            if not eye.beside:
+                self._publish(eye, now)
+        return due
+
+    def _publish(self, eye: Eye, taken: float) -> None:
+        """Serve and save the picture that was taken at a sim time [s]."""
+        self._taken = None
+        image = eye.Finish()
         if self.interface.lock():  # drawn before, so that clients wait for no more than the copy
             self.interface.array("image")[: image.size] = image.reshape(-1)
             self.interface.data.image_size = image.size
-            self.interface.data.time = now
+            self.interface.data.time = taken
             self.interface.unlock()
             self.interface.post()
         if self.values.saveFrames:
             self.saver.save(image)
-        return True
 
     def fini(self) -> None:
         """Take the interface away and close the eye."""
-        self.interface.destroy()
         if self.eye is not None:
+            if self._taken is not None:
+                self._publish(self.eye, self._taken)
             self.eye.close()
             self.eye = None
+        self.interface.destroy()

@@ -33,12 +33,9 @@ def world_of(body="", settings=""):
 
 def look(world, place=(0, 0, 0), at=(1, 0, 0), size=(160, 120), **options):
     """One picture."""
-    camera = Camera(world, *size, **options)
-    camera.SetPose(GzPosePointAt(GzVector(*place), GzVector(*at), GzVector(0, 0, 1)))
-    try:
+    with Camera(world, *size, **options) as camera:
+        camera.SetPose(GzPosePointAt(GzVector(*place), GzVector(*at), GzVector(0, 0, 1)))
         return camera.Update().copy()
-    finally:
-        camera.close()  # and with it, if the world has no other cameras, the scene
 
 
 # Golden pictures -------------------------------------------------------------------------------------------------
@@ -161,6 +158,30 @@ def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatc
         monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
         geom.SetColor(GzColor(1, 0, 0))
         assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
+
+
+def test_what_has_no_normals_is_drawn_unlit(monkeypatch):
+    class Dots(libgz.Geom):
+        pass
+
+    points = np.array([(3.0, y / 50.0, 0.0) for y in range(-20, 21)], dtype=np.float32)
+    monkeypatch.setitem(DRAWERS, Dots, lambda geom, segments: [mesh.Mesh(points, mode=0)])
+    with world_of(LIGHT) as world:
+        Dots(libgz.Body(world), None).SetColor(GzColor(1, 0.5, 0))
+        solid = libgz.BoxGeom(libgz.Body(world), Space(world.engine), 1, 1, 1)
+        solid.body.SetPosition((5, 0, -2))
+        image = look(world)
+        dots = (image == (255, 128, 0)).all(axis=2)
+        assert 20 < dots.sum() < 100
+        assert image[115, 80].tolist() not in ([255, 128, 0], image[0, 0].tolist())
+
+
+def test_the_ground_may_change_its_colour():
+    text = LIGHT + "<model:GroundPlane><id>g</id><height>-1</height></model:GroundPlane>"
+    with world_of(text) as world, Camera(world, 160, 120) as camera:
+        assert np.argmax(camera.Update()[110, 80]) == 1
+        world.model("g").plane.SetColor(GzColor(0.8, 0, 0))
+        assert np.argmax(camera.Update()[110, 80]) == 0
 
 
 def test_geoms_that_come_and_go_and_change_are_seen_so():

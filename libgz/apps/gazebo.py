@@ -107,6 +107,11 @@ def make_parser() -> argparse.ArgumentParser:
         "(default: LIBGZ_GL, else auto)",
     )
     add(
+        "--render-thread",
+        action="store_true",
+        help="draw robots' cameras beside physics: the same pictures, served up to one period of the camera later",
+    )
+    add(
         "--record",
         action="append",
         default=[],
@@ -188,6 +193,10 @@ def _run(path: Path, options: argparse.Namespace) -> int:
     server_id = free_server_id() if options.server_id is None else options.server_id
     if options.gl is not None:
         prefer(options.gl)
+    if options.render_thread:
+        from libgz.rendering.scene import draw_beside_physics  # not needed by worlds without cameras
+
+        draw_beside_physics(True)
     world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
     run = None
     try:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import Future
+from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +23,10 @@ LEAST_NEAR = 0.01  # [m]
 class Camera:
     """A camera that looks along +x of its pose, z up.
 
-        camera = Camera(world, 320, 240)
-        camera.SetPose(GzPose(GzVector(0, 0, 1)))
-        camera.Update()
-        camera.image, camera.depth, camera.segmentation
+        with Camera(world, 320, 240) as camera:
+            camera.SetPose(GzPose(GzVector(0, 0, 1)))
+            camera.Update()
+            camera.image, camera.depth, camera.segmentation
 
     Args:
         world: the World; the first camera of a world opens an OpenGL context, the last one's `close` releases it.
@@ -58,6 +60,7 @@ class Camera:
         self.pose = GzPose()
         self.SetFOV(hfov)
         self._shot: Shot | None = None
+        self._drawing: Future[None] | None = None
         self._closed = False
         self._scene = join_scene(world)
 
@@ -105,6 +108,28 @@ class Camera:
         self._scene.draw(self._shot, self.image, depth)
         return self.image
 
+    def Start(self) -> None:
+        """Begin a picture of the world as it is now; `Finish` gives it, and `image` is not to be read before."""
+        self._shot = self._scene.capture(self.view)
+        self._drawing = self._scene.start(self._shot, self.image)
+
+    def Finish(self) -> NDArray[np.uint8]:
+        """The picture that `Start` began, waited for if need be."""
+        if self._drawing is not None:
+            self._drawing.result()
+            self._drawing = None
+        return self.image
+
+    @property
+    def ready(self) -> bool:
+        """Whether `Finish` would not have to wait."""
+        return self._drawing is None or self._drawing.done()
+
+    @property
+    def beside(self) -> bool:
+        """Whether pictures are drawn while physics goes on."""
+        return self._scene.beside
+
     @property
     def view(self) -> View:
         """Pose and optics as they are set now."""
@@ -137,10 +162,19 @@ class Camera:
             raise LibraryError("this camera has taken no picture yet; Update() takes one")
         return self._shot
 
+    def __enter__(self) -> Camera:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
     def close(self) -> None:
         """Let the camera go. Can be called twice."""
         if not self._closed:
             self._closed = True
+            self.Finish()
             self._shot = None
             self._scene.leave()
 

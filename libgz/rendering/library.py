@@ -44,7 +44,8 @@ class Library:
     def __init__(self, gl: GL) -> None:
         self.gl = gl
         self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
-        self._lists: dict[tuple[object, ...], Compiled] = {}
+        self._planes: dict[tuple[int, float, Look, bool], Compiled] = {}
+        self._shapes: dict[str, Compiled] = {}
         self._textures: dict[tuple[Path, bool], int] = {}
         self._skins: dict[Path, list[Mesh]] = {}
         self._content: Content | None = None
@@ -57,6 +58,9 @@ class Library:
         keys = {item.key for item in content.items}
         for key in [k for k in self._items if k[0] not in keys]:
             self.gl.glDeleteLists(self._items.pop(key).list, 1)
+        for compiled in self._planes.values():
+            self.gl.glDeleteLists(compiled.list, 1)
+        self._planes.clear()
 
     def item(self, item: Item, look: Look, level: int, plain: bool) -> Compiled:
         """The list of an item; plain: its shape alone, without materials."""
@@ -68,8 +72,8 @@ class Library:
 
     def plane(self, geom: Geom, far: float, look: Look, plain: bool) -> Compiled:
         """The list of a plane: a square around the origin that faces +z."""
-        key = ("plane", geom.body.number, geom.appearance.version, far, look, plain)
-        found = self._lists.get(key)
+        key = (geom.row, far, look, plain)
+        found = self._planes.get(key)
         if found is None:
             size = geom.appearance.texture_size
             shape = grid(far + 2.0 * PATCH, PATCH, (size.x, size.y))
@@ -79,17 +83,17 @@ class Library:
             else:
                 self._look(geom, [shape], look)
             self.gl.glEndList()
-            found = self._lists[key] = Compiled(number, far)
+            found = self._planes[key] = Compiled(number, far)
         return found
 
     def shape(self, name: str, shape: Mesh) -> Compiled:
         """The list of a mesh that has no geom."""
-        found = self._lists.get(("shape", name))
+        found = self._shapes.get(name)
         if found is None:
             number = self._begin()
             self._draw(shape, True)
             self.gl.glEndList()
-            found = self._lists["shape", name] = Compiled(number, 0.0)
+            found = self._shapes[name] = Compiled(number, 0.0)
         return found
 
     def _begin(self) -> int:
@@ -159,7 +163,13 @@ class Library:
             if textured:
                 gl.glEnable(Constant.TEXTURE_2D)
                 gl.glBindTexture(Constant.TEXTURE_2D, texture)
+            lit = shape.normals is not None
+            if not lit:
+                gl.glDisable(Constant.LIGHTING)
+                gl.glColor3f(*(own.diffuse if own is not None else tuple(a.diffuse))[:3])
             self._draw(shape, textured)
+            if not lit:
+                gl.glEnable(Constant.LIGHTING)
             if textured:
                 gl.glDisable(Constant.TEXTURE_2D)
 
@@ -223,7 +233,8 @@ class Library:
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE)
         gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, Constant.LINEAR)
-        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.LINEAR_MIPMAP_LINEAR)
+        # Mixing the mipmaps, too, would cost as much as all the rest of a software-drawn picture.
+        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.NEAREST_MIPMAP_NEAREST)
         gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
         height, width, _ = pixels.shape
         gl.glTexImage2D(

@@ -44,7 +44,7 @@ class Mesh:
 
     Attributes:
         vertices: [m], shape (n, 3).
-        normals: unit vectors, shape (n, 3); None: unlit.
+        normals: unit vectors, shape (n, 3); None: unlit, in the plain diffuse colour.
         texcoords: shape (n, 2), (0, 0) is the lower left of a picture; None: never textured.
         indices: of vertices, counter-clockwise seen from outside; None: all in order.
         mode: a GL primitive.
@@ -156,7 +156,7 @@ def disc(radius: float, z: float, segments: int, up: float) -> Mesh:
 
 def torus(radius: float, tube: float, segments: int) -> Mesh:
     """A torus about z: radius of the ring's middle and of its tube [m]."""
-    angle = np.linspace(-math.pi, math.pi, max(4, segments // 3) + 1)
+    angle = np.linspace(-math.pi, math.pi, segments // 2 + 1)
     cos, sin = np.cos(angle), np.sin(angle)
     rings = _f(radius + tube * cos)
     return _revolved(rings, _f(tube * sin), _f(cos), _f(sin), _f((angle / math.pi + 1.0) / 2.0), segments)

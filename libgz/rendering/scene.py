@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import weakref
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future
 from typing import Any, Protocol
 
 import numpy as np
@@ -20,7 +21,7 @@ from libgz.rendering.overlay import overlay_lines
 from libgz.rendering.renderer import LIGHTS, Renderer
 from libgz.rendering.shot import Content, Item, Light, Shot, View, pose_matrices
 
-__all__ = ["Scene", "SceneWorld", "join_scene"]
+__all__ = ["Scene", "SceneWorld", "draw_beside_physics", "join_scene"]
 
 log = logging.getLogger("libgz.rendering")
 
@@ -55,6 +56,8 @@ class Scene:
         self.cameras = 0
         self.context = open_context()
         self._renderer: Renderer | None = None
+        self.beside = _beside
+        self._drawn: Content | None = None
         self._edits = -1
         self._versions: list[int] | None = None
         self._light_count = 0
@@ -151,6 +154,22 @@ class Scene:
         if self.context is not None and renderer is not None:
             self.context.run(lambda: renderer.draw(shot, image, depth))
 
+    def start(self, shot: Shot, image: NDArray[np.uint8]) -> Future[None]:
+        """Begin to draw a shot; the array is not to be touched until the result is there.
+
+        With `beside`, physics goes on meanwhile; but what has changed since the last shot is drawn at once, for that
+        looks at the geoms.
+        """
+        renderer, done = self._renderer, Future[None]()
+        if self.context is None or renderer is None:
+            done.set_result(None)
+            return done
+        drawing = self.context.submit(lambda: renderer.draw(shot, image))
+        if not self.beside or shot.content is not self._drawn:
+            drawing.result()
+        self._drawn = shot.content
+        return drawing
+
     def segment(self, shot: Shot) -> NDArray[np.int32]:
         """The number of the model at each pixel, 0 for none; shape (height, width)."""
         colors = np.zeros((shot.view.height, shot.view.width, 3), dtype=np.uint8)
@@ -165,6 +184,18 @@ def _light(geom: LightGeom) -> Light:
     place = GzCoordPositionAdd(geom.GetRelativePose().pos, pose.pos, pose.rot)
     fading = geom.attenuation
     return Light((place.x, place.y, place.z), look.ambient, look.diffuse, look.specular, (fading.x, fading.y, fading.z))
+
+
+_beside = False
+
+
+def draw_beside_physics(on: bool) -> None:
+    """Let the pictures of robots' cameras in all scenes made from now on be drawn while physics goes on.
+
+    They are the same pictures, of the same sim times; they are served up to one period later.
+    """
+    global _beside
+    _beside = on
 
 
 _scenes: weakref.WeakKeyDictionary[SceneWorld, Scene] = weakref.WeakKeyDictionary()

@@ -950,6 +950,9 @@ from libgz.physics.geoms import (
     CylinderGeom as CylinderGeom,
 )
 from libgz.physics.geoms import (
+    DomeGeom as DomeGeom,
+)
+from libgz.physics.geoms import (
     FrustrumGeom as FrustrumGeom,
 )
 from libgz.physics.geoms import (

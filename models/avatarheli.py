@@ -33,5 +33,6 @@ class AvatarHeli(Model):
         fit(BoxGeom(hull, space, 0.90, 0.05, 0.05), (-0.75, 0.0, -0.05), 0.5, GREY)
         for y in (0.18, -0.18):
             fit(BoxGeom(hull, space, 0.60, 0.03, 0.03), (0.0, y, -0.475), 0.5, DARK)
-        fit(CylinderGeom(hull, space, 0.90, 0.02), (0.0, 0.0, 0.18), 0.0, DARK)
+        rotor = fit(CylinderGeom(hull, space, 0.90, 0.02), (0.0, 0.0, 0.18), 0.0, GzColor(0.1, 0.1, 0.1, 0.3))
+        rotor.SetTransparency(True)
         clothe(self, fuselage, values)

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
-from libgz.models.parts import DARK, GREY, fit
+from libgz.models.parts import GREY, fit
 from libgz.models.wheels import add_hinge
 from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
 from libgz.physics.body import Body
@@ -104,8 +104,8 @@ class Bandit(Model):
     def _add_part(self, name: str, size: tuple[float, float, float], position: VectorLike, mass: float) -> Body:
         body = Body(self.world, name)
         self.AddBody(body)
-        color = GREY if min(size) == max(size) else GzColor(0.75, 0.75, 0.8)
-        fit(BoxGeom(body, self.modelSpaceId, *size), (0.0, 0.0, 0.0), mass, DARK if name == "head" else color)
+        color = GREY if min(size) == max(size) else GzColor(0.75, 0.75, 0.8)  # the cubes are shoulders and elbows
+        fit(BoxGeom(body, self.modelSpaceId, *size), (0.0, 0.0, 0.0), mass, color)
         body.SetPosition(position)
         return body
 

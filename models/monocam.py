@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
-from libgz.models.camera import RobotCameraAttributes, announce_blindness, check_clips
+from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.simulation.model import Model
@@ -21,10 +21,11 @@ class MonoCam(Model):
     """
 
     attributes = RobotCameraAttributes
+    interfaces = ("camera",)
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(RobotCameraAttributes, node)
-        check_clips(node, self.values)
+        check_optics(node, self.values)
         body = Body(self.world)
         self.AddBody(body, True)
         self.box = BoxGeom(body, self.modelSpaceId, 0.05, 0.05, 0.05)
@@ -36,5 +37,14 @@ class MonoCam(Model):
         lens.SetMass(0.0)
         lens.SetColor(GzColor(1.0, 1.0, 1.0))
 
+        add_frustum(self, body, self.values, self.box.GetRelativePose())
+        self.camera = CameraServer(self, self.values)
+
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        announce_blindness(self)
+        self.camera.init()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        self.camera.update(self.box.GetPose(), self.values.hfov)
+
+    def Fini(self) -> None:  # noqa: D102
+        self.camera.fini()

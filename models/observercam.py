@@ -1,12 +1,28 @@
-"""ObserverCam: the camera through which people watch a world."""
+"""ObserverCam: the camera through which people watch a world, and which they steer with the mouse."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from libgz.models.camera import CameraAttributes, announce_blindness, check_clips
+from libgz.geometry import (
+    GzCoordPoseAdd,
+    GzCoordPoseSub,
+    GzPose,
+    GzPosePointAt,
+    GzQuaternFromEuler,
+    GzQuaternToEuler,
+    GzVector,
+    GzVectorAdd,
+    rotate,
+)
+from libgz.interfaces.guicam import GAZEBO_GUICAM_MAX_IMAGE_SIZE, Guicam, GuicamData
+from libgz.models.camera import CameraAttributes, FrameSaver, check_optics, make_eye
 from libgz.physics.body import Body
+from libgz.rendering.camera import Camera as Eye
 from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
+from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import boolean, length, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -30,6 +46,31 @@ class ObserverCamAttributes(CameraAttributes):
     rollLock: bool = boolean(True, help="keep the camera level")
 
 
+# Switches of the interface -> attributes of the worldfile, which are also the options of a picture.
+SWITCHES = {
+    "display_bbox": "displayBBox",
+    "display_axes": "displayAxes",
+    "display_com": "displayCoM",
+    "display_skins": "displaySkins",
+    "display_rays": "displayRays",
+    "display_frustrums": "displayFrustrums",
+    "display_materials": "displayMaterials",
+    "display_textures": "displayTextures",
+    "polygon_fill": "polygonFill",
+    "shade_smooth": "shadeSmooth",
+}
+TRANSLATE, ZOOM, ROTATE = range(3)
+
+
+@dataclass(frozen=True)
+class Spot:
+    """A drag of the mouse: from pixel a to pixel b."""
+
+    mode: int
+    a: tuple[float, float]
+    b: tuple[float, float]
+
+
 class ObserverCam(Model):
     """The camera through which people watch a world.
 
@@ -37,6 +78,7 @@ class ObserverCam(Model):
     """
 
     attributes = ObserverCamAttributes
+    interfaces = ("guicam",)
     example = """
         <model:ObserverCam>
           <id>observer</id>
@@ -47,8 +89,114 @@ class ObserverCam(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(ObserverCamAttributes, node)
-        check_clips(node, self.values)
+        check_optics(node, self.values, GAZEBO_GUICAM_MAX_IMAGE_SIZE)
         self.AddBody(Body(self.world, dummy=True), True)
+        self.guicam = Guicam()
+        self.eye: Eye | None = None
+        self.rate = UpdateRate(self.values.updateRate)
+        self.saver = FrameSaver(self.values.savePath)
+        self.spot: Spot | None = None
+        self._distance = 0.0  # of what was under the spot when the drag began [m]
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        announce_blindness(self)
+        self.eye = make_eye(self, self.values)
+        self.guard = Guard(f"guicam.{self.GetId()}")
+        self.guicam.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        data = self.guicam.data
+        data.width, data.height = self.eye.GetImageSize()
+        for field, attribute in SWITCHES.items():
+            setattr(data, field, int(getattr(self.values, attribute)))
+        data.roll_lock, data.save_frames = int(self.values.rollLock), int(self.values.saveFrames)
+
+    def Fini(self) -> None:  # noqa: D102
+        self.guicam.destroy()
+        if self.eye is not None:
+            self.eye.close()
+            self.eye = None
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        now = self.world.GetSimTime() + self.world.GetPauseTime()
+        eye = self.eye
+        if eye is None or eye.blind or not self.rate.due(now) or not self.guicam.lock():
+            return
+        data = self.guicam.data
+        spot = self._read_spot(data)
+        level, save = bool(data.roll_lock), bool(data.save_frames)
+        for field, attribute in SWITCHES.items():
+            setattr(eye.options, attribute, bool(getattr(data, field)))
+        self.guicam.unlock()
+        self._drag(eye, spot, level)
+        image = eye.Update()
+        self._publish(eye)
+        if save:
+            self.saver.save(image)
+
+    def _read_spot(self, data: GuicamData) -> Spot | None:
+        """The drag that goes on, or None."""
+        if data.cmd_spot_state != 1:
+            return None
+        names = ("cmd_spot_a[0]", "cmd_spot_a[1]", "cmd_spot_b[0]", "cmd_spot_b[1]")
+        old = (*self.spot.a, *self.spot.b) if self.spot is not None else (0.0,) * 4
+        wanted = (*data.cmd_spot_a, *data.cmd_spot_b)
+        ax, ay, bx, by = (self.guard.number(n, w, o, 1e4) for n, w, o in zip(names, wanted, old, strict=True))
+        return Spot(data.cmd_spot_mode, (ax, ay), (bx, by))
+
+    def _drag(self, eye: Eye, spot: Spot | None, level: bool) -> None:
+        """Place the eye; when the mouse lets go, the model goes where it was dragged to."""
+        if spot is not None and self.spot is None:
+            eye.SetPose(self.GetPose())
+            eye.Update()
+            self._distance = self._look_at(eye, spot)
+        if spot is not None:
+            pose = GzCoordPoseAdd(camera_delta(eye, spot, self._distance), self.GetPose())
+            eye.SetPose(_levelled(pose) if level else pose)
+        elif self.spot is not None:
+            parent, pose = self.parentBody, eye.GetPose()
+            self.world.SetModelPose(self, pose if parent is None else GzCoordPoseSub(pose, parent.GetPose()))
+        else:
+            eye.SetPose(self.GetPose())
+        self.spot = spot
+
+    def _look_at(self, eye: Eye, spot: Spot) -> float:
+        """Distance along the line of sight of what is under the beginning of a drag [m]; the far clip for the sky."""
+        column = min(max(int(spot.a[0]), 0), eye.width - 1)
+        row = min(max(int(spot.a[1]), 0), eye.height - 1)
+        return min(float(eye.depth[row, column]), eye.far)
+
+    def _publish(self, eye: Eye) -> None:
+        if not self.guicam.lock():
+            return
+        data, pose, image = self.guicam.data, eye.GetPose(), eye.image
+        data.sim_time, data.pause_time = self.world.GetSimTime(), self.world.GetPauseTime()
+        data.pos[:], data.rot[:] = tuple(pose.pos), tuple(GzQuaternToEuler(pose.rot))
+        self.guicam.array("image")[: image.size] = image.reshape(-1)
+        data.image_size = image.size
+        self.guicam.unlock()
+        self.guicam.post()
+
+
+def camera_delta(eye: Eye, spot: Spot, distance: float) -> GzPose:
+    """How a drag moves a camera, as a pose in its own frame [m].
+
+    Translating keeps what was grabbed, `distance` [m] away, under the mouse; zooming moves along the line of sight so
+    that it keeps its height in the picture; rotating turns by the angle between the two pixels.
+    """
+    wide, high = (size / (2.0 * eye.view.focal) for size in (eye.width, eye.height))
+    (ax, ay), (bx, by) = ((2.0 * x / eye.width - 1.0, 1.0 - 2.0 * y / eye.height) for x, y in (spot.a, spot.b))
+    if spot.mode == TRANSLATE:
+        return GzPose(GzVector(0.0, distance * wide * (bx - ax), -distance * high * (by - ay)))
+    if spot.mode == ZOOM:
+        forward = distance - distance * abs(ay) / (abs(by) + 1e-16)
+        return GzPose(GzVector(max(distance - 0.5 * eye.far, min(forward, distance - 2.0 * eye.near)), 0.0, 0.0))
+    if spot.mode == ROTATE:
+        turn = GzQuaternFromEuler(0.0, math.atan((by - ay) * high), math.atan((bx - ax) * wide))
+        return GzPose(GzVector(), turn)
+    return GzPose()
+
+
+def _levelled(pose: GzPose) -> GzPose:
+    """The same line of sight with the picture's bottom level."""
+    ahead = rotate(pose.rot, (1.0, 0.0, 0.0))
+    if abs(ahead.z) > 0.9999:
+        return pose
+    return GzPosePointAt(pose.pos, GzVectorAdd(pose.pos, ahead), GzVector(0.0, 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""PanTiltCamera: a camera head on two hinges, commanded through `ptz`."""
+"""PanTiltCamera: a camera head on two hinges, commanded through `ptz`, seeing through `camera`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
 from libgz.interfaces.ptz import Ptz
-from libgz.models.camera import RobotCameraAttributes, announce_blindness, check_clips
+from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.ode.types import dParamFMax, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -26,6 +26,7 @@ __all__ = ["PanTiltAttributes", "PanTiltCamera"]
 PTZ_RATE = 10.0  # [Hz]
 MAX_TORQUE = 10.1  # [N m]
 TILT_ANCHOR = (0.0, 0.0, 0.025)  # [m]
+EYE = GzPose(GzVector(0.10, 0.0, 0.0))  # optical centre on the head [m]: before the housing, not at the lens
 SMALLEST_LIMIT_IN_DEGREES = 5.0  # zoomLimits from here on are fields of view, not factors
 
 
@@ -47,7 +48,7 @@ class PanTiltCamera(Model):
     """Three bodies: a base, a middle that pans on it, a head that tilts on that."""
 
     attributes = PanTiltAttributes
-    interfaces = ("ptz",)
+    interfaces = ("ptz", "camera")
 
     panLimits: ClassVar[tuple[float, float]]  # [rad]
     tiltLimits: ClassVar[tuple[float, float]]  # [rad], down positive
@@ -58,7 +59,7 @@ class PanTiltCamera(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = values = read(PanTiltAttributes, node)
-        check_clips(node, values)
+        check_optics(node, values)
         low, high = sorted(values.zoomLimits)
         if low >= SMALLEST_LIMIT_IN_DEGREES:
             low, high = (values.hfov / math.radians(limit) for limit in (high, low))
@@ -71,6 +72,9 @@ class PanTiltCamera(Model):
             body.SetFiniteRotationMode(1)
         self.rate = UpdateRate(PTZ_RATE)
         self.command = (0.0, 0.0, math.pi)
+        self.ptz = Ptz()
+        self.camera = CameraServer(self, values)
+        self.frustum = add_frustum(self, self.head, values, EYE)
 
     def add_part(self, body: Body, geom: Geom, pose: GzPose, mass: float, color: GzColor | None) -> None:
         """Place one geom of the housing."""
@@ -97,21 +101,27 @@ class PanTiltCamera(Model):
         return hinge
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.ptz = Ptz()
         self.guard = Guard(f"ptz.{self.GetId()}")
         self.ptz.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
         self.ptz.data.cmd_zoom = math.pi
         self.ptz.data.zoom = self.values.hfov / self.zoom
-        announce_blindness(self)
+        self.camera.init()
 
     def Fini(self) -> None:  # noqa: D102
         self.ptz.destroy()
+        self.camera.fini()
 
     def Update(self, step: float) -> None:  # noqa: D102
         now = self.world.GetSimTime()
         before = self.rate.last
-        if step == 0.0 or not self.rate.due(now):
-            return
+        if step != 0.0 and self.rate.due(now):
+            self._move(now, before)
+        view = self.values.hfov / self.zoom
+        if self.camera.update(self.head.global_pose(EYE), view) and self.frustum is not None:
+            self.frustum.SetFOV(view)
+
+    def _move(self, now: float, before: float) -> None:
+        """One tick of the motors and the zoom; the last one was at `before` [s]."""
         self._take_command()
         pan, tilt, view = self.command
         self.pan.SetParam(dParamVel, self.values.motionGain * (_clamp(pan, self.panLimits) - self.pan.GetAngle()))

@@ -26,7 +26,7 @@ AXLE_HEIGHT = -0.145  # [m], below the origin
 # up, can pull it up a step.
 BOGIE_HINGE, BOGIE_STOP = (0.07, -0.165), math.radians(45.0)  # x, z [m]
 FORK_HINGE, FORK_STOP = (0.08, -0.17), math.radians(60.0)  # x, z [m]
-FORK_SPRING = 3.0  # [N m/rad]
+FORK_SPRING = 8.0  # [N m/rad]
 END = 0.27  # [m], from the origin to the front and to the rear wheel, which are steered
 STEERING_STOP, STEERING_GAIN, STEERING_TORQUE = math.radians(90.0), 10.0, 2.0  # [rad], [1/s], [N m]
 

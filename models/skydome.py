@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.geometry import GzColor
-from libgz.models.camera import announce_blindness
 from libgz.physics.body import Body
+from libgz.physics.geoms import DomeGeom
 from libgz.simulation.model import Model
 from libgz.worldfile.attributes import boolean, color, file, read
 from libgz.worldfile.file import WorldFile
@@ -31,7 +31,14 @@ class SkyDome(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(SkyDomeAttributes, node)
         self.fixed = True
-        self.AddBody(Body(self.world, dummy=True), True)
+        body = Body(self.world, dummy=True)
+        self.AddBody(body, True)
+        self.dome = DomeGeom(body, self.modelSpaceId)
+        self.dome.SetTexture2DFile(self.values.toneMap)
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        announce_blindness(self)
+        self.dome.SetDayTime(self.world.GetDayTime())
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        if self.values.timeLapse:
+            self.dome.SetElapsedTime(self.world.GetSimTime())

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from libgz.geometry import GzColor
-from libgz.models.camera import RobotCameraAttributes, announce_blindness, check_clips
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.interfaces.stereo import Stereo
+from libgz.models.camera import FrameSaver, RobotCameraAttributes, add_frustum, check_optics, make_eye, set_view
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
+from libgz.rendering.camera import Camera as Eye
 from libgz.simulation.model import Model
+from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import boolean, length, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -25,20 +31,101 @@ class StereoHeadAttributes(RobotCameraAttributes):
     enableDisparityRight: bool = boolean(True, help="compute disparities for the right camera")
 
 
+LENS = (0.025, 0.025)  # x and z of the optical centres [m]
+HIDDEN = 1.0  # [px] by which something nearer must differ to hide a point
+
+
 class StereoHead(Model):
     """Two cameras side by side in one housing of 0.3 kg; the origin is the centre of its bottom."""
 
     attributes = StereoHeadAttributes
+    interfaces = ("stereo",)
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.values = read(StereoHeadAttributes, node)
-        check_clips(node, self.values)
+        self.values = values = read(StereoHeadAttributes, node)
+        check_optics(node, values)
         body = Body(self.world)
         self.AddBody(body, True)
-        housing = BoxGeom(body, self.modelSpaceId, 0.05, self.values.baseline + 0.06, 0.05)
+        housing = BoxGeom(body, self.modelSpaceId, 0.05, values.baseline + 0.06, 0.05)
         housing.SetRelativePosition((0.0, 0.0, 0.025))
         housing.SetMass(0.3)
         housing.SetColor(GzColor(0.3, 0.3, 0.3))
+        x, z = LENS
+        self.places = {
+            side: GzPose(GzVector(x, sign * values.baseline / 2.0, z)) for side, sign in (("left", 1), ("right", -1))
+        }
+        for place in self.places.values():
+            add_frustum(self, body, values, place)
+        self.stereo = Stereo()
+        self.eyes: dict[str, Eye] = {}
+        self.savers = {side: FrameSaver(f"{values.savePath}/{side}") for side in self.places}
+        self.rate = UpdateRate(values.updateRate)
+        self.images = {"left": values.enableImageLeft, "right": values.enableImageRight}
+        self.disparities = {"left": values.enableDisparityLeft, "right": values.enableDisparityRight}
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        announce_blindness(self)
+        for side in self.places:
+            self.eyes[side] = make_eye(self, self.values)
+        self.stereo.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        self.stereo.data.width, self.stereo.data.height = self.eyes["left"].GetImageSize()
+
+    def Fini(self) -> None:  # noqa: D102
+        self.stereo.destroy()
+        for eye in self.eyes.values():
+            eye.close()
+        self.eyes.clear()
+
+    def Update(self, step: float) -> None:  # noqa: D102
+        now = self.world.GetSimTime()
+        if not self.eyes or self.eyes["left"].blind or not self.rate.due(now):
+            return
+        wanted = any(self.disparities.values())
+        shifts: dict[str, NDArray[np.float32]] = {}
+        for side, eye in self.eyes.items():
+            set_view(self, eye, self.values.hfov)
+            eye.SetPose(self.GetBody().global_pose(self.places[side]))
+            if wanted:
+                depth = np.empty((eye.height, eye.width), dtype=np.float32)
+                eye.Update(depth)
+                shifts[side] = np.float32(eye.view.focal * self.values.baseline) / depth
+            elif self.images[side]:
+                eye.Update()
+        self._publish(now, self._without_hidden(shifts) if wanted else {})
+
+    def _without_hidden(self, shifts: dict[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
+        """Disparities [px], 0 where the other camera does not see the point."""
+        left, right = shifts["left"], shifts["right"]
+        return {"left": _seen_by_both(left, right, -1.0), "right": _seen_by_both(right, left, 1.0)}
+
+    def _publish(self, now: float, disparities: dict[str, NDArray[np.float32]]) -> None:
+        if not self.stereo.lock():
+            return
+        data = self.stereo.data
+        for side, eye in self.eyes.items():
+            if self.images[side]:
+                self.stereo.array(f"{side}_image")[: eye.image.size] = eye.image.reshape(-1)
+                setattr(data, f"{side}_image_size", eye.image.size)
+            if self.disparities[side]:
+                values = disparities[side].reshape(-1)
+                self.stereo.array(f"{side}_disparity")[: values.size] = values
+                setattr(data, f"{side}_disparity_size", values.size)
+        data.time = now
+        self.stereo.unlock()
+        self.stereo.post()
+        for side, eye in self.eyes.items():
+            if self.values.saveFrames and self.images[side]:
+                self.savers[side].save(eye.image)
+
+
+def _seen_by_both(own: NDArray[np.float32], other: NDArray[np.float32], way: float) -> NDArray[np.float32]:
+    """`own` disparities [px] with 0 where the point lies outside the other picture, or behind something in it.
+
+    Args:
+        own, other: disparities of both pictures, shape (height, width).
+        way: the sign by which a disparity shifts a column of the own picture to one of the other.
+    """
+    width = own.shape[1]
+    columns = np.rint(np.arange(width) + way * own).astype(np.int64)
+    inside = (columns >= 0) & (columns < width)
+    there = np.take_along_axis(other, np.clip(columns, 0, width - 1), axis=1)
+    return np.where(inside & (there <= own + HIDDEN), own, np.float32(0.0))

@@ -82,6 +82,13 @@ def test_warnings_are_errors_if_wanted(tmp_path):
     assert "did you mean 'color'" in strict.stdout
 
 
+def test_what_is_inside_an_unused_element_is_told_with_it(tmp_path):
+    path = tmp_path / "nested.world"
+    path.write_text(HEAD + "<model:GroundPlane><optics><hfov>60</hfov></optics></model:GroundPlane></gz:world>")
+    (fault,) = check(path)
+    assert fault.element == "optics"
+
+
 def test_ready_worlds_are_clean():
     for path in installed_worlds().glob("*.world"):
         assert check(path) == []
@@ -147,7 +154,7 @@ def test_plugins_are_loaded_but_not_started_and_nothing_is_left(wire, tmp_path):
 def test_models_are_listed_and_described(tmp_path):
     listed = libgz("models")
     assert listed.returncode == 0
-    assert re.search("SickLMS200 +SICK's scanning laser range-finder", listed.stdout)
+    assert re.search(r"^SickLMS200 +SICK's scanning laser range-finder", listed.stdout, re.MULTILINE)
     told = libgz("models", "SickLMS200").stdout
     for words in (
         "minAngle [deg]: angle, default -90",

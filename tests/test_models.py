@@ -437,12 +437,6 @@ def test_missing_pictures_are_a_warning(caplog):
     assert "file 'gone.ppm' was not found" in caplog.text
 
 
-def test_cameras_say_once_that_they_are_blind(caplog):
-    with world_of("<model:MonoCam/><model:ObserverCam/><model:SonyVID30><xyz>0 0 1</xyz></model:SonyVID30>"):
-        pass
-    assert caplog.text.count("draws no pictures yet") == 1
-
-
 def test_zoom_limits_may_be_angles():
     for text, limits in (("1 10", (1, 10)), ("10 60", (1, 6))):
         with world_of(f"<model:SonyVID30><id>c</id><zoomLimits>{text}</zoomLimits></model:SonyVID30>") as world:

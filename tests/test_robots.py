@@ -439,3 +439,33 @@ def test_each_robot_has_a_ready_world_with_an_observer(model, caplog):
         assert math.degrees(math.atan2(math.hypot(y, z), x)) < 15
         world.run(5.0)
         assert model in ("Blimp", "SegwayRMP") or fastest(world) < 0.02
+
+
+def test_the_shrimp_climbs_the_steps_of_its_world():
+    with libgz.World.from_file(installed_worlds() / "shrimp.world") as world:
+        world.run(1.0)
+        assert world.model("robot1").GetPose().pos.z == pytest.approx(0.199, abs=2e-3)
+        world.interface("position", "robot1").command(vx=0.2)
+        world.run(11.0)
+        assert world.model("robot1").GetPose().pos.z == pytest.approx(0.199 + 0.15, abs=4e-3)
+
+
+@pytest.mark.parametrize("model", [*HEIGHTS, "Blimp", "AvatarHeli", "Bandit"])
+def test_each_ready_world_can_be_driven_reset_and_driven_again(model):
+    with libgz.World.from_file(installed_worlds() / f"{model.lower()}.world") as world:
+        robot = world.model("robot1")
+        start = tuple(robot.GetPose().pos)
+        driven = model not in ("AvatarHeli", "Bandit")
+        for _ in range(2):
+            if driven:
+                world.interface("position", "robot1").command(vx=0.4, vyaw=0.1)
+            world.run(2.0)
+            assert (robot.GetPose().pos.x - start[0] > 0.2) == driven
+            assert math.degrees(abs(attitude(robot).x)) < 3
+            world.sim.data.reset = 1
+            world.step()
+            assert tuple(robot.GetPose().pos) == pytest.approx(start, abs=0.02)
+        if driven:
+            world.interface("position", "robot1").command()
+        world.run(6.0)
+        assert model == "Blimp" or fastest(world) < (0.2 if model == "SegwayRMP" else 0.02)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import ctypes
 import importlib.metadata
 import os
 import platform
@@ -16,12 +15,12 @@ from libgz.errors import GazeboError
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine
+from libgz.rendering.context import CONTEXTS
 from libgz.transport.semaphores import SemaphoreSet
 
 __all__ = ["Finding", "configure", "examine", "run"]
 
-PACKAGES = ("numpy", "lxml", "PyOpenGL")
-OSMESA = "libOSMesa.so.8"
+PACKAGES = ("numpy", "lxml", "pillow")
 
 
 @dataclass(frozen=True)
@@ -63,7 +62,7 @@ def examine() -> Iterator[Finding]:
     yield _try("step", _step)
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)
-    yield _osmesa()
+    yield from _contexts()
 
 
 def _try(name: str, look: Callable[[], str]) -> Finding:
@@ -99,10 +98,13 @@ def _directory() -> str:
         return f"servers keep their files in {place}"
 
 
-def _osmesa() -> Finding:
-    try:
-        ctypes.CDLL(OSMESA)
-    except OSError:
-        text = f"{OSMESA} is not there; it draws pictures: apt-get install libosmesa6"
-        return Finding("osmesa", text, good=False, needed=False)
-    return Finding("osmesa", OSMESA)
+def _contexts() -> Iterator[Finding]:
+    """Which off-screen OpenGL contexts work, and why the others do not. One is enough for worlds with cameras."""
+    for name, kind in CONTEXTS.items():
+        try:
+            context = kind()
+        except GazeboError as fault:
+            yield Finding(name, str(fault), good=False, needed=False)
+            continue
+        yield Finding(name, f"draws pictures: {context.description}")
+        context.close()

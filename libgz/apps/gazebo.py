@@ -12,7 +12,9 @@ from pathlib import Path
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, set_up_messages
+from libgz.apps.record import Recorder
 from libgz.errors import GazeboError, ParameterError
+from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -97,6 +99,20 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="V",
         help="version that interfaces announce: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
     )
+    add(
+        "--gl",
+        choices=CHOICES,
+        default=None,
+        help="what draws the cameras' pictures: auto tries osmesa, then egl; none leaves cameras blind "
+        "(default: LIBGZ_GL, else auto)",
+    )
+    add(
+        "--record",
+        action="append",
+        default=[],
+        metavar="ID=FILE",
+        help="write a camera's pictures to a video file; may be given several times",
+    )
     add("--steps", type=int, default=None, metavar="N", help="quit after so many steps")
     return parser
 
@@ -111,6 +127,7 @@ class Run:
         rate = 0.0 if options.free else world.simSpeed if options.rate is None else options.rate
         self.pacer = Pacer(rate)
         self.stopped = False
+        self.recorders: list[Recorder] = []
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
     def stop(self, number: int, _frame: object) -> None:
@@ -124,6 +141,8 @@ class Run:
         while not self.over(done):
             world.Step()
             done += 1
+            for recorder in self.recorders:
+                recorder.take()
             while not self.over(done) and not self.pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass
             if self._next_status <= time.monotonic():
@@ -167,13 +186,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _run(path: Path, options: argparse.Namespace) -> int:
     server_id = free_server_id() if options.server_id is None else options.server_id
+    if options.gl is not None:
+        prefer(options.gl)
     world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
+    run = None
     try:
         world.LoadFile(path)
         run = Run(world, options)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, run.stop)
         world.Initialize()
+        run.recorders += [Recorder(world, request) for request in options.record]
         if options.server_id is None:
             print(f"server id {server_id}", flush=True)
         run.loop()
@@ -181,6 +204,8 @@ def _run(path: Path, options: argparse.Namespace) -> int:
             run.print_status()
             print()
     finally:
+        for recorder in run.recorders if run is not None else ():
+            recorder.close()
         world.close()
     return 0
 

@@ -50,6 +50,13 @@ class HasEngine(Protocol):
         """The ODE world."""
 
 
+class RayBundle(Protocol):
+    """A sensor's rays."""
+
+    def segments(self) -> NDArray[np.float64]:
+        """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
+
+
 class Space:
     """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
@@ -127,6 +134,7 @@ class Engine:
         self.joints: dict[int, Joint] = {}
         self.geoms: dict[int, Geom] = {}
         self.spaces: dict[Space, None] = {}
+        self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()  # for who wants to show them
         self._make_tables()
         probe, ray = lib.dCreateBox(None, 1.0, 1.0, 1.0), lib.dCreateRay(None, 1.0)
         for geom in (probe, ray):

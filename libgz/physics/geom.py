@@ -136,6 +136,7 @@ class Geom:
         position = finite_tuple(pose.pos, 3, "relative position [m]")
         rotation = finite_tuple(pose.rot, 4, "relative rotation")
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
+        self.appearance.version += 1
         self.place()
         if updateCoM and self.placeableGeom:
             self.body.UpdateCoM()

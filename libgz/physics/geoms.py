@@ -26,6 +26,7 @@ __all__ = [
     "BoxGeom",
     "CapsuleGeom",
     "CylinderGeom",
+    "DomeGeom",
     "FrustrumGeom",
     "HeightfieldGeom",
     "LightGeom",
@@ -230,6 +231,28 @@ class LightGeom(Geom):
     def CheckAvailable() -> bool:
         """Always true."""
         return True
+
+
+class DomeGeom(Geom):
+    """The sky around every camera; its texture is a tone map: midnight to midnight, zenith to horizon."""
+
+    def __init__(self, body: Body, space: Space | None = None) -> None:
+        super().__init__(body, space, placeable=False)
+        self.appearance.render_order = RENDER_LIGHT
+        self._start = self._elapsed = 0.0
+
+    def SetDayTime(self, seconds: float) -> None:
+        """Time since midnight at the start [s]."""
+        self._start = finite(seconds, "time of day [s]")
+
+    def SetElapsedTime(self, seconds: float) -> None:
+        """Time since the start [s]."""
+        self._elapsed = finite(seconds, "elapsed time [s]")
+
+    @property
+    def day_share(self) -> float:
+        """The time of day as a share of 24 hours, 0 to 1."""
+        return math.fmod((self._start + self._elapsed) / 86400.0, 1.0)
 
 
 class FrustrumGeom(Geom):

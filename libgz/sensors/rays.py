@@ -38,6 +38,7 @@ class RayProximity:
         self._rays[:, 3] = self._rays[:, 6] = 1.0
         self.ranges: NDArray[np.float64] = np.full(rayCount, sys.float_info.max)
         self.rows: NDArray[np.int64] = np.full(rayCount, -1, dtype=np.int64)
+        self.engine.ray_bundles.add(self)
 
     def SetRay(self, index: int, a: VectorLike, b: VectorLike) -> None:
         """Place a ray in the body frame, from `a` to `b` [m].
@@ -62,6 +63,14 @@ class RayProximity:
         pose = self.body.GetPose()
         frame = np.array((*pose.pos, *pose.rot))
         self.engine.scan(frame, self._rays, self.body.number, self.ranges, self.rows)
+
+    def segments(self) -> NDArray[np.float64]:
+        """Global ends of all rays, as far as they reached in the last `Update` [m], shape (n, 2, 3)."""
+        pose = self.body.GetPose()
+        axes = np.array([rotate(pose.rot, axis) for axis in np.eye(3)])
+        starts = self._rays[:, :3] @ axes + pose.pos
+        reach = np.minimum(self.ranges, self._rays[:, 6])[:, None]
+        return np.stack([starts, starts + self._rays[:, 3:6] @ axes * reach], axis=1)
 
     def GetRange(self, index: int) -> float:
         """Distance from the ray's start [m]; the largest float if it hit nothing."""

@@ -352,8 +352,9 @@ class WorldFileNode:
         for child in self.children:
             if not child.used:
                 found = True
-                owner = f" by <{self.tag}>" if self.used else ""
-                child.warn(f"is not used{owner}{nearest(child.name, self.asked)}")
+                if self.used or self.parent is None:  # else it was told with this element
+                    owner = f" by <{self.tag}>" if self.used else ""
+                    child.warn(f"is not used{owner}{nearest(child.name, self.asked)}")
             found = child.note_unused() or found
         return found
 

@@ -1,0 +1,206 @@
+"""What a camera frame costs, and how long a world with a camera takes to start.
+
+    python benchmarks/camera.py
+
+Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the picture ends in the interface's memory.
+Where MuJoCo and PyBullet are installed they draw a like scene in the same run, in turn with libgz, so that a machine
+whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet PyOpenGL.
+They run in processes of their own, this one's python unless LIBGZ_BENCH_PYTHON names another.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+SIZES = ((320, 240), (640, 480))
+ROBOTS, ROUNDS, FRAMES = 20, 5, 40
+EYE, AT = (-6.0, -5.0, 4.0), (3.0, 3.0, 0.0)
+
+Draw = Callable[[], object]
+
+
+def places() -> list[tuple[float, float]]:
+    return [(1.6 * (i % 5), 1.6 * (i // 5)) for i in range(ROBOTS)]
+
+
+def libgz_frame(width: int, height: int) -> Draw:
+    """A tick of an ObserverCam's picture: capture, draw, and copy into the interface."""
+    import libgz
+    from libgz.geometry import GzPosePointAt, GzVector
+    from libgz.worldfile.attributes import installed_worlds
+
+    robots = "".join(
+        f"<model:Pioneer2AT><id>r{i}</id><xyz>{x} {y} 0</xyz></model:Pioneer2AT>" for i, (x, y) in enumerate(places())
+    )
+    world = libgz.World.from_string(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:LightSource><xyz>-8 6 20</xyz></model:LightSource>"
+        f"<model:GroundPlane><color>1 1 1</color><textureFile>{installed_worlds()}/grid.png</textureFile>"
+        f"</model:GroundPlane>{robots}<model:MonoCam><id>c</id><imageSize>{width} {height}</imageSize>"
+        "<gravity>false</gravity></model:MonoCam></gz:world>"
+    )
+    world.step(5)
+    server = world.model("c").camera
+    pose = GzPosePointAt(GzVector(*EYE), GzVector(*AT), GzVector(0.0, 0.0, 1.0))
+
+    def draw() -> object:
+        server.rate.last = -math.inf
+        server.update(pose, math.radians(60.0))
+        return world
+
+    return draw
+
+
+def mujoco_frame(width: int, height: int, *, coarse: bool) -> Draw:
+    import mujoco
+
+    detail = '<quality shadowsize="0" offsamples="0" numslices="12" numstacks="8" numquads="1"/>'
+    plain = '<quality shadowsize="0" offsamples="0"/>'
+    wheels = "".join(
+        f'<body pos="{x} {y} .095" quat=".7071 .7071 0 0"><joint type="hinge" axis="0 0 1"/>'
+        '<geom type="cylinder" size=".1 .035" rgba=".3 .3 .3 1" mass="1"/></body>'
+        for x in (0.133, -0.133)
+        for y in (0.19, -0.19)
+    )
+    robots = "".join(
+        f'<body pos="{x} {y} 0"><freejoint/>'
+        '<geom type="box" size=".24 .17 .095" pos="0 0 .195" rgba="1 0 0 1" mass="10"/>'
+        f'<geom type="box" size=".267 .19 .01" pos="0 0 .3" rgba="0 0 0 1" mass=".1"/>{wheels}</body>'
+        for x, y in places()
+    )
+    forward = [a - e for a, e in zip(AT, EYE, strict=True)]
+    right = (forward[1], -forward[0], 0.0)
+    up = (-forward[0] * forward[2], -forward[1] * forward[2], forward[0] ** 2 + forward[1] ** 2)
+    axes = " ".join(map(str, (*right, *up)))
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><visual><global offwidth="{width}" offheight="{height}"/>{detail if coarse else plain}</visual>'
+        '<asset><texture name="t" type="2d" builtin="checker" width="128" height="128" rgb1="1 1 1" rgb2=".5 .5 .5"/>'
+        '<material name="m" texture="t" texrepeat="50 50"/></asset><worldbody><light pos="-8 6 20" castshadow="false"/>'
+        f'<geom type="plane" size="50 50 1" material="m"/>{robots}'
+        f'<camera name="c" pos="{EYE[0]} {EYE[1]} {EYE[2]}" xyaxes="{axes}" fovy="46.8"/></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    renderer = mujoco.Renderer(model, height, width)
+    renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
+    renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
+
+    def draw() -> object:
+        renderer.update_scene(data, "c")
+        return renderer.render()
+
+    return draw
+
+
+def pybullet_frame(width: int, height: int) -> Draw:
+    import pybullet as p
+
+    p.connect(p.DIRECT)
+    p.createMultiBody(
+        0, p.createCollisionShape(p.GEOM_PLANE), p.createVisualShape(p.GEOM_BOX, halfExtents=(50, 50, 0.01))
+    )
+    hull = p.createVisualShape(p.GEOM_BOX, halfExtents=(0.24, 0.17, 0.095), rgbaColor=(1, 0, 0, 1))
+    plate = p.createVisualShape(p.GEOM_BOX, halfExtents=(0.267, 0.19, 0.01), rgbaColor=(0, 0, 0, 1))
+    wheel = p.createVisualShape(p.GEOM_CYLINDER, radius=0.1, length=0.07, rgbaColor=(0.3, 0.3, 0.3, 1))
+    for x, y in places():
+        p.createMultiBody(0, -1, hull, (x, y, 0.195))
+        p.createMultiBody(0, -1, plate, (x, y, 0.3))
+        for dx in (0.133, -0.133):
+            for dy in (0.19, -0.19):
+                p.createMultiBody(0, -1, wheel, (x + dx, y + dy, 0.095), (0.7071, 0, 0, 0.7071))
+    view = p.computeViewMatrix(EYE, AT, (0, 0, 1))
+    projection = p.computeProjectionMatrixFOV(46.8, width / height, 0.5, 50)
+    return lambda: p.getCameraImage(width, height, view, projection, shadow=0, renderer=p.ER_TINY_RENDERER)
+
+
+RENDERERS: dict[str, Callable[[int, int], Draw]] = {
+    "libgz": libgz_frame,
+    "MuJoCo, default meshes": lambda w, h: mujoco_frame(w, h, coarse=False),
+    "MuJoCo, coarse meshes": lambda w, h: mujoco_frame(w, h, coarse=True),
+    "PyBullet TinyRenderer": pybullet_frame,
+}
+
+
+def serve(name: str, width: int, height: int) -> None:
+    """In a process of its own: draw whenever a line comes in, and answer with the median time [s]."""
+    draw = RENDERERS[name](width, height)
+    draw()
+    for line in sys.stdin:
+        times = []
+        for _ in range(int(line)):
+            start = time.perf_counter()
+            draw()
+            times.append(time.perf_counter() - start)
+        print(statistics.median(times), flush=True)
+
+
+def measure(width: int, height: int) -> dict[str, float]:
+    """Median time of a frame of each renderer that works here [s], taken in turn."""
+    other = os.environ.get("LIBGZ_BENCH_PYTHON", sys.executable)
+    processes = {}
+    for name in RENDERERS:
+        python = sys.executable if name == "libgz" else other
+        processes[name] = subprocess.Popen(
+            [python, __file__, "--serve", name, str(width), str(height)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            env={**os.environ, "MUJOCO_GL": "osmesa", "PYOPENGL_PLATFORM": "osmesa"},
+        )
+    times: dict[str, list[float]] = {name: [] for name in RENDERERS}
+    for _ in range(ROUNDS):
+        for name, process in processes.items():
+            try:
+                process.stdin.write(f"{FRAMES if name == 'libgz' else FRAMES // 4}\n")  # type: ignore[union-attr]
+                process.stdin.flush()  # type: ignore[union-attr]
+                answer = process.stdout.readline()  # type: ignore[union-attr]
+            except BrokenPipeError:
+                answer = ""
+            if answer:
+                times[name].append(float(answer))
+    for process in processes.values():
+        process.communicate()
+    return {name: statistics.median(values) for name, values in times.items() if values}
+
+
+def start_time() -> tuple[float, float]:
+    """Time [s] to start a world with a camera and take its first picture, and that of a world without one."""
+    code = (
+        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.worldfile.attributes import installed_worlds\n"
+        "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
+    )
+    found = []
+    for world in ("ptz.world", "pioneer2at.world"):
+        runs = [
+            float(subprocess.run([sys.executable, "-c", code.format(world)], capture_output=True, text=True).stdout)
+            for _ in range(ROUNDS)
+        ]
+        found.append(statistics.median(runs))
+    return found[0], found[1]
+
+
+def main() -> None:
+    if sys.argv[1:2] == ["--serve"]:
+        serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+        return
+    with_camera, without = start_time()
+    print(f"start to the first picture of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
+    print(f"start of a world without cameras: {1e3 * without:.0f} ms")
+    for width, height in SIZES:
+        times = measure(width, height)
+        print(f"\n{width} x {height}, {ROBOTS} robots")
+        for name in RENDERERS:
+            if name not in times:
+                print(f"  {name:24} not installed, or it does not work here")
+                continue
+            print(f"  {name:24}{1e3 * times[name]:8.2f} ms{times[name] / times['libgz']:8.1f} x libgz")
+
+
+if __name__ == "__main__":
+    main()

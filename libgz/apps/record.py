@@ -1,0 +1,84 @@
+"""Recorder: the pictures of a camera, streamed into a video file. Needs the extra [video]."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.simulation.world import World
+
+__all__ = ["Recorder"]
+
+KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interface -> its picture
+
+
+class Recorder:
+    """Writes each new picture of one camera at once; none is kept.
+
+    Args:
+        world: ready to step.
+        request: ``ID=FILE``, the camera's id and a video file (.mp4, .mkv, ...).
+
+    Raises:
+        ParameterError: the request has another form.
+        NotFoundError: there is no such camera.
+        GazeboError: the packages are missing, or the file cannot be written.
+    """
+
+    def __init__(self, world: World, request: str) -> None:
+        name, equals, file = request.partition("=")
+        if not (name and equals and file):
+            raise ParameterError(f"--record {request!r}: it must be ID=FILE, a camera's id and a video file")
+        self.path = Path(file)
+        interfaces = world.gz_server.interfaces
+        kind = next((kind for kind in KINDS if (kind, name) in interfaces), None)
+        if kind is None:
+            ids = [known for type_, known in interfaces if type_ in KINDS]
+            raise NotFoundError(
+                f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}"
+            )
+        self._interface, self._field = interfaces[kind, name], KINDS[kind]
+        self._rate = float(getattr(world.model(name), "values").updateRate)  # noqa: B009 - of the camera models
+        self._last = -1.0
+        self._file: Any = _open(self.path)
+        self._started = False
+
+    def take(self) -> None:
+        """Write the camera's picture, if it is a new one.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        data: Any = self._interface.data
+        now = data.sim_time + data.pause_time if self._interface.type == "guicam" else data.time
+        picture = getattr(self._interface, self._field)
+        if now == self._last or not picture.size:
+            return
+        self._last = now
+        try:
+            if not self._started:
+                self._file.init_video_stream("libx264", fps=max(self._rate, 1.0))
+                self._started = True
+            even = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]  # the coder halves both sides
+            self._file.write_frame(even)
+        except (OSError, ValueError) as fault:
+            raise GazeboError(f"video {self.path} cannot be written: {fault}") from None
+
+    def close(self) -> None:
+        """Finish the file. Can be called twice."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+
+def _open(path: Path) -> Any:
+    try:
+        from imageio import v3
+        from imageio.plugins import pyav  # noqa: F401 - so that its absence is told here
+    except ImportError:
+        raise GazeboError("--record needs the packages imageio and av: pip install 'libgz[video]'") from None
+    try:
+        return v3.imopen(path, "w", plugin="pyav")
+    except (OSError, ValueError) as fault:
+        raise GazeboError(f"video {path} cannot be written: {fault}") from None

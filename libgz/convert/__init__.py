@@ -1,0 +1,1 @@
+"""Loaded worlds in the formats of other simulators."""

@@ -1,0 +1,203 @@
+"""Geoms as SDF collisions and visuals."""
+
+from __future__ import annotations
+
+import copy
+import math
+
+import numpy as np
+from lxml import etree
+from numpy.typing import NDArray
+
+from libgz.convert.element import Notes, add, color, name_of, pose
+from libgz.errors import ParameterError
+from libgz.geometry import (
+    GzCoordPoseAdd,
+    GzCoordPoseSub,
+    GzCoordPositionSub,
+    GzPose,
+    GzQuaternInverse,
+    GzVector,
+    GzVectorMul,
+    rotate,
+)
+from libgz.ode.types import Surface
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import (
+    BoxGeom,
+    CapsuleGeom,
+    CylinderGeom,
+    HeightfieldGeom,
+    PlaneGeom,
+    SphereGeom,
+    TriMeshGeom,
+    WheelGeom,
+)
+
+__all__ = ["Meshes", "add_geom", "is_shape"]
+
+RIGID = 1e12  # [N/m]; SDF's own default, where libgz has an infinite spring
+STICKY = 1e9  # Coulomb coefficient, where libgz has an infinite one
+PLANE_EXTENT = (100.0, 100.0)  # [m] that is drawn of an infinite plane
+SHAPES = (BoxGeom, SphereGeom, CylinderGeom, CapsuleGeom, PlaneGeom, TriMeshGeom, HeightfieldGeom)
+
+
+class Meshes:
+    """The mesh files that go with a converted world.
+
+    Args:
+        folder: name of their directory, relative to the SDF file.
+    """
+
+    def __init__(self, folder: str) -> None:
+        self.folder = folder
+        self.files: dict[str, bytes] = {}
+        self._taken: set[str] = set()
+
+    def add(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> str:
+        """Keep a mesh as binary STL; its address, relative to the SDF file."""
+        file = f"{name_of(name, self._taken)}.stl"
+        corners = vertices[triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        records = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("unused", "<u2")])
+        records["normal"] = normals / np.where(lengths > 0.0, lengths, 1.0)
+        records["corners"] = corners
+        head = b"libgz".ljust(80) + np.uint32(len(triangles)).tobytes()
+        self.files[f"{self.folder}/{file}"] = head + records.tobytes()
+        return f"{self.folder}/{file}"
+
+
+def is_shape(geom: Geom) -> bool:
+    """Whether a geom is something that can be touched: not a light, a ray or a camera's outline."""
+    return isinstance(geom, SHAPES)
+
+
+def add_geom(
+    link: etree._Element, geom: Geom, name: str, base: GzPose, owner: str, meshes: Meshes, notes: Notes
+) -> None:
+    """Collisions and visuals of one geom.
+
+    Args:
+        link: where they go.
+        geom: the geom.
+        name: what they are called.
+        base: the global pose of the link.
+        owner: what notes call the model.
+        meshes: takes the triangles of meshes.
+        notes: takes what has no counterpart.
+    """
+    touched = _parts(geom, name, base, meshes)
+    drawn = (
+        touched if not isinstance(geom, WheelGeom) else [(touched[0][0], _cylinder(geom.radius, 2 * geom.tire_radius))]
+    )
+    for kind, parts in (("collision", touched), ("visual", drawn)):
+        for i, (place, shape) in enumerate(parts):
+            part = f"end{i}_" if i else ""
+            element = add(link, kind, name=f"{name}_{part}{kind}")  # unlike any other of the link, whatever its kind
+            add(element, "pose", pose(place))
+            if geom.appearance.retro:
+                add(element, "laser_retro", geom.appearance.retro)
+            add(element, "geometry").append(copy.deepcopy(shape))
+            (_add_surface if kind == "collision" else _add_material)(element, geom)
+    _note_losses(geom, owner, notes)
+
+
+def _parts(geom: Geom, name: str, base: GzPose, meshes: Meshes) -> list[tuple[GzPose, etree._Element]]:
+    """(pose in the link, shape) of what makes up a geom."""
+    place = GzCoordPoseSub(geom.GetPose(), base)
+    if isinstance(geom, BoxGeom):
+        shape = etree.Element("box")
+        add(shape, "size", geom.size)
+        return [(place, shape)]
+    if isinstance(geom, SphereGeom):
+        return [(place, _sphere(geom.radius))]
+    if isinstance(geom, CylinderGeom):
+        return [(place, _cylinder(geom.radius, geom.length))]
+    if isinstance(geom, CapsuleGeom):  # SDF has capsules from 1.8 on
+        ends = (GzPose(GzVector(0.0, 0.0, side * geom.length / 2.0)) for side in (-1.0, 1.0))
+        balls = [(GzCoordPoseAdd(end, place), _sphere(geom.radius)) for end in ends]
+        return [(place, _cylinder(geom.radius, geom.length)), *balls]
+    if isinstance(geom, PlaneGeom):  # in global terms, wherever its body is
+        shape = etree.Element("plane")
+        add(shape, "normal", rotate(GzQuaternInverse(base.rot), geom.normal))
+        add(shape, "size", PLANE_EXTENT)
+        point = GzVectorMul(geom.altitude, geom.normal)
+        return [(GzPose(GzCoordPositionSub(point, base.pos, base.rot)), shape)]
+    return [(place, _mesh(geom, name, meshes))]
+
+
+def _sphere(radius: float) -> etree._Element:
+    shape = etree.Element("sphere")
+    add(shape, "radius", radius)
+    return shape
+
+
+def _cylinder(radius: float, length: float) -> etree._Element:
+    shape = etree.Element("cylinder")
+    add(shape, "radius", radius)
+    add(shape, "length", length)
+    return shape
+
+
+def _mesh(geom: Geom, name: str, meshes: Meshes) -> etree._Element:
+    """A mesh file of a triangle mesh or of a field of heights."""
+    if isinstance(geom, HeightfieldGeom):
+        vertices, triangles = _field(geom)
+    elif isinstance(geom, TriMeshGeom):
+        vertices, triangles = geom.vertices, geom.triangles
+    else:
+        raise ParameterError(f"{type(geom).__name__} is no shape that SDF knows")
+    shape = etree.Element("mesh")
+    add(shape, "uri", meshes.add(name, vertices, triangles))
+    return shape
+
+
+def _field(geom: HeightfieldGeom) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """(vertices, triangles) of a field of heights, two triangles a cell."""
+    rows, columns = geom.heights.shape
+    x, y = np.meshgrid(np.linspace(-0.5, 0.5, columns) * geom.size[0], np.linspace(-0.5, 0.5, rows) * geom.size[1])
+    vertices = np.stack([x, y, geom.heights], axis=-1).reshape(-1, 3)
+    corner = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).reshape(-1, 1)
+    cells = [corner + np.array(offsets) for offsets in ((0, 1, columns), (1, columns + 1, columns))]
+    return vertices, np.concatenate(cells).astype(np.uint32)
+
+
+def _add_surface(collision: etree._Element, geom: Geom) -> None:
+    """How it touches others: SDF's ODE takes the smaller friction, too, and adds springs in series."""
+    values = geom.body.engine.surface[geom.row].tolist()
+    surface = add(collision, "surface")
+    friction = add(add(surface, "friction"), "ode")
+    for tag in ("mu", "mu2"):
+        add(friction, tag, min(values[Surface.MU], STICKY))
+    contact = add(add(surface, "contact"), "ode")
+    add(contact, "kp", values[Surface.KP] if math.isfinite(values[Surface.KP]) else RIGID)
+    add(contact, "kd", values[Surface.KD])
+    if values[Surface.BOUNCE]:
+        add(add(surface, "bounce"), "restitution_coefficient", min(values[Surface.BOUNCE], 1.0))
+
+
+def _add_material(visual: etree._Element, geom: Geom) -> None:
+    look = geom.appearance
+    if geom.GetTransparency():
+        add(visual, "transparency", 1.0 - color(look.diffuse)[3])
+    material = add(visual, "material")
+    for tag, value in (
+        ("ambient", look.ambient),
+        ("diffuse", look.diffuse),
+        ("specular", look.specular),
+        ("emissive", look.emission),
+    ):
+        add(material, tag, [*color(value)[:3], 1.0])
+
+
+def _note_losses(geom: Geom, owner: str, notes: Notes) -> None:
+    look = geom.appearance
+    if look.texture_file is not None:
+        notes.add(
+            owner, f"the texture {look.texture_file.name} is left out: SDF 1.6 wants a script of each simulator's own"
+        )
+    if look.skin_file is not None:
+        notes.add(owner, f"the skin {look.skin_file.name} is left out; the shape below it is drawn")
+    if look.fiducial != -1:
+        notes.add(owner, f"fiducial {look.fiducial} has no counterpart")

@@ -1,0 +1,239 @@
+"""Off-screen OpenGL contexts: rows of a table, tried in order or chosen by name."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from ctypes import c_char_p, c_int, c_uint, c_void_p
+from typing import ClassVar, TypeVar
+
+from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.rendering.gl import GL, Constant
+
+__all__ = ["CHOICES", "CONTEXTS", "Context", "EGLContext", "OSMesaContext", "chosen", "open_context", "prefer"]
+
+log = logging.getLogger("libgz.rendering")
+
+T = TypeVar("T")
+
+
+class Context:
+    """A context and the one thread that may call it.
+
+    All GL work goes through `run` or `submit`. `close` is idempotent.
+
+    Raises:
+        LibraryError: this kind of context does not work here; the message says why.
+    """
+
+    name: ClassVar[str]
+    hint: ClassVar[str]  # what to install where it is missing
+
+    def __init__(self) -> None:
+        self._worker: ThreadPoolExecutor | None = ThreadPoolExecutor(1, thread_name_prefix=f"libgz-{self.name}")
+        self.gl: GL
+        try:
+            self.run(self._start)
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self) -> None:
+        self.create()
+        self.gl = GL(self.address_of)
+        texts = (self.gl.glGetString(Constant.RENDERER), self.gl.glGetString(Constant.VERSION))
+        self.description = ", OpenGL ".join(bytes(text or b"?").decode() for text in texts)
+
+    def create(self) -> None:
+        """Make the context, current in the calling thread."""
+        raise NotImplementedError
+
+    def destroy(self) -> None:
+        """Undo `create`, as far as it got."""
+        raise NotImplementedError
+
+    def address_of(self, name: bytes) -> int | None:
+        """Address of a GL function."""
+        raise NotImplementedError
+
+    def submit(self, work: Callable[[], T]) -> Future[T]:
+        """Let the context's thread do something, soon.
+
+        Raises:
+            ClosedError: the context was closed.
+        """
+        if self._worker is None:
+            raise ClosedError(f"the {self.name} context was closed")
+        return self._worker.submit(work)
+
+    def run(self, work: Callable[[], T]) -> T:
+        """Let the context's thread do something, and wait for its result."""
+        return self.submit(work).result()
+
+    @property
+    def closed(self) -> bool:
+        """Whether `close` was called."""
+        return self._worker is None
+
+    def close(self) -> None:
+        """Release the context and end its thread. Can be called twice."""
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.submit(self.destroy).result()
+            worker.shutdown()
+
+
+class OSMesaContext(Context):
+    """Mesa drawing into memory, without any window system. Mesa 25.1 dropped it."""
+
+    name = "osmesa"
+    hint = "apt-get install libosmesa6"
+
+    _RGBA = 0x1908
+
+    def create(self) -> None:  # noqa: D102
+        self._handle: int | None = None
+        self._lib = _library("libOSMesa.so.8", self)
+        lib = self._lib
+        lib.OSMesaCreateContextExt.restype = c_void_p
+        lib.OSMesaCreateContextExt.argtypes = [c_uint, c_int, c_int, c_int, c_void_p]
+        lib.OSMesaMakeCurrent.argtypes = [c_void_p, c_void_p, c_uint, c_int, c_int]
+        lib.OSMesaDestroyContext.argtypes = [c_void_p]
+        lib.OSMesaGetProcAddress.restype = c_void_p
+        lib.OSMesaGetProcAddress.argtypes = [c_char_p]
+        self._handle = lib.OSMesaCreateContextExt(self._RGBA, 0, 0, 0, None)
+        if not self._handle:
+            raise LibraryError("OSMesa could not make a context")
+        self._pixel = (ctypes.c_ubyte * 64)()  # pictures are drawn into framebuffer objects; this one is for form
+        if not lib.OSMesaMakeCurrent(self._handle, self._pixel, Constant.UNSIGNED_BYTE, 4, 4):
+            raise LibraryError("OSMesa could not make its context current")
+
+    def destroy(self) -> None:  # noqa: D102
+        if getattr(self, "_handle", None):
+            self._lib.OSMesaMakeCurrent(None, None, 0, 0, 0)
+            self._lib.OSMesaDestroyContext(self._handle)
+            self._handle = None
+
+    def address_of(self, name: bytes) -> int | None:  # noqa: D102
+        return self._lib.OSMesaGetProcAddress(name)  # type: ignore[no-any-return]
+
+
+class EGLContext(Context):
+    """EGL on Mesa's surfaceless platform: no window system, and a graphics card if Mesa knows one."""
+
+    name = "egl"
+    hint = "apt-get install libegl1 libgl1-mesa-dri"
+
+    _SURFACELESS_MESA, _OPENGL_API = 0x31DD, 0x30A2
+    _NONE, _SURFACE_TYPE, _RENDERABLE_TYPE, _OPENGL_BIT = 0x3038, 0x3033, 0x3040, 0x0008
+
+    def create(self) -> None:  # noqa: D102
+        self._display: int | None = None
+        self._handle: int | None = None
+        lib = self._lib = _library("libEGL.so.1", self)
+        lib.eglGetProcAddress.restype = c_void_p
+        lib.eglGetProcAddress.argtypes = [c_char_p]
+        address = self.address_of(b"eglGetPlatformDisplayEXT")
+        if not address:
+            raise LibraryError("this EGL has no platforms (eglGetPlatformDisplayEXT)")
+        get_display = ctypes.CFUNCTYPE(c_void_p, c_uint, c_void_p, c_void_p)(address)
+        lib.eglInitialize.argtypes = [c_void_p, c_void_p, c_void_p]
+        lib.eglChooseConfig.argtypes = [c_void_p, c_void_p, c_void_p, c_int, c_void_p]
+        lib.eglCreateContext.restype = c_void_p
+        lib.eglCreateContext.argtypes = [c_void_p, c_void_p, c_void_p, c_void_p]
+        lib.eglMakeCurrent.argtypes = [c_void_p] * 4
+        lib.eglDestroyContext.argtypes = [c_void_p, c_void_p]
+        self._display = get_display(self._SURFACELESS_MESA, None, None)
+        if not self._display or not lib.eglInitialize(self._display, None, None):
+            raise self._fault("has no surfaceless platform")
+        wanted = (c_int * 5)(self._SURFACE_TYPE, 0, self._RENDERABLE_TYPE, self._OPENGL_BIT, self._NONE)
+        config, found = c_void_p(), c_int()
+        if not lib.eglChooseConfig(self._display, wanted, ctypes.byref(config), 1, ctypes.byref(found)) or not found:
+            raise self._fault("offers no configuration with OpenGL")
+        if not lib.eglBindAPI(self._OPENGL_API):
+            raise self._fault("has no OpenGL")
+        self._handle = lib.eglCreateContext(self._display, config, None, None)
+        if not self._handle or not lib.eglMakeCurrent(self._display, None, None, self._handle):
+            raise self._fault("could not make a context")
+
+    def _fault(self, what: str) -> LibraryError:
+        return LibraryError(f"EGL {what} (EGL error {self._lib.eglGetError():#06x}); {self.hint} may help")
+
+    def destroy(self) -> None:  # noqa: D102
+        # The display is one per process: it is left to others that may use it.
+        if getattr(self, "_handle", None):
+            self._lib.eglMakeCurrent(self._display, None, None, None)
+            self._lib.eglDestroyContext(self._display, self._handle)
+            self._lib.eglReleaseThread()
+            self._handle = None
+
+    def address_of(self, name: bytes) -> int | None:  # noqa: D102
+        return self._lib.eglGetProcAddress(name)  # type: ignore[no-any-return]
+
+
+def _library(name: str, context: Context) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(name)
+    except OSError as fault:
+        raise LibraryError(f"{name} cannot be loaded ({fault}); {context.hint}") from None
+
+
+CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext, EGLContext)}
+CHOICES = ("auto", *CONTEXTS, "none")
+
+_preferred: str | None = None
+
+
+def prefer(choice: str | None) -> None:
+    """Choose the context of all scenes made from now on, above LIBGZ_GL: one of `CHOICES`; None: no preference.
+
+    Raises:
+        ParameterError: it is none of them.
+    """
+    global _preferred
+    _preferred = None if choice is None else _checked(choice, "the choice of OpenGL")
+
+
+def chosen() -> str:
+    """What `prefer` said, else the environment's LIBGZ_GL, else ``"auto"``.
+
+    Raises:
+        ParameterError: LIBGZ_GL is none of `CHOICES`.
+    """
+    return _preferred or _checked(os.environ.get("LIBGZ_GL") or "auto", "LIBGZ_GL")
+
+
+def _checked(choice: str, what: str) -> str:
+    if choice not in CHOICES:
+        raise ParameterError(f"{what} is {choice!r}; allowed are {', '.join(CHOICES)}{nearest(choice, CHOICES)}")
+    return choice
+
+
+def open_context(choice: str | None = None) -> Context | None:
+    """A new context: the chosen kind, or for ``"auto"`` the first that works; None for ``"none"``.
+
+    Raises:
+        LibraryError: it does not work here, or none does.
+        ParameterError: the choice is unknown.
+    """
+    choice = chosen() if choice is None else _checked(choice, "the choice of OpenGL")
+    if choice == "none":
+        return None
+    if choice != "auto":
+        return CONTEXTS[choice]()
+    reasons = []
+    for name, kind in CONTEXTS.items():
+        try:
+            context = kind()
+        except LibraryError as fault:
+            log.info("no pictures by %s: %s", name, fault)
+            reasons.append(f"{name}: {fault}")
+            continue
+        log.info("pictures by %s: %s", name, context.description)
+        return context
+    raise LibraryError(
+        f"no OpenGL works here, which the world's cameras need ({'; '.join(reasons)}); without pictures: --gl none"
+    )

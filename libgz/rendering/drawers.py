@@ -1,0 +1,57 @@
+"""How each kind of geom is drawn: a table from its class to a function that makes its meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import (
+    BoxGeom,
+    CapsuleGeom,
+    CylinderGeom,
+    HeightfieldGeom,
+    SphereGeom,
+    TriMeshGeom,
+    WheelGeom,
+)
+from libgz.rendering import mesh
+from libgz.rendering.mesh import Mesh
+
+__all__ = ["DRAWERS", "Drawer", "meshes_of"]
+
+HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
+
+# (geom, segments of a full turn) -> meshes in the frame of the geom's centre
+Drawer = Callable[[Any, int], list[Mesh]]
+
+
+def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
+    tire = geom.tire_radius
+    parts = [mesh.torus(max(geom.radius - tire, 0.0), tire, segments)]
+    return parts + [mesh.disc(HUB * geom.radius, HUB * tire * up, segments, up) for up in (1.0, -1.0)]
+
+
+def _texture_size(geom: Geom) -> tuple[float, float]:
+    return geom.appearance.texture_size.x, geom.appearance.texture_size.y
+
+
+# A kind that is not here is drawn as the nearest of its base classes is; kinds without a drawer are not seen.
+DRAWERS: dict[type[Geom], Drawer] = {
+    BoxGeom: lambda geom, segments: [mesh.box(*geom.size)],
+    SphereGeom: lambda geom, segments: [mesh.sphere(geom.radius, segments)],
+    CylinderGeom: lambda geom, segments: mesh.cylinder(geom.radius, geom.length, segments),
+    CapsuleGeom: lambda geom, segments: [mesh.capsule(geom.radius, geom.length, segments)],
+    WheelGeom: _wheel,
+    TriMeshGeom: lambda geom, segments: [mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom))],
+    HeightfieldGeom: lambda geom, segments: [mesh.heightfield(geom.heights, geom.size, _texture_size(geom))],
+}
+
+
+def meshes_of(geom: Geom, segments: int) -> list[Mesh]:
+    """The meshes of a geom in the frame of its centre; none if its kind has no drawer."""
+    for kind in type(geom).__mro__:
+        drawer = DRAWERS.get(kind)
+        if drawer is not None:
+            return drawer(geom, segments)
+    return []

@@ -1,0 +1,232 @@
+"""Library: display lists and textures of a scene, made once and kept while they are used. GL's thread only."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from libgz.errors import GazeboError
+from libgz.physics.geom import Geom
+from libgz.rendering.drawers import meshes_of
+from libgz.rendering.gl import GL, Constant, floats
+from libgz.rendering.image import read_image
+from libgz.rendering.mesh import Material, Mesh, grid
+from libgz.rendering.shot import Content, Item, pose_matrix
+from libgz.rendering.skin import read_skin
+
+__all__ = ["Compiled", "Library", "Look"]
+
+log = logging.getLogger("libgz.rendering")
+
+SEGMENTS = (32, 12, 8)  # of a full turn: where a body is large in the picture, small, and very small
+NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
+PATCH = 2.0  # [m] of a plane near the camera
+
+
+Look = tuple[bool, bool, bool]  # whether skins, materials and textures are shown
+
+
+class Compiled:
+    """A display list, and the radius [m] of a ball around the body's origin that it stays in."""
+
+    __slots__ = ("list", "radius")
+
+    def __init__(self, number: int, radius: float) -> None:
+        self.list, self.radius = number, radius
+
+
+class Library:
+    """Display lists by item, looks and detail; textures and skins by file."""
+
+    def __init__(self, gl: GL) -> None:
+        self.gl = gl
+        self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
+        self._lists: dict[tuple[object, ...], Compiled] = {}
+        self._textures: dict[tuple[Path, bool], int] = {}
+        self._skins: dict[Path, list[Mesh]] = {}
+        self._content: Content | None = None
+
+    def use(self, content: Content) -> None:
+        """Let go what is not in the content any more."""
+        if content is self._content:
+            return
+        self._content = content
+        keys = {item.key for item in content.items}
+        for key in [k for k in self._items if k[0] not in keys]:
+            self.gl.glDeleteLists(self._items.pop(key).list, 1)
+
+    def item(self, item: Item, look: Look, level: int, plain: bool) -> Compiled:
+        """The list of an item; plain: its shape alone, without materials."""
+        key = (item.key, look, level, plain)
+        found = self._items.get(key)
+        if found is None:
+            found = self._items[key] = self._compile_item(item, look, SEGMENTS[level], plain)
+        return found
+
+    def plane(self, geom: Geom, far: float, look: Look, plain: bool) -> Compiled:
+        """The list of a plane: a square around the origin that faces +z."""
+        key = ("plane", geom.body.number, geom.appearance.version, far, look, plain)
+        found = self._lists.get(key)
+        if found is None:
+            size = geom.appearance.texture_size
+            shape = grid(far + 2.0 * PATCH, PATCH, (size.x, size.y))
+            number = self._begin()
+            if plain:
+                self._draw(shape, False)
+            else:
+                self._look(geom, [shape], look)
+            self.gl.glEndList()
+            found = self._lists[key] = Compiled(number, far)
+        return found
+
+    def shape(self, name: str, shape: Mesh) -> Compiled:
+        """The list of a mesh that has no geom."""
+        found = self._lists.get(("shape", name))
+        if found is None:
+            number = self._begin()
+            self._draw(shape, True)
+            self.gl.glEndList()
+            found = self._lists["shape", name] = Compiled(number, 0.0)
+        return found
+
+    def _begin(self) -> int:
+        number = self.gl.glGenLists(1)
+        self.gl.glNewList(number, Constant.COMPILE)
+        return int(number)
+
+    def _compile_item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
+        radius, work = 0.0, []
+        for geom in item.geoms:
+            meshes = self._meshes(geom, look[0], segments)
+            for shape in meshes:
+                if len(shape.vertices):
+                    radius = max(radius, float(np.linalg.norm(shape.vertices, axis=1).max()))
+            work.append((geom, meshes))
+        if not plain:
+            for geom, _ in work:  # before the list begins: a texture made inside would become part of it
+                self.texture(geom.appearance.texture_file if look[2] else None)
+        number = self._begin()
+        for geom, meshes in work:
+            if plain:
+                for shape in meshes:
+                    self._draw(shape, False)
+            else:
+                self._look(geom, meshes, look)
+        self.gl.glEndList()
+        return Compiled(number, radius)
+
+    def _meshes(self, geom: Geom, skins: bool, segments: int) -> list[Mesh]:
+        """What a geom looks like, in the frame of its body."""
+        appearance = geom.appearance
+        place = pose_matrix(geom.GetRelativePose())
+        if skins and appearance.skin_null:
+            return []
+        if skins and appearance.skin_file is not None:
+            skin = self._skin(appearance.skin_file)
+            if skin:
+                on_geom = place @ pose_matrix(appearance.skin_pose)
+                return [part.scaled(*appearance.skin_scale).moved(on_geom) for part in skin]
+        return [shape.moved(place) for shape in meshes_of(geom, segments)]
+
+    def _skin(self, path: Path) -> list[Mesh]:
+        """The meshes of a skin; none, and one warning, if it cannot be read."""
+        if path not in self._skins:
+            try:
+                self._skins[path] = read_skin(path)
+            except GazeboError as fault:
+                log.warning("%s; the shape below is shown instead", fault)
+                self._skins[path] = []
+        return self._skins[path]
+
+    def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
+        """Draw meshes with the material and texture of their geom, or their own."""
+        gl, appearance = self.gl, geom.appearance
+        texture = self.texture(appearance.texture_file if look[2] else None)
+        a = appearance
+        colors = (tuple(a.ambient), tuple(a.diffuse), tuple(a.specular), tuple(a.emission), a.shininess)
+        for shape in meshes:
+            own = shape.material
+            if not look[1]:
+                own = NEUTRAL
+            if own is not None:
+                self._material(own.ambient, own.diffuse, own.specular, (0.0, 0.0, 0.0, 1.0), own.shininess)
+            else:
+                self._material(*colors)
+            textured = bool(texture) and shape.texcoords is not None and shape.material is None
+            if textured:
+                gl.glEnable(Constant.TEXTURE_2D)
+                gl.glBindTexture(Constant.TEXTURE_2D, texture)
+            self._draw(shape, textured)
+            if textured:
+                gl.glDisable(Constant.TEXTURE_2D)
+
+    def _material(
+        self,
+        ambient: tuple[float, ...],
+        diffuse: tuple[float, ...],
+        specular: tuple[float, ...],
+        emission: tuple[float, ...],
+        shininess: float,
+    ) -> None:
+        gl, both = self.gl, Constant.FRONT_AND_BACK
+        gl.glMaterialfv(both, Constant.AMBIENT, floats(*ambient))
+        gl.glMaterialfv(both, Constant.DIFFUSE, floats(*diffuse))
+        gl.glMaterialfv(both, Constant.SPECULAR, floats(*specular))
+        gl.glMaterialfv(both, Constant.EMISSION, floats(*emission))
+        gl.glMaterialf(both, Constant.SHININESS, min(max(shininess, 0.0), 128.0))
+
+    def _draw(self, shape: Mesh, textured: bool) -> None:
+        gl = self.gl
+        if shape.two_sided:
+            gl.glDisable(Constant.CULL_FACE)
+            gl.glLightModeli(Constant.LIGHT_MODEL_TWO_SIDE, 1)
+        gl.glEnableClientState(Constant.VERTEX_ARRAY)
+        gl.glVertexPointer(3, Constant.FLOAT, 0, shape.vertices.ctypes.data)
+        if shape.normals is not None:
+            gl.glEnableClientState(Constant.NORMAL_ARRAY)
+            gl.glNormalPointer(Constant.FLOAT, 0, shape.normals.ctypes.data)
+        if textured and shape.texcoords is not None:
+            gl.glEnableClientState(Constant.TEXTURE_COORD_ARRAY)
+            gl.glTexCoordPointer(2, Constant.FLOAT, 0, shape.texcoords.ctypes.data)
+        if shape.indices is None:
+            gl.glDrawArrays(shape.mode, 0, len(shape.vertices))
+        else:
+            gl.glDrawElements(shape.mode, len(shape.indices), Constant.UNSIGNED_INT, shape.indices.ctypes.data)
+        for array in (Constant.VERTEX_ARRAY, Constant.NORMAL_ARRAY, Constant.TEXTURE_COORD_ARRAY):
+            gl.glDisableClientState(array)
+        if shape.two_sided:
+            gl.glLightModeli(Constant.LIGHT_MODEL_TWO_SIDE, 0)
+            gl.glEnable(Constant.CULL_FACE)
+
+    def texture(self, path: Path | None, repeat: bool = True) -> int:
+        """The number of a texture; 0, and one warning, if its file cannot be read."""
+        if path is None:
+            return 0
+        if (path, repeat) not in self._textures:
+            try:
+                self._textures[path, repeat] = self._upload(path, repeat)
+            except GazeboError as fault:
+                log.warning("%s; its place stays plain", fault)
+                self._textures[path, repeat] = 0
+        return self._textures[path, repeat]
+
+    def _upload(self, path: Path, repeat: bool) -> int:
+        pixels = np.ascontiguousarray(read_image(path)[::-1])  # GL's rows begin at the bottom
+        gl, kind = self.gl, Constant.TEXTURE_2D
+        number = ctypes.c_uint()
+        gl.glGenTextures(1, number)
+        gl.glBindTexture(kind, number.value)
+        gl.glPixelStorei(Constant.UNPACK_ALIGNMENT, 1)
+        gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)
+        gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE)
+        gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, Constant.LINEAR)
+        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.LINEAR_MIPMAP_LINEAR)
+        gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
+        height, width, _ = pixels.shape
+        gl.glTexImage2D(
+            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, pixels.ctypes.data
+        )
+        return int(number.value)

@@ -1,0 +1,211 @@
+"""Meshes: what geoms and skins look like, as arrays; and the shapes that are made of formulas."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from libgz.rendering.gl import Constant
+
+__all__ = [
+    "Material",
+    "Mesh",
+    "box",
+    "capsule",
+    "cylinder",
+    "disc",
+    "grid",
+    "heightfield",
+    "sphere",
+    "torus",
+    "triangles",
+]
+
+Floats = NDArray[np.float32]
+CREASE = math.cos(math.radians(40.0))  # edges sharper than this are drawn sharp
+
+
+@dataclass(frozen=True)
+class Material:
+    """The material of a part of a skin: colours red, green, blue, alpha; exponent of highlights, 0 to 128."""
+
+    diffuse: tuple[float, float, float, float] = (0.8, 0.8, 0.8, 1.0)
+    specular: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    ambient: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
+    shininess: float = 0.0
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """Triangles, lines or points.
+
+    Attributes:
+        vertices: [m], shape (n, 3).
+        normals: unit vectors, shape (n, 3); None: unlit.
+        texcoords: shape (n, 2), (0, 0) is the lower left of a picture; None: never textured.
+        indices: of vertices, counter-clockwise seen from outside; None: all in order.
+        mode: a GL primitive.
+        material: of its own, where the geom's does not count.
+        two_sided: seen from inside, too.
+    """
+
+    vertices: Floats
+    normals: Floats | None = None
+    texcoords: Floats | None = None
+    indices: NDArray[np.uint32] | None = None
+    mode: int = Constant.TRIANGLES
+    material: Material | None = None
+    two_sided: bool = False
+
+    def moved(self, matrix: NDArray[np.float64]) -> Mesh:
+        """The mesh seen from another frame: `matrix` is rigid, shape (4, 4)."""
+        rotation = matrix[:3, :3]
+        vertices = self.vertices @ rotation.T + matrix[:3, 3]
+        normals = None if self.normals is None else _f(self.normals @ rotation.T)
+        return replace(self, vertices=_f(vertices), normals=normals)
+
+    def scaled(self, x: float, y: float, z: float) -> Mesh:
+        """The mesh stretched along its axes; normals stay perpendicular."""
+        factors = np.array((x, y, z), dtype=np.float32)
+        normals = self.normals
+        if normals is not None and np.all(factors != 0.0):
+            normals = _unit(normals / factors)
+        return replace(self, vertices=self.vertices * factors, normals=normals)
+
+
+def _f(values: ArrayLike) -> Floats:
+    return np.ascontiguousarray(values, dtype=np.float32)
+
+
+def _unit(vectors: ArrayLike) -> Floats:
+    found = np.asarray(vectors, dtype=np.float64)
+    lengths = np.linalg.norm(found, axis=-1, keepdims=True)
+    return _f(np.divide(found, lengths, out=np.zeros_like(found), where=lengths > 1e-30))
+
+
+def _patches(columns: int, rows: int) -> NDArray[np.uint32]:
+    """Triangles of a grid of (rows + 1) x (columns + 1) vertices, counter-clockwise if columns x rows points out."""
+    i, j = np.meshgrid(np.arange(columns), np.arange(rows))
+    a = (j * (columns + 1) + i).ravel()
+    b, c, d = a + 1, a + columns + 2, a + columns + 1
+    return np.stack([a, b, c, a, c, d], axis=1).astype(np.uint32).ravel()
+
+
+def box(x: float, y: float, z: float) -> Mesh:
+    """A box of full lengths [m]; each face carries the whole texture."""
+    vertices, normals = [], []
+    for axis in range(3):
+        for sign in (1.0, -1.0):
+            n = np.eye(3)[axis] * sign
+            # Texture upright on the sides: t runs along z, or along y on top and bottom.
+            t = np.eye(3)[1 if axis == 2 else 2]
+            s = np.cross(t, n)
+            vertices += [n - s - t, n + s - t, n + s + t, n - s + t]
+            normals += [n] * 4
+    corners = np.array(vertices) * (x / 2.0, y / 2.0, z / 2.0)
+    indices = [4 * face + k for face in range(6) for k in (0, 1, 2, 0, 2, 3)]
+    texcoords = np.tile([[0, 0], [1, 0], [1, 1], [0, 1]], (6, 1))
+    return Mesh(_f(corners), _f(normals), _f(texcoords), np.array(indices, dtype=np.uint32))
+
+
+def _revolved(radii: Floats, heights: Floats, outward: Floats, upward: Floats, t: Floats, segments: int) -> Mesh:
+    """A profile turned about z; one value of each array per ring, from the bottom up."""
+    angles = np.linspace(0.0, 2.0 * math.pi, segments + 1)
+    cos, sin, one = np.cos(angles), np.sin(angles), np.ones(segments + 1)
+    vertices = np.stack([np.outer(radii, cos), np.outer(radii, sin), np.outer(heights, one)], axis=-1)
+    normals = np.stack([np.outer(outward, cos), np.outer(outward, sin), np.outer(upward, one)], axis=-1)
+    texcoords = np.stack([np.outer(np.ones(len(t)), angles / (2.0 * math.pi)), np.outer(t, one)], axis=-1)
+    indices = _patches(segments, len(radii) - 1)
+    return Mesh(_f(vertices.reshape(-1, 3)), _unit(normals.reshape(-1, 3)), _f(texcoords.reshape(-1, 2)), indices)
+
+
+def sphere(radius: float, segments: int) -> Mesh:
+    """A sphere about the origin; the texture runs once around, poles at top and bottom."""
+    angle = np.linspace(-math.pi / 2.0, math.pi / 2.0, segments // 2 + 1)
+    cos, sin = np.cos(angle), np.sin(angle)
+    return _revolved(_f(radius * cos), _f(radius * sin), _f(cos), _f(sin), _f(angle / math.pi + 0.5), segments)
+
+
+def cylinder(radius: float, length: float, segments: int) -> list[Mesh]:
+    """A cylinder along z, centred: the side, which carries the texture, and two plain ends."""
+    half = length / 2.0
+    side = _revolved(_f([radius] * 2), _f([-half, half]), _f([1, 1]), _f([0, 0]), _f([0, 1]), segments)
+    return [side, disc(radius, half, segments, 1.0), disc(radius, -half, segments, -1.0)]
+
+
+def capsule(radius: float, length: float, segments: int) -> Mesh:
+    """A cylinder along z with round ends, centred."""
+    angle = np.linspace(-math.pi / 2.0, math.pi / 2.0, 2 * (segments // 4) + 2)
+    cos, sin = np.cos(angle), np.sin(angle)
+    heights = radius * sin + np.where(angle > 0.0, 0.5, -0.5) * length
+    t = (heights - heights[0]) / (heights[-1] - heights[0])
+    return _revolved(_f(radius * cos), _f(heights), _f(cos), _f(sin), _f(t), segments)
+
+
+def disc(radius: float, z: float, segments: int, up: float) -> Mesh:
+    """A flat disc at height z [m] that is seen from above (up 1) or below (-1)."""
+    angles = np.linspace(0.0, 2.0 * math.pi * up, segments, endpoint=False)
+    rim = np.stack([radius * np.cos(angles), radius * np.sin(angles), np.full(segments, z)], axis=1)
+    middle = np.arange(1, segments - 1)
+    indices = np.stack([np.zeros_like(middle), middle, middle + 1], axis=1).astype(np.uint32).ravel()
+    return Mesh(_f(rim), _f(np.tile([0.0, 0.0, up], (segments, 1))), None, indices)
+
+
+def torus(radius: float, tube: float, segments: int) -> Mesh:
+    """A torus about z: radius of the ring's middle and of its tube [m]."""
+    angle = np.linspace(-math.pi, math.pi, max(4, segments // 3) + 1)
+    cos, sin = np.cos(angle), np.sin(angle)
+    rings = _f(radius + tube * cos)
+    return _revolved(rings, _f(tube * sin), _f(cos), _f(sin), _f((angle / math.pi + 1.0) / 2.0), segments)
+
+
+def triangles(vertices: ArrayLike, corners: ArrayLike, texture_size: tuple[float, float] = (2.0, 2.0)) -> Mesh:
+    """A triangle mesh: smooth where it bends little, sharp where it bends much; its texture is laid on from above.
+
+    Args:
+        vertices: [m], shape (n, 3).
+        corners: indices, shape (m, 3).
+        texture_size: extent of one picture [m].
+    """
+    points, faces = np.asarray(vertices, dtype=np.float64), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)  # twice the area long, so that large triangles count more
+    sums = np.zeros_like(points)
+    for k in range(3):
+        np.add.at(sums, faces[:, k], across)
+    face, smooth = _unit(across)[:, None, :], _unit(sums)[faces]
+    bends_little = np.einsum("ijk,ijk->ij", np.broadcast_to(face, smooth.shape), smooth) > CREASE
+    normals = np.where(bends_little[..., None], smooth, face).reshape(-1, 3)
+    flat = points[faces].reshape(-1, 3)
+    return Mesh(_f(flat), _f(normals), _f(flat[:, :2] / texture_size))
+
+
+def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tuple[float, float]) -> Mesh:
+    """Ground of varying height, centred: heights [m], shape (rows, columns), rows along +y, columns along +x."""
+    x_size, y_size = extent
+    z = np.asarray(heights, dtype=np.float64)
+    rows, columns = z.shape
+    x, y = np.linspace(-x_size / 2.0, x_size / 2.0, columns), np.linspace(-y_size / 2.0, y_size / 2.0, rows)
+    xs, ys = np.meshgrid(x, y)
+    dz_dy, dz_dx = np.gradient(z, y, x)
+    vertices = np.stack([xs, ys, z], axis=-1).reshape(-1, 3)
+    normals = np.stack([-dz_dx, -dz_dy, np.ones_like(z)], axis=-1).reshape(-1, 3)
+    return Mesh(_f(vertices), _unit(normals), _f(vertices[:, :2] / texture_size), _patches(columns - 1, rows - 1))
+
+
+def grid(reach: float, patch: float, texture_size: tuple[float, float]) -> Mesh:
+    """A flat square around the origin, facing +z: small patches in the middle, each next one twice as wide [m]."""
+    steps, edge, width = [0.0], 0.0, patch
+    while edge < reach:
+        edge += width
+        steps.append(edge)
+        width *= 2.0
+    line = np.array([-s for s in reversed(steps[1:])] + steps)
+    xs, ys = np.meshgrid(line, line)
+    vertices = np.stack([xs, ys, np.zeros_like(xs)], axis=-1).reshape(-1, 3)
+    normals = np.tile([0.0, 0.0, 1.0], (len(vertices), 1))
+    count = len(line) - 1
+    return Mesh(_f(vertices), _f(normals), _f(vertices[:, :2] / texture_size), _patches(count, count))

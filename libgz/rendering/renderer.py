@@ -1,0 +1,291 @@
+"""Renderer: draws shots into arrays. All of it runs in its context's thread."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import LibraryError
+from libgz.geometry import GzColor
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import PlaneGeom
+from libgz.rendering.dome import dome_mesh
+from libgz.rendering.gl import GL, Constant, floats
+from libgz.rendering.library import PATCH, Library, Look
+from libgz.rendering.shot import RenderOptions, Shot, View
+
+__all__ = ["Renderer"]
+
+LIGHTS = 8
+SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
+
+
+class Renderer:
+    """Draws shots with the lists and textures of one context."""
+
+    def __init__(self, gl: GL) -> None:
+        self.gl = gl
+        self.library = Library(gl)
+        self._buffers: dict[tuple[int, int], tuple[ctypes.c_uint, ctypes.Array[ctypes.c_uint]]] = {}
+        for state in (Constant.CULL_FACE, Constant.DEPTH_TEST):
+            gl.glEnable(state)
+        gl.glDisable(Constant.DITHER)
+        gl.glDepthFunc(Constant.LEQUAL)
+        gl.glBlendFunc(Constant.SRC_ALPHA, Constant.ONE_MINUS_SRC_ALPHA)
+        gl.glFrontFace(Constant.CW)  # pictures are drawn upside down, and so read top row first
+        gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
+        gl.glPixelStorei(Constant.PACK_ALIGNMENT, 1)
+
+    def _bind(self, width: int, height: int) -> None:
+        """Draw into a buffer of this size."""
+        gl, frame = self.gl, Constant.FRAMEBUFFER
+        if (width, height) not in self._buffers:
+            number, parts = ctypes.c_uint(), (ctypes.c_uint * 2)()
+            gl.glGenFramebuffers(1, ctypes.byref(number))
+            gl.glGenRenderbuffers(2, parts)
+            gl.glBindFramebuffer(frame, number)
+            roles = (
+                (Constant.COLOR_ATTACHMENT0, Constant.RGBA8),
+                (Constant.DEPTH_ATTACHMENT, Constant.DEPTH_COMPONENT24),
+            )
+            for part, (role, layout) in zip(parts, roles, strict=True):
+                gl.glBindRenderbuffer(Constant.RENDERBUFFER, part)
+                gl.glRenderbufferStorage(Constant.RENDERBUFFER, layout, width, height)
+                gl.glFramebufferRenderbuffer(frame, role, Constant.RENDERBUFFER, part)
+            if gl.glCheckFramebufferStatus(frame) != Constant.FRAMEBUFFER_COMPLETE:
+                raise LibraryError(f"this OpenGL cannot draw pictures of {width} x {height} px")
+            self._buffers[width, height] = (number, parts)
+        gl.glBindFramebuffer(frame, self._buffers[width, height][0])
+        gl.glViewport(0, 0, width, height)
+
+    def draw(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
+        """Draw a shot.
+
+        Args:
+            shot: what.
+            image: out, shape (height, width, 3), top row first.
+            depth: out, distance along the line of sight [m], shape (height, width); infinite where there is nothing.
+        """
+        view = shot.view
+        self._bind(view.width, view.height)
+        eye = self._begin(shot)
+        self._set_options(shot)
+        self._dome(shot, eye)
+        self._lights(shot, eye)
+        self.gl.glEnable(Constant.LIGHTING)
+        self._items(shot, eye, plain=False)
+        self.gl.glDisable(Constant.LIGHTING)
+        self._lines(shot, eye)
+        self.gl.glPolygonMode(Constant.FRONT_AND_BACK, Constant.FILL)
+        self.gl.glDisable(Constant.FOG)
+        self.gl.check()
+        self._read(view, image, depth)
+
+    def segment(self, shot: Shot, ids: NDArray[np.uint8]) -> None:
+        """Draw which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
+        self._bind(shot.view.width, shot.view.height)
+        eye = self._begin(shot, black=True)
+        self._items(shot, eye, plain=True)
+        self.gl.glColor3f(1.0, 1.0, 1.0)
+        self.gl.check()
+        self._read(shot.view, ids, None)
+
+    def _begin(self, shot: Shot, black: bool = False) -> NDArray[np.float64]:
+        """Clear, and set the projection; the eye matrix."""
+        gl = self.gl
+        sky = GzColor() if black else shot.sky
+        gl.glClearColor(sky.r, sky.g, sky.b, 1.0)
+        gl.glClear(Constant.COLOR_BUFFER_BIT | Constant.DEPTH_BUFFER_BIT)
+        gl.glMatrixMode(Constant.PROJECTION)
+        _load(gl, shot.view.projection())
+        gl.glMatrixMode(Constant.MODELVIEW)
+        gl.glShadeModel(Constant.FLAT if black or not shot.view.options.shadeSmooth else Constant.SMOOTH)
+        self.library.use(shot.content)
+        return shot.view.eye()
+
+    def _set_options(self, shot: Shot) -> None:
+        gl = self.gl
+        mode = Constant.FILL if shot.view.options.polygonFill else Constant.LINE
+        gl.glPolygonMode(Constant.FRONT_AND_BACK, mode)
+        if shot.fog is not None:
+            gl.glEnable(Constant.FOG)
+            gl.glFogi(Constant.FOG_MODE, Constant.EXP2)
+            gl.glFogf(Constant.FOG_DENSITY, shot.fog)
+            gl.glFogfv(Constant.FOG_COLOR, floats(*shot.sky))
+
+    def _lights(self, shot: Shot, eye: NDArray[np.float64]) -> None:
+        gl = self.gl
+        _load(gl, eye)
+        for i in range(LIGHTS):
+            number = Constant.LIGHT0 + i
+            if i >= len(shot.lights):
+                gl.glDisable(number)
+                continue
+            light = shot.lights[i]
+            gl.glEnable(number)
+            gl.glLightfv(number, Constant.POSITION, floats(*light.position, 1.0))
+            gl.glLightfv(number, Constant.AMBIENT, floats(*light.ambient))
+            gl.glLightfv(number, Constant.DIFFUSE, floats(*light.diffuse))
+            gl.glLightfv(number, Constant.SPECULAR, floats(*light.specular))
+            for name, factor in zip(
+                (Constant.CONSTANT_ATTENUATION, Constant.LINEAR_ATTENUATION, Constant.QUADRATIC_ATTENUATION),
+                light.attenuation,
+                strict=True,
+            ):
+                gl.glLightf(number, name, factor)
+
+    def _items(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
+        """Opaque items, then planes, then what is transparent, from back to front."""
+        gl, view, items = self.gl, shot.view, shot.content.items
+        if items:
+            matrices = eye @ shot.poses
+            columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
+            start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
+            places = matrices[:, :3, 3].tolist()
+            limits, find, look = _Limits(view), self.library.item, _look_of(view.options)
+            later: list[tuple[float, int, int]] = []
+            for i, (item, (x, y, z)) in enumerate(zip(items, places, strict=True)):
+                compiled = find(item, look, 2, plain)
+                if limits.outside(x, y, z, compiled.radius):
+                    continue
+                pixels = compiled.radius * view.focal / max(-z, view.near)
+                if pixels > TINY:
+                    compiled = find(item, look, 0 if pixels > SMALL else 1, plain)
+                if item.transparent and not plain:
+                    later.append((x * x + y * y + z * z, i, compiled.list))
+                    continue
+                if plain:
+                    self._id_color(item.model_id)
+                load(start + 128 * i)
+                call(compiled.list)
+        for plane in shot.planes:
+            self._plane(shot, eye, plane, plain)
+        if items and later:
+            gl.glEnable(Constant.BLEND)
+            gl.glDepthMask(0)
+            for _, i, number in sorted(later, reverse=True):
+                load(start + 128 * i)
+                call(number)
+            gl.glDepthMask(1)
+            gl.glDisable(Constant.BLEND)
+
+    def _id_color(self, number: int) -> None:
+        self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
+
+    def _plane(self, shot: Shot, eye: NDArray[np.float64], geom: Geom, plain: bool) -> None:
+        """A plane as patches around the camera; they keep their places in the world, and so does the texture."""
+        if not isinstance(geom, PlaneGeom):
+            return
+        view, gl = shot.view, self.gl
+        frame = plane_frame(geom)
+        camera = np.array(view.pose.pos) - frame[:3, 3]
+        size = geom.appearance.texture_size
+        shift = [math.floor(float(camera @ frame[:3, k]) / PATCH) * PATCH for k in (0, 1)]
+        matrix = frame.copy()
+        matrix[:3, 3] += shift[0] * frame[:3, 0] + shift[1] * frame[:3, 1]
+        compiled = self.library.plane(geom, view.far, _look_of(view.options), plain)
+        gl.glMatrixMode(Constant.TEXTURE)
+        gl.glLoadIdentity()
+        gl.glTranslated(math.fmod(shift[0] / size.x, 1.0), math.fmod(shift[1] / size.y, 1.0), 0.0)
+        gl.glMatrixMode(Constant.MODELVIEW)
+        if plain:
+            self._id_color(0)
+        _load(gl, eye @ matrix)
+        gl.glCallList(compiled.list)
+        gl.glMatrixMode(Constant.TEXTURE)
+        gl.glLoadIdentity()
+        gl.glMatrixMode(Constant.MODELVIEW)
+
+    def _dome(self, shot: Shot, eye: NDArray[np.float64]) -> None:
+        """The sky behind everything, unlit and without fog, from its tone map's column for the time of day."""
+        if shot.dome is None:
+            return
+        geom, share = shot.dome
+        texture = self.library.texture(geom.appearance.texture_file, repeat=False)
+        if not texture or not shot.view.options.displayTextures:
+            return
+        gl, far, camera = self.gl, 0.8 * shot.view.far, shot.view.pose.pos
+        matrix = np.diag([far, far, far, 1.0])
+        matrix[:3, 3] = (camera.x, camera.y, -0.1)
+        compiled = self.library.shape("dome", dome_mesh())
+        gl.glDisable(Constant.FOG)
+        gl.glDepthMask(0)
+        gl.glEnable(Constant.TEXTURE_2D)
+        gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.REPLACE)
+        gl.glBindTexture(Constant.TEXTURE_2D, texture)
+        gl.glMatrixMode(Constant.TEXTURE)
+        gl.glLoadIdentity()
+        gl.glTranslated(share, 0.0, 0.0)
+        gl.glMatrixMode(Constant.MODELVIEW)
+        _load(gl, eye @ matrix)
+        gl.glCallList(compiled.list)
+        gl.glMatrixMode(Constant.TEXTURE)
+        gl.glLoadIdentity()
+        gl.glMatrixMode(Constant.MODELVIEW)
+        gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
+        gl.glDisable(Constant.TEXTURE_2D)
+        gl.glDepthMask(1)
+        if shot.fog is not None:
+            gl.glEnable(Constant.FOG)
+
+    def _lines(self, shot: Shot, eye: NDArray[np.float64]) -> None:
+        gl = self.gl
+        _load(gl, eye)
+        for lines in shot.lines:
+            gl.glColor3f(*lines.color)
+            gl.glEnableClientState(Constant.VERTEX_ARRAY)
+            gl.glVertexPointer(3, Constant.FLOAT, 0, lines.ends.ctypes.data)
+            gl.glDrawArrays(Constant.LINES, 0, len(lines.ends))
+            gl.glDisableClientState(Constant.VERTEX_ARRAY)
+        gl.glColor3f(1.0, 1.0, 1.0)
+
+    def _read(self, view: View, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None) -> None:
+        gl, area = self.gl, (0, 0, view.width, view.height)
+        gl.glFinish()
+        if image is not None:
+            gl.glReadPixels(*area, Constant.RGB, Constant.UNSIGNED_BYTE, image.ctypes.data)
+        if depth is not None:
+            gl.glReadPixels(*area, Constant.DEPTH_COMPONENT, Constant.FLOAT, depth.ctypes.data)
+            near, far, nothing = view.near, view.far, depth >= 1.0
+            np.divide(far * near, far - depth.astype(np.float64) * (far - near), out=depth, casting="same_kind")
+            depth[nothing] = np.inf
+
+
+class _Limits:
+    """The sides of a view: what lies beyond one of them is not drawn."""
+
+    def __init__(self, view: View) -> None:
+        self.near, self.far = view.near, view.far
+        self.tx, self.ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
+        self.nx, self.ny = math.hypot(1.0, self.tx), math.hypot(1.0, self.ty)
+
+    def outside(self, x: float, y: float, z: float, radius: float) -> bool:
+        """Whether a ball in the eye frame [m] cannot be seen."""
+        if -z + radius < self.near or -z - radius > self.far:
+            return True
+        return abs(x) + self.tx * z > radius * self.nx or abs(y) + self.ty * z > radius * self.ny
+
+
+def _look_of(options: RenderOptions) -> Look:
+    return options.displaySkins, options.displayMaterials, options.displayTextures
+
+
+def plane_frame(geom: PlaneGeom) -> NDArray[np.float64]:
+    """A frame on a plane: z along its normal, x along the world's x where that can be, shape (4, 4)."""
+    z: NDArray[Any] = np.array(geom.normal)
+    x = np.array((1.0, 0.0, 0.0)) - z[0] * z
+    if np.linalg.norm(x) < 1e-6:
+        x = np.array((0.0, 1.0, 0.0)) - z[1] * z
+    x /= np.linalg.norm(x)
+    frame = np.eye(4)
+    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, geom.altitude * z
+    return frame
+
+
+def _load(gl: GL, matrix: NDArray[np.float64]) -> None:
+    columns = np.ascontiguousarray(matrix.T)
+    gl.glLoadMatrixd(columns.ctypes.data)

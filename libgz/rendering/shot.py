@@ -1,0 +1,143 @@
+"""What a picture is drawn from: plain data, taken from a world at one moment, that stays as it is while it is drawn."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.geometry import GzColor, GzPose
+from libgz.physics.geom import Geom
+
+__all__ = ["Content", "Item", "Light", "Lines", "RenderOptions", "Shot", "View", "pose_matrices", "pose_matrix"]
+
+
+@dataclass
+class RenderOptions:
+    """What a picture shows, and how."""
+
+    displayBBox: bool = False
+    displayAxes: bool = False
+    displayCoM: bool = False
+    displaySkins: bool = True
+    displayRays: bool = False
+    displayFrustrums: bool = False
+    displayMaterials: bool = True
+    displayTextures: bool = True
+    polygonFill: bool = True
+    shadeSmooth: bool = True
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera: its pose (it looks along +x, z up), optics, and what it shows."""
+
+    pose: GzPose
+    width: int  # [px]
+    height: int  # [px]
+    hfov: float  # horizontal field of view [rad]
+    near: float  # [m]
+    far: float  # [m]
+    options: RenderOptions = field(default_factory=RenderOptions)
+
+    @property
+    def focal(self) -> float:
+        """Focal length [px], the same in both directions."""
+        return self.width / (2.0 * math.tan(self.hfov / 2.0))
+
+    def eye(self) -> NDArray[np.float64]:
+        """From the world into GL's eye frame (x right, y up, z backward), shape (4, 4)."""
+        matrix = pose_matrix(self.pose)
+        turn = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+        rotation = turn @ matrix[:3, :3].T
+        result = np.eye(4)
+        result[:3, :3] = rotation
+        result[:3, 3] = -rotation @ matrix[:3, 3]
+        return result
+
+    def projection(self) -> NDArray[np.float64]:
+        """From the eye frame into clip coordinates, shape (4, 4); y downwards, so that rows come out top first."""
+        near, far = self.near, self.far
+        result = np.zeros((4, 4))
+        result[0, 0] = 2.0 * self.focal / self.width
+        result[1, 1] = -2.0 * self.focal / self.height
+        result[2, 2], result[2, 3] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
+        result[3, 2] = -1.0
+        return result
+
+
+@dataclass(frozen=True)
+class Item:
+    """The geoms of one body that are drawn together."""
+
+    geoms: tuple[Geom, ...]
+    model_id: int
+    key: tuple[int, ...]  # changes whenever a geom's looks do
+    transparent: bool = False
+
+
+@dataclass(frozen=True)
+class Content:
+    """All items of a scene, in the order of their models."""
+
+    items: tuple[Item, ...]
+
+
+@dataclass(frozen=True)
+class Light:
+    """A point light: place [m], colours, and constant, linear and quadratic fading."""
+
+    position: tuple[float, float, float]
+    ambient: GzColor
+    diffuse: GzColor
+    specular: GzColor
+    attenuation: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Unlit line segments of one colour: ends [m], global, shape (2 n, 3)."""
+
+    ends: NDArray[np.float32]
+    color: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Shot:
+    """A view of a world at one moment."""
+
+    view: View
+    content: Content
+    poses: NDArray[np.float64]  # of the items, shape (n, 4, 4)
+    planes: tuple[Geom, ...]
+    lights: tuple[Light, ...]
+    sky: GzColor
+    fog: float | None  # density [1/m]
+    dome: tuple[Geom, float] | None  # the dome, and the time of day as a share of 24 h
+    lines: tuple[Lines, ...] = ()
+
+
+def pose_matrix(pose: GzPose) -> NDArray[np.float64]:
+    """A pose as a matrix, shape (4, 4)."""
+    matrices = pose_matrices(np.array([(*pose.pos, *pose.rot)]))
+    return matrices.reshape(4, 4)
+
+
+def pose_matrices(states: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Poses as matrices, shape (n, 4, 4), from rows x, y, z, u, x, y, z: position and unit quaternion."""
+    u, x, y, z = states[:, 3], states[:, 4], states[:, 5], states[:, 6]
+    result = np.zeros((len(states), 4, 4))
+    result[:, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
+    result[:, 0, 1] = 2.0 * (x * y - u * z)
+    result[:, 0, 2] = 2.0 * (x * z + u * y)
+    result[:, 1, 0] = 2.0 * (x * y + u * z)
+    result[:, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
+    result[:, 1, 2] = 2.0 * (y * z - u * x)
+    result[:, 2, 0] = 2.0 * (x * z - u * y)
+    result[:, 2, 1] = 2.0 * (y * z + u * x)
+    result[:, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
+    result[:, :3, 3] = states[:, :3]
+    result[:, 3, 3] = 1.0
+    return result

@@ -1,0 +1,227 @@
+"""Skins: meshes from files, drawn in place of a geom's own shape."""
+
+from __future__ import annotations
+
+import logging
+import struct
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import GazeboError
+from libgz.rendering import mesh
+from libgz.rendering.mesh import Material, Mesh
+
+__all__ = ["read_skin"]
+
+log = logging.getLogger("libgz.rendering")
+
+# Chunks of a 3DS file: an id, a length that counts the 6 bytes of both, data, chunks inside.
+MAIN, EDITOR, OBJECT, TRIMESH = 0x4D4D, 0x3D3D, 0x4000, 0x4100
+VERTICES, FACES, FACE_MATERIAL = 0x4110, 0x4120, 0x4130
+MATERIAL, MATERIAL_NAME, DIFFUSE, SPECULAR, SHININESS = 0xAFFF, 0xA000, 0xA020, 0xA030, 0xA040
+FLOAT_COLORS, BYTE_COLORS, PERCENTS = (0x0010, 0x0013), (0x0011, 0x0012), (0x0030,)
+
+
+def read_skin(path: Path) -> list[Mesh]:
+    """The meshes of a file: 3DS by a reader of our own, other formats by the package trimesh.
+
+    A damaged 3DS file gives what could be read, with one warning.
+
+    Raises:
+        GazeboError: nothing can be read from it; the message says what would help.
+    """
+    if path.suffix.lower() == ".3ds":
+        return _read_3ds(path)
+    return _read_by_trimesh(path)
+
+
+def _read_by_trimesh(path: Path) -> list[Mesh]:
+    try:
+        import trimesh  # type: ignore[import-not-found, unused-ignore]
+    except ImportError:
+        raise GazeboError(f"skin {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+    try:
+        loaded: Any = trimesh.load(path, force="scene")
+        parts = loaded.dump()
+    except Exception as fault:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
+        raise GazeboError(f"skin {path} cannot be read: {fault}") from None
+    found = []
+    for part in parts:
+        if not len(getattr(part, "faces", ())):
+            continue
+        color = np.asarray(getattr(part.visual, "main_color", (204, 204, 204, 255)), dtype=float) / 255.0
+        material = Material(diffuse=tuple(color.tolist()))
+        found.append(_part(part.vertices, part.faces, material))
+    if not found:
+        raise GazeboError(f"skin {path} holds no triangles")
+    return found
+
+
+def _part(vertices: NDArray[Any], faces: NDArray[Any], material: Material) -> Mesh:
+    shape = mesh.triangles(vertices, faces)
+    return Mesh(shape.vertices, shape.normals, material=material, two_sided=True)
+
+
+@dataclass
+class _Object:
+    vertices: NDArray[np.float32] = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    faces: NDArray[np.uint16] = field(default_factory=lambda: np.zeros((0, 3), np.uint16))
+    groups: list[tuple[str, NDArray[np.uint16]]] = field(default_factory=list)
+
+
+class _Damaged(Exception):
+    pass
+
+
+@dataclass
+class _Reader3DS:
+    data: bytes
+    materials: dict[str, Material] = field(default_factory=dict)
+    objects: list[_Object] = field(default_factory=list)
+    damage: str = ""  # the first that was found
+
+    def chunks(self, start: int, end: int) -> Iterator[tuple[int, int, int]]:
+        """(id, begin of data, end) of each chunk in a stretch of the file.
+
+        Raises:
+            _Damaged: a length cannot be.
+        """
+        while start + 6 <= end:
+            kind, length = struct.unpack_from("<HI", self.data, start)
+            if length >= 6:
+                yield kind, start + 6, min(start + length, end)  # one cut short may still hold whole ones
+            if length < 6 or start + length > end:
+                raise _Damaged(f"chunk {kind:#06x} at byte {start} claims {length} bytes of {end - start}")
+            start += length
+
+    def text(self, start: int, end: int) -> tuple[str, int]:
+        """A text that ends with a zero byte, and where the next thing begins."""
+        stop = self.data.find(b"\0", start, end)
+        if stop < 0:
+            raise _Damaged(f"the name at byte {start} has no end")
+        return self.data[start:stop].decode("latin-1"), stop + 1
+
+    def array(self, kind: str, start: int, end: int, columns: int) -> NDArray[Any]:
+        """A count and so many rows."""
+        if start + 2 > end:
+            raise _Damaged(f"the count at byte {start} is missing")
+        count = int(np.frombuffer(self.data, "<u2", 1, start)[0])
+        fitting = (end - start - 2) // (np.dtype(kind).itemsize * columns)
+        if count > fitting:
+            self.note(f"{count} rows at byte {start} do not fit into their chunk")
+            count = fitting
+        return np.frombuffer(self.data, kind, columns * count, start + 2).reshape(count, columns)
+
+    def note(self, damage: object) -> None:
+        """Remember the first damage."""
+        self.damage = self.damage or str(damage)
+
+    def read(self) -> None:
+        """Read the whole file; damage in one material or object costs that one, or what of it comes after.
+
+        Raises:
+            _Damaged: the rest of the file cannot be read; what came before is kept.
+        """
+        kind, length = struct.unpack_from("<HI", self.data) if len(self.data) >= 6 else (0, 0)
+        if kind != MAIN:
+            raise _Damaged("it does not begin as a 3DS file does")
+        for kind, start, end in self.chunks(6, max(6, min(length, len(self.data)))):
+            if kind == EDITOR:
+                for inner, first, last in self.chunks(start, end):
+                    part = {MATERIAL: self.material, OBJECT: self.object}.get(inner)
+                    if part is not None:
+                        self.attempt(part, first, last)
+        if length > len(self.data):
+            raise _Damaged(f"{length - len(self.data)} bytes are missing at its end")
+
+    def attempt(self, part: Callable[[int, int], None], start: int, end: int) -> None:
+        """Read one part; if it is damaged, note it and let the others go on."""
+        try:
+            part(start, end)
+        except _Damaged as fault:
+            self.note(fault)
+
+    def material(self, start: int, end: int) -> None:
+        """Read one material."""
+        name, colors, shininess = "", {DIFFUSE: (0.8, 0.8, 0.8), SPECULAR: (0.0, 0.0, 0.0)}, 0.0
+        for kind, first, last in self.chunks(start, end):
+            if kind == MATERIAL_NAME:
+                name = self.text(first, last)[0]
+            elif kind in colors:
+                colors[kind] = self.color(first, last, colors[kind])
+            elif kind == SHININESS:
+                for inner, begin, stop in self.chunks(first, last):
+                    if inner in PERCENTS and begin + 2 <= stop:
+                        shininess = 1.28 * min(100, struct.unpack_from("<H", self.data, begin)[0])
+        self.materials[name] = Material((*colors[DIFFUSE], 1.0), (*colors[SPECULAR], 1.0), shininess=shininess)
+
+    def color(self, start: int, end: int, default: tuple[float, float, float]) -> tuple[float, float, float]:
+        """The colour inside a chunk."""
+        for kind, first, last in self.chunks(start, end):
+            if kind in FLOAT_COLORS and first + 12 <= last:
+                r, g, b = struct.unpack_from("<3f", self.data, first)
+                return r, g, b
+            if kind in BYTE_COLORS and first + 3 <= last:
+                r, g, b = self.data[first : first + 3]
+                return r / 255.0, g / 255.0, b / 255.0
+        return default
+
+    def object(self, start: int, end: int) -> None:
+        """Read one object, if it is a mesh."""
+        _, first = self.text(start, end)
+        for kind, begin, stop in self.chunks(first, end):
+            if kind == TRIMESH:
+                found = _Object()
+                self.objects.append(found)
+                for inner, inner_begin, inner_stop in self.chunks(begin, stop):
+                    if inner == VERTICES:
+                        found.vertices = self.array("<f4", inner_begin, inner_stop, 3)
+                    elif inner == FACES:
+                        self.faces(found, inner_begin, inner_stop)
+
+    def faces(self, found: _Object, start: int, end: int) -> None:
+        """Read the triangles of an object, and which material they have."""
+        rows = self.array("<u2", start, end, 4)
+        found.faces = rows[:, :3]
+        for kind, first, last in self.chunks(start + 2 + rows.nbytes, end):
+            if kind == FACE_MATERIAL:
+                name, members = self.text(first, last)
+                found.groups.append((name, self.array("<u2", members, last, 1).ravel()))
+
+
+def _read_3ds(path: Path) -> list[Mesh]:
+    try:
+        reader = _Reader3DS(path.read_bytes())
+    except OSError as fault:
+        raise GazeboError(f"skin {path} cannot be read: {fault.strerror}") from None
+    try:
+        reader.read()
+    except _Damaged as fault:
+        reader.note(fault)
+    found = [part for item in reader.objects for part in _parts(item, reader.materials)]
+    if not found:
+        raise GazeboError(f"skin {path} cannot be read: {reader.damage or 'it holds no triangles'}")
+    if reader.damage:
+        log.warning("skin %s is damaged (%s); what could be read is shown", path, reader.damage)
+    return found
+
+
+def _parts(item: _Object, materials: dict[str, Material]) -> Iterator[Mesh]:
+    """One mesh for each material of an object; triangles with impossible corners are left out."""
+    rest = np.ones(len(item.faces), dtype=bool)
+    groups = []
+    for name, members in item.groups:
+        inside = members[members < len(item.faces)]
+        rest[inside] = False
+        groups.append((materials.get(name, Material()), item.faces[inside]))
+    groups.append((Material(), item.faces[rest]))
+    sane = np.where(np.isfinite(item.vertices), item.vertices, 0.0)
+    for material, faces in groups:
+        good = faces[(faces < len(sane)).all(axis=1)] if len(faces) else faces
+        if len(good):
+            yield _part(sane, good, material)

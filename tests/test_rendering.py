@@ -1,0 +1,363 @@
+"""Rendering: meshes, materials, textures, skins, lights, sky; and pictures against golden ones.
+
+Golden pictures are made anew, after looking at them, by:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pytest tests/test_rendering.py
+"""
+
+import math
+import os
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import libgz
+from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
+from libgz.physics.engine import Space
+from libgz.rendering import mesh
+from libgz.rendering.camera import Camera
+from libgz.rendering.context import CONTEXTS
+from libgz.rendering.drawers import DRAWERS
+from libgz.rendering.skin import read_skin
+from libgz.worldfile.attributes import installed_worlds
+
+GOLDEN = Path(__file__).parent / "golden"
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><param:Global><gravity>0 0 0</gravity>{}</param:Global>"
+LIGHT = "<model:LightSource><xyz>-4 3 6</xyz><ambientColor>.6 .6 .6</ambientColor></model:LightSource>"
+
+
+def world_of(body="", settings=""):
+    return libgz.World.from_string(f"{HEAD.format(settings)}{body}</gz:world>")
+
+
+def look(world, place=(0, 0, 0), at=(1, 0, 0), size=(160, 120), **options):
+    """One picture."""
+    camera = Camera(world, *size, **options)
+    camera.SetPose(GzPosePointAt(GzVector(*place), GzVector(*at), GzVector(0, 0, 1)))
+    try:
+        return camera.Update().copy()
+    finally:
+        camera.close()  # and with it, if the world has no other cameras, the scene
+
+
+# Golden pictures -------------------------------------------------------------------------------------------------
+
+SHAPES = HEAD.format("<skyColor>.6 .7 .8</skyColor>") + LIGHT + (
+    "<model:GroundPlane><color>1 1 1</color><textureFile>grid.png</textureFile><textureSize>1 1</textureSize>"
+    "<height>-1</height></model:GroundPlane></gz:world>"
+)  # fmt: skip
+
+
+def shapes():
+    """One geom of each kind, made by hand."""
+    world = libgz.World.from_string(SHAPES.replace("grid.png", str(installed_worlds() / "grid.png")))
+    space, turned = Space(world.engine), GzQuaternFromEuler(0.5, -0.5, 0.3)
+    wave = 0.15 * np.sin(np.linspace(0, 9, 20))[:, None] * np.cos(np.linspace(0, 7, 20))
+    corners = ((1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1))
+    kinds = (
+        lambda body: libgz.BoxGeom(body, space, 0.7, 0.5, 0.6),
+        lambda body: libgz.SphereGeom(body, space, 0.4),
+        lambda body: libgz.CylinderGeom(body, space, 0.3, 0.8),
+        lambda body: libgz.CapsuleGeom(body, space, 0.25, 0.5),
+        lambda body: libgz.WheelGeom(body, space, 0.4, 0.12),
+        lambda body: libgz.TriMeshGeom(
+            body, space, 0.4 * np.array(corners), ((0, 1, 3), (0, 2, 1), (0, 3, 2), (1, 2, 3))
+        ),
+        lambda body: libgz.HeightfieldGeom(body, space, wave, 1.0, 1.0),
+        lambda body: libgz.BoxGeom(body, space, 0.6, 0.6, 0.6),
+    )
+    for i, kind in enumerate(kinds):
+        body = libgz.Body(world)
+        geom = kind(body)
+        geom.SetColor(GzColor(*((0.9, 0.3, 0.2), (0.3, 0.8, 0.3), (0.3, 0.4, 0.9))[i % 3], 0.5))
+        geom.SetTransparency(i == 7)
+        geom.SetShininess(40.0)
+        body.SetPose(GzPose(GzVector(4.5, 1.8 - 1.2 * (i % 4), 0.9 - i // 4 * 1.2), turned))
+    return world
+
+
+def from_file(name):
+    return lambda: libgz.World.from_file(installed_worlds() / name)
+
+
+CASES = {
+    "shapes": (shapes, (0, 0, 0.6), (4.5, 0, 0.2)),
+    "pioneer2at": (from_file("pioneer2at.world"), (-2.0, -1.2, 1.3), (1.0, 0.3, 0.1)),
+    "pioneer2dx": (from_file("pioneer2dx.world"), (-2.6, 1.4, 1.2), (-1.0, 0.0, 0.2)),
+    "simplesolids": (from_file("simplesolids.world"), (-4.0, -2.0, 2.5), (1.0, 0.0, 0.3)),
+    "ptz": (from_file("ptz.world"), (-2.2, 1.6, 1.6), (1.5, -0.4, 0.2)),
+    "fog": (
+        lambda: world_of(
+            LIGHT + "<model:GroundPlane><color>.6 .5 .3</color></model:GroundPlane>"
+            "<model:SimpleSolid><xyz>5 0 0</xyz><size>1 1 1</size></model:SimpleSolid>"
+            "<model:SimpleSolid><xyz>9 3 0</xyz><size>1 1 2</size><color>0 0 1</color></model:SimpleSolid>",
+            "<fogDensity>0.08</fogDensity>",
+        ),
+        (0, 0, 1.2),
+        (5, 1, 0.8),
+    ),
+}
+
+
+@pytest.mark.parametrize("context", CONTEXTS)
+@pytest.mark.parametrize("case", CASES)
+def test_golden_pictures(case, context, monkeypatch):
+    monkeypatch.setenv("LIBGZ_GL", context)
+    build, place, at = CASES[case]
+    with build() as world:
+        world.step()
+        actual = look(world, place, at)
+    path = GOLDEN / f"{case}.png"
+    if os.environ.get("LIBGZ_NEW_GOLDENS"):
+        Image.fromarray(actual).save(path, optimize=True)
+    with Image.open(path) as golden:
+        expected = np.asarray(golden.convert("RGB"))
+    difference = np.abs(actual.astype(int) - expected).max(axis=2)
+    if difference.mean() > 0.5 or (difference > 16).mean() > 0.01:
+        folder = Path(__file__).parent.parent / "build" / "golden"
+        folder.mkdir(parents=True, exist_ok=True)
+        amplified = np.minimum(4 * difference, 255).astype(np.uint8)
+        for name, pixels in (("expected", expected), ("actual", actual), ("difference", amplified)):
+            Image.fromarray(pixels).save(folder / f"{case}-{context}-{name}.png")
+        raise AssertionError(f"mean difference {difference.mean():.2f}; see {folder}/{case}-{context}-*.png")
+
+
+# Meshes ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("shapes", "volume"),
+    [
+        ([mesh.box(1, 2, 3)], 6.0),
+        ([mesh.sphere(1.0, 96)], 4 / 3 * math.pi),
+        (mesh.cylinder(0.5, 2.0, 96), math.pi / 2),
+        ([mesh.capsule(0.5, 1.0, 96)], math.pi / 4 + math.pi / 6),
+        ([mesh.torus(1.0, 0.25, 96)], 2 * math.pi**2 * 0.0625),
+    ],
+)
+def test_meshes_are_closed_and_face_outwards(shapes, volume):
+    total = 0.0
+    for part in shapes:
+        indices = np.arange(len(part.vertices)) if part.indices is None else part.indices
+        a, b, c = part.vertices[indices].astype(float).reshape(-1, 3, 3).transpose(1, 0, 2)
+        total += np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
+        assert np.linalg.norm(part.normals, axis=1) == pytest.approx(1.0, abs=1e-5)
+        faces = np.cross(b - a, c - a)
+        assert (np.einsum("ij,ij->i", faces, part.normals[indices].reshape(-1, 3, 3).sum(axis=1)) > -1e-6).all()
+    assert total == pytest.approx(volume, rel=0.01)  # the divergence theorem: positive only if all faces point outwards
+
+
+def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatch):
+    class Crate(libgz.BoxGeom):
+        pass
+
+    with world_of(LIGHT) as world:
+        geom = Crate(libgz.Body(world), Space(world.engine), 1, 1, 1)
+        geom.body.SetPosition((3, 0, 0))
+        assert look(world)[60, 80].tolist() != look(world)[0, 0].tolist()
+        geom.SetRelativePosition((0, 0, 5))  # a geom that moves on its body is drawn anew
+        assert look(world)[60, 80].tolist() == look(world)[0, 0].tolist()
+        monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
+        geom.SetColor(GzColor(1, 0, 0))
+        assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
+
+
+def test_geoms_that_come_and_go_and_change_are_seen_so():
+    with world_of(
+        LIGHT + "<model:SimpleSolid><id>s</id><xyz>3 0 -.5</xyz><size>1 1 1</size></model:SimpleSolid>"
+    ) as world:
+        camera = Camera(world, 160, 120)
+        sky = camera.Update()[0, 0].tolist()
+        assert camera.Update()[60, 80].tolist() != sky
+        world.body("s").geoms[0].SetColor(GzColor(0, 0, 1))
+        r, _, b = camera.Update()[60, 80].tolist()
+        assert b > 2 * r
+        body = libgz.Body(world)
+        libgz.SphereGeom(body, Space(world.engine), 0.2).SetColor(GzColor(0, 1, 0))
+        body.SetPosition((2, 0, 0))
+        _, g, b = camera.Update()[60, 80].tolist()
+        assert g > 2 * b
+        body.close()
+        _, g, b = camera.Update()[60, 80].tolist()
+        assert b > 2 * g
+        camera.close()
+
+
+# Light, sky, transparency ----------------------------------------------------------------------------------------
+
+
+def test_the_sky_has_its_colour_and_fog_fades_into_it():
+    wall = "<model:SimpleSolid><xyz>{} 0 -5</xyz><size>.1 20 10</size><color>1 0 0</color></model:SimpleSolid>"
+    for distance in (2.0, 5.0):
+        with world_of(
+            wall.format(distance + 0.05), "<skyColor>.2 .4 .8</skyColor><fogDensity>0.2</fogDensity>"
+        ) as world:
+            image = look(world, hfov=0.2)
+            share = math.exp(-((0.2 * distance) ** 2))  # GL's EXP2
+            unlit = 0.2 * 0.2 * 255  # the global ambient light on an ambient colour of a fifth
+            expected = [
+                share * unlit * c + (1 - share) * 255 * s for c, s in zip((1, 0, 0), (0.2, 0.4, 0.8), strict=True)
+            ]
+            assert image[60, 80].tolist() == pytest.approx(expected, abs=2)
+    with world_of("", "<skyColor>.2 .4 .8</skyColor>") as world:
+        assert look(world)[60, 80].tolist() == [51, 102, 204]
+
+
+def test_light_fades_with_distance_as_its_attenuation_says():
+    wall = "<model:SimpleSolid><xyz>3.05 0 -5</xyz><size>.1 20 10</size></model:SimpleSolid>"
+    light = (
+        "<model:LightSource><ambientColor>0 0 0</ambientColor><specularColor>0 0 0</specularColor>"
+        "<diffuseColor>1 1 1</diffuseColor><attenuation>{}</attenuation></model:LightSource>"
+    )
+    for factors, fading in (("1 0 0", 1.0), ("1 1 0", 4.0), ("1 0 .5", 5.5)):
+        with world_of(light.format(factors) + wall) as world:
+            vertices_at = math.hypot(3.0, 10.0, 5.0)  # light is computed at the corners of a face
+            constant, linear, square = map(float, factors.split())
+            fading = constant + linear * vertices_at + square * vertices_at**2
+            expected = 255 * (0.04 + min(1.0, 3.0 / vertices_at / fading))
+            assert look(world, hfov=0.1)[60, 80, 0] == pytest.approx(expected, abs=2)
+
+
+def test_the_ninth_light_warns(caplog):
+    with world_of("<model:LightSource/>" * 9 + "<model:MonoCam/>") as world:
+        world.step(12)
+    assert caplog.text.count("there are 9 lights; only the first 8 are shown") == 1
+
+
+def test_what_is_transparent_is_mixed_with_what_lies_behind():
+    panes = "".join(
+        f"<model:SimpleSolid><xyz>{x} 0 -1</xyz><size>.1 2 2</size><color>{c} 0.25</color><transparent>1</transparent>"
+        "</model:SimpleSolid>"
+        for x, c in ((2, "1 0 0"), (3, "0 0 1"))  # the nearer one comes first in the file, and is drawn last
+    )
+    with world_of(panes, "<skyColor>1 1 1</skyColor>") as world:
+        behind = np.array((255, 255, 255))
+        for color in ((0, 0, 1), (1, 0, 0)):
+            behind = 0.75 * behind + 0.25 * 0.04 * 255 * np.array(color)
+        assert look(world)[60, 80].tolist() == pytest.approx(behind.tolist(), abs=3)
+
+
+def test_the_sky_dome_shows_the_hour(tmp_path):
+    tones = np.zeros((16, 24, 3), dtype=np.uint8)
+    tones[:8, :, 0] = np.arange(24) * 10  # zenith: red grows with the hour
+    tones[8:, :, 1] = 200  # horizon: green
+    Image.fromarray(tones).save(tmp_path / "tones.png")
+    dome = f"<model:SkyDome><toneMap>{tmp_path}/tones.png</toneMap><timeLapse>{{}}</timeLapse></model:SkyDome>"
+    for lapse, later in (("true", 12 + 6), ("false", 12)):
+        with world_of(dome.format(lapse), "<dayTime>43200</dayTime><stepTime>1</stepTime>") as world:
+            up = {"place": (0, 0, 1), "at": (0.1, 0, 10)}
+            world.step()
+            assert look(world, **up)[60, 80, 0] == pytest.approx(115, abs=8)
+            assert look(world, at=(5, 0, 1))[60, 80, 1] > 150
+            world._simTime = 6 * 3600.0
+            world.step()
+            assert look(world, **up)[60, 80, 0] == pytest.approx(later * 10 - 5, abs=8)
+
+
+# Textures and skins ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["png", "ppm", "jpg"])
+def test_textures_lie_upright_on_every_kind_of_picture(tmp_path, kind):
+    picture = np.zeros((64, 64, 3), dtype=np.uint8)
+    picture[:32, :32] = (255, 0, 0)  # top left as it is looked at
+    picture[32:, 32:] = (0, 0, 255)
+    Image.fromarray(picture).save(tmp_path / f"t.{kind}")
+    glow = "<model:LightSource><ambientColor>4 4 4</ambientColor></model:LightSource>"
+    texture = f"<textureFile>{tmp_path}/t.{kind}</textureFile>"
+    box = f"<model:SimpleSolid><xyz>3 0 -1</xyz><size>2 2 2</size>{texture}</model:SimpleSolid>"
+    with world_of(glow + box) as world:
+        image = look(world).astype(int)
+        assert image[45, 65, 0] > 100 > image[45, 65, 2]
+        assert image[75, 95, 2] > 100 > image[75, 95, 0]
+        assert image[45, 95].max() < 60
+
+
+def test_the_grounds_texture_stays_where_it_is(tmp_path):
+    picture = np.full((64, 64, 3), 255, dtype=np.uint8)
+    picture[:32] = 0  # the half of larger y
+    Image.fromarray(picture).save(tmp_path / "t.png")
+    texture = f"<textureFile>{tmp_path}/t.png</textureFile><textureSize>3 3</textureSize>"
+    ground = f"<model:GroundPlane><color>1 1 1</color>{texture}</model:GroundPlane>"
+    with world_of("<model:LightSource><ambientColor>4 4 4</ambientColor></model:LightSource>" + ground) as world:
+        for x, y in ((0.0, 0.75), (0.3, 2.25), (7.1, 9.75), (-11.0, -0.75), (-4.4, -2.25), (100.2, 300.75)):
+            value = look(world, place=(x, y, 2), at=(x + 0.001, y, 0))[60, 80].mean()
+            assert (value > 128) == (y % 3.0 < 1.5), (x, y)
+
+
+def test_a_damaged_picture_is_one_warning(tmp_path, caplog):
+    path = tmp_path / "bad.png"
+    path.write_bytes(b"\x89PNG\r\n\x1a\nrubbish")
+    solid = f"<model:SimpleSolid><xyz>{{}} 0 0</xyz><textureFile>{path}</textureFile></model:SimpleSolid>"
+    with world_of(LIGHT + solid.format(2) + solid.format(4) + "<model:MonoCam/>") as world:
+        world.step(12)
+    assert caplog.text.count(f"picture {path} cannot be read") == 1
+
+
+def chunk(kind, *parts):
+    data = b"".join(parts)
+    return struct.pack("<HI", kind, 6 + len(data)) + data
+
+
+def model_3ds():
+    """Two squares facing -x, one red, one without a material."""
+
+    def square(name, y, *more):
+        points = np.array([(0, y - 0.4, -0.4), (0, y - 0.4, 0.4), (0, y + 0.4, 0.4), (0, y + 0.4, -0.4)], "<f4")
+        faces = np.array([(0, 1, 2, 0), (0, 2, 3, 0)], "<u2")
+        vertices = chunk(0x4110, struct.pack("<H", 4), points.tobytes())
+        triangles = chunk(0x4120, struct.pack("<H", 2), faces.tobytes(), *more)
+        return chunk(0x4000, name + b"\0", chunk(0x4100, vertices, triangles))
+
+    red = chunk(0xAFFF, chunk(0xA000, b"red\0"), chunk(0xA020, chunk(0x0011, bytes((255, 0, 0)))))
+    group = chunk(0x4130, b"red\0", struct.pack("<HHH", 2, 0, 1))
+    return chunk(0x4D4D, chunk(0x3D3D, red, square(b"left", 0.5, group), square(b"right", -0.5)))
+
+
+def test_skins_replace_shapes_with_their_own_materials(tmp_path):
+    path = tmp_path / "s.3ds"
+    path.write_bytes(model_3ds())
+    skin = f"<skinFile>{path}</skinFile><skinScale>1 2 2</skinScale><skinXyz>0 0 .2</skinXyz><skinRpy>0 0 180</skinRpy>"
+    solid = f"<model:SimpleSolid><xyz>4 0 -.25</xyz>{skin}</model:SimpleSolid>"
+    light = "<model:LightSource><xyz>0 0 0</xyz></model:LightSource>"
+    with world_of(light + solid) as world:
+        image = look(world, size=(320, 240), hfov=math.radians(60)).astype(int)
+        left, right = image[110, 120], image[110, 200]  # turned by 180 degrees: red is right now
+        assert right[0] > 100 > right[2]
+        assert left.min() > 100
+        camera = Camera(world, 320, 240)
+        camera.options.displaySkins = False
+        assert camera.Update()[120, 160].min() > 30  # the white box
+        assert camera.Update()[110, 100].tolist() == camera.image[0, 0].tolist()  # and nothing beside it
+        camera.close()
+
+
+def test_a_damaged_skin_keeps_what_came_before(tmp_path, caplog):
+    whole = model_3ds()
+    path = tmp_path / "cut.3ds"
+    path.write_bytes(whole[:-20])
+    assert len(read_skin(path)) >= 1
+    assert caplog.text.count(f"skin {path} is damaged") == 1
+    for length in range(len(whole)):  # no damage does more than that
+        path.write_bytes(whole[:length])
+        try:
+            read_skin(path)
+        except libgz.errors.GazeboError as fault:
+            assert str(path) in str(fault)
+
+
+def test_a_skin_of_another_format(tmp_path):
+    (tmp_path / "s.obj").write_text("v 0 0 0\nv 0 1 0\nv 0 1 1\nf 1 2 3\n")
+    (part,) = read_skin(tmp_path / "s.obj")
+    assert sorted(map(tuple, part.vertices.tolist())) == [(0, 0, 0), (0, 1, 0), (0, 1, 1)]
+
+
+def test_a_skin_that_cannot_be_read_is_one_warning(tmp_path, caplog):
+    (tmp_path / "s.3ds").write_bytes(b"no mesh")
+    solid = f"<model:SimpleSolid><xyz>3 0 -.25</xyz><skinFile>{tmp_path}/s.3ds</skinFile></model:SimpleSolid>"
+    with world_of(LIGHT + solid + "<model:MonoCam/>") as world:
+        world.step(12)
+        image = look(world)
+        assert image[60, 80].tolist() != image[0, 0].tolist()  # the box itself
+    assert caplog.text.count("s.3ds cannot be read") == 1

@@ -501,16 +501,17 @@ def test_ten_thousand_frames_do_not_grow_memory():
 
 
 @pytest.mark.trial
-def test_a_hundred_worlds_do_not_grow_memory():
+def test_two_hundred_worlds_do_not_grow_memory():
     def one():
         with libgz.World.from_file(installed_worlds() / "ptz.world") as world:
             world.step(10)
 
-    for _ in range(60):  # it takes some until the allocator has all it wants
+    for _ in range(60):
         one()
     gc.collect()
     before = resident()
-    for _ in range(100):
+    for _ in range(200):
         one()
     gc.collect()
-    assert resident() - before < 10e6
+    # What the allocator keeps goes up and down by some MB; a scene that stayed would take more than 1 MB each time.
+    assert resident() - before < 25e6

@@ -103,6 +103,18 @@ def schema():
     return etree.RelaxNG(etree.fromstring(grammar()))
 
 
+def test_every_ready_world_has_its_picture():
+    page = (ROOT / "docs/worlds.md").read_text()
+    worlds = sorted(path.stem for path in (ROOT / "worlds").glob("*.world"))
+    assert re.findall(r"^!\[\w+\]\(worlds/(\w+)\.png\)$", page, re.MULTILINE) == worlds
+    assert sorted(path.stem for path in (ROOT / "docs/worlds").glob("*.png")) == worlds, "run scripts/make_gallery.py"
+
+
+def test_every_model_is_in_a_ready_world():
+    text = "".join(path.read_text() for path in (ROOT / "worlds").glob("*.world"))
+    assert set(re.findall(r"<model:(\w+)", text)) >= set(MODELS)
+
+
 @pytest.mark.parametrize("path", READY_WORLDS, ids=lambda path: path.stem)
 def test_ready_worlds_are_valid(schema, path):
     assert schema.validate(etree.parse(path)), schema.error_log

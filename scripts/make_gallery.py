@@ -1,0 +1,54 @@
+"""Make docs/worlds.md and its pictures: what each ready world shows.
+
+.venv/bin/python scripts/make_gallery.py
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from PIL import Image
+
+import libgz
+from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.rendering.camera import Camera
+
+ROOT = Path(__file__).parents[1]
+SIZE = (400, 300)
+TIME = 1.0  # [s] of sim time: everything has come to rest, nothing has gone far
+DEFAULT_VIEW = GzPose(GzVector(-3.2, 2.4, 2.4), GzQuaternFromEuler(0.0, 0.5, -0.62))  # of worlds without an observer
+
+
+def description(path: Path) -> str:
+    """The comment at the head of a worldfile, in one line."""
+    found = re.search(r"<!--\s*(.*?)\s*-->", path.read_text(), re.DOTALL)
+    return " ".join(found.group(1).split()) if found else ""
+
+
+def photograph(path: Path, picture: Path) -> None:
+    """Draw a world as its observer sees it after a moment."""
+    with libgz.World.from_file(path) as world:
+        observer = next((m for m in world.GetModels() if m.GetName() == "ObserverCam"), None)
+        world.run(TIME)
+        with Camera(world, *SIZE) as camera:
+            camera.SetPose(observer.GetPose() if observer else DEFAULT_VIEW)
+            camera.options.displaySkins = True
+            pixels = camera.Update()
+        Image.fromarray(pixels).quantize(128).save(picture, optimize=True)
+
+
+def main() -> None:
+    """Photograph all ready worlds, and write the page."""
+    pictures = ROOT / "docs" / "worlds"
+    pictures.mkdir(exist_ok=True)
+    rows = []
+    for path in sorted((ROOT / "worlds").glob("*.world")):
+        photograph(path, pictures / f"{path.stem}.png")
+        rows.append(f"## {path.name}\n\n{description(path)}\n\n![{path.stem}](worlds/{path.stem}.png)\n")
+    head = "# Ready worlds\n\n`gazebo worlds/NAME` runs one. This page is made by `scripts/make_gallery.py`.\n"
+    (ROOT / "docs" / "worlds.md").write_text("\n".join([head, *rows]))
+
+
+if __name__ == "__main__":
+    main()

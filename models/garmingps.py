@@ -52,23 +52,6 @@ class GarminGPS(Model):
         </model:Pioneer2AT>
     """
 
-    attributes = GarminGPSAttributes
-    interfaces = ("gps",)
-    example = """
-        <param:Global>
-          <utmZone>31</utmZone>
-          <utmOffset>448251 5411932 35</utmOffset>
-        </param:Global>
-
-        <model:Pioneer2AT>
-          <id>robot1</id>
-          <model:GarminGPS>
-            <id>gps1</id>
-            <xyz>-0.15 0 0.311</xyz>
-          </model:GarminGPS>
-        </model:Pioneer2AT>
-    """
-
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(GarminGPSAttributes, node)
         body = Body(self.world)

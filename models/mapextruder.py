@@ -51,14 +51,6 @@ class MapExtruder(Model):
         </model:MapExtruder>
     """
 
-    attributes = MapExtruderAttributes
-    example = """
-        <model:MapExtruder>
-          <id>walls</id>
-          <imageFile>example2.png</imageFile>
-        </model:MapExtruder>
-    """
-
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(MapExtruderAttributes, node)
         self.fixed = True

@@ -46,14 +46,6 @@ class Road(Model):
         </model:Road>
     """
 
-    attributes = RoadAttributes
-    example = """
-        <model:Road>
-          <id>road</id>
-          <roadFile>road.txt</roadFile>
-        </model:Road>
-    """
-
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(RoadAttributes, node)
         self.fixed = True

@@ -48,14 +48,6 @@ class Terrain(Model):
         </model:Terrain>
     """
 
-    attributes = TerrainAttributes
-    example = """
-        <model:Terrain>
-          <id>hills</id>
-          <terrainFile>terrain.gzb</terrainFile>
-        </model:Terrain>
-    """
-
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(TerrainAttributes, node)
         self.fixed = True

@@ -21,8 +21,6 @@ from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
 from libgz.physics.check import finite_tuple, not_negative, positive
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from libgz.geometry import VectorLike
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
@@ -302,11 +300,6 @@ class Engine:
         view = self.body_state[: self.bodies_used].view()
         view.flags.writeable = False
         return view
-
-    @property
-    def bodies_by_row(self) -> Iterator[tuple[int, Body]]:
-        """(row, body) in order of the rows of `states`."""
-        return iter(sorted(self.bodies.items()))
 
     # Settings ----------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from libgz.errors import NotFoundError
 
-__all__ = ["find_model", "find_uri", "model_directories", "resource_directories"]
+__all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
 
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 MEDIA = ("", "models", "media/models", "Media/models")
@@ -52,6 +52,21 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     tried = ", ".join(dict.fromkeys(map(str, places)))
     advice = "; set GAZEBO_MODEL_PATH" if scheme == "model" else "; set GAZEBO_RESOURCE_PATH"
     raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+
+
+def find_world(name: str) -> Path:
+    """A world's file: as it stands, in GAZEBO_RESOURCE_PATH, or among the worlds that come with libgz.
+
+    Raises:
+        NotFoundError: it is nowhere; the message lists the places tried.
+    """
+    path = Path(name).expanduser()
+    places = [path] if path.is_absolute() else [folder / path for folder in (*resource_directories(), BUILT_IN.parent)]
+    for place in places:
+        if place.is_file():
+            return place
+    tried = ", ".join(dict.fromkeys(map(str, places)))
+    raise NotFoundError(f"there is no world {name!r}; looked for {tried}; set GAZEBO_RESOURCE_PATH")
 
 
 def find_model(uri: str, beside: Path | None = None) -> Path:

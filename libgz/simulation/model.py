@@ -66,6 +66,7 @@ class Model:
         self.joint: HingeJoint | None = None
         self.relPose = GzPose()
         self.initPose = GzPose()
+        self.initial: list[GzPose] = []  # of all bodies, once the world runs
         self.fixed = False
         self.logPoses = False
         self.poses: list[GzPose] = []
@@ -228,6 +229,10 @@ class Model:
             body.SetPose(GzCoordPoseAdd(relative, pose))
             body.SetLinearVel((0.0, 0.0, 0.0))
             body.SetAngularVel((0.0, 0.0, 0.0))
+
+    def remember(self) -> None:
+        """Take the present poses of all bodies for those that a reset goes back to."""
+        self.initial = [body.GetPose() for body in self.bodies]
 
     # Parent ------------------------------------------------------------------------------------------------------
 

@@ -118,7 +118,7 @@ def test_numbers_of_every_kind_mix_with_vectors():
     assert v * v == Vector3d(1, 4, 16)
     assert v / v == Vector3d.One
     assert v + 1 == 1 + v == Vector3d(2, 3, 5)
-    assert v + gz.GzVector(1, 1, 1) == gz.GzVector(1, 1, 1) + v == v + (1, 1, 1) == np.ones(3) + v
+    assert v + gz.GzVector(1, 1, 1) == gz.GzVector(1, 1, 1) + v == v + Vector3d.One == np.ones(3) + v
     assert type(gz.GzVector(1, 1, 1) - v) is Vector3d
     for wrong in ("abc", "1", (1, 2), None, Quaterniond()):
         with pytest.raises(TypeError):

@@ -7,7 +7,7 @@ from typing import Any, overload
 
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
-from libgz.classic.math.quaternion import Quaterniond
+from libgz.classic.math.quaternion import Quaterniond, as_quaternion
 from libgz.classic.math.vector3 import Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSolve, GzPose, QuaternLike, VectorLike
@@ -138,7 +138,7 @@ class Pose3d(GzPose):
         return f"Pose3d({self.pos!r}, {self.rot!r})"
 
     def __str__(self) -> str:
-        return text_of(*self.pos, *Quaterniond.Euler(self.rot))
+        return text_of(*self.pos, *self.rot.Euler())
 
     # Algebra ---------------------------------------------------------------------------------------------------------
 
@@ -186,20 +186,20 @@ class Pose3d(GzPose):
     def CoordPositionAdd(self, other: GzPose | VectorLike) -> Vector3d:
         """This position, given in the frame of a pose, in its outer frame; a vector, from this frame outwards."""
         if isinstance(other, GzPose):
-            return Quaterniond(*other.rot).RotateVector(self.pos) + other.pos
+            return as_quaternion(other.rot).RotateVector(self.pos) + other.pos
         return self.rot.RotateVector(other) + self.pos
 
     def CoordPositionSub(self, other: GzPose) -> Vector3d:
         """This position relative to the frame of a pose."""
-        return Quaterniond(*other.rot).RotateVectorReverse(self.pos - other.pos)
+        return as_quaternion(other.rot).RotateVectorReverse(self.pos - other.pos)
 
     def CoordRotationAdd(self, rot: QuaternLike) -> Quaterniond:
         """This rotation, given in a frame of rotation `rot`, in that frame's outer frame."""
-        return Quaterniond(*rot) * self.rot
+        return as_quaternion(rot) * self.rot
 
     def CoordRotationSub(self, rot: QuaternLike) -> Quaterniond:
         """This rotation relative to `rot`."""
-        return Quaterniond(*rot).Inverse() * self.rot
+        return as_quaternion(rot).Inverse() * self.rot
 
     def CoordPoseSolve(self, other: GzPose) -> Pose3d:
         """The pose A with `self + A == other`."""
@@ -207,7 +207,7 @@ class Pose3d(GzPose):
 
     def RotatePositionAboutOrigin(self, rot: QuaternLike) -> Pose3d:
         """The pose with its position turned about the origin, and its rotation as it was."""
-        return Pose3d(Quaterniond(*rot).RotateVector(self.pos), self.rot)
+        return Pose3d(as_quaternion(rot).RotateVector(self.pos), self.rot)
 
     def IsFinite(self) -> bool:
         """Whether no component is infinite or NaN."""

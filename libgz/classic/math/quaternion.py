@@ -22,7 +22,7 @@ from libgz.geometry import (
     VectorLike,
 )
 
-__all__ = ["Quaternion", "Quaterniond"]
+__all__ = ["Quaternion", "Quaterniond", "as_quaternion"]
 
 # Nearer than this to a pitch of 90 degrees, roll and yaw turn about one axis, and all of it is called roll [rad].
 _LOCKED = 1e-10
@@ -65,6 +65,8 @@ class Quaterniond(GzQuatern):
         """
         if z is not None:
             self.u, self.x, self.y, self.z = w, x, y, z
+        elif isinstance(w, GzQuatern):
+            self.u, self.x, self.y, self.z = w.u, w.x, w.y, w.z
         elif y is not None:
             self.Set(*GzQuaternFromEuler(w, x, y))
         elif x is not None:
@@ -308,7 +310,7 @@ class Quaterniond(GzQuatern):
     def RotateVector(self, vector: VectorLike) -> Vector3d:
         """The vector, rotated."""
         u, x, y, z = self.u, self.x, self.y, self.z
-        vx, vy, vz = vector
+        vx, vy, vz = (vector.x, vector.y, vector.z) if isinstance(vector, GzVector) else vector
         # v + (u t + w x t) / |q|^2 with t = 2 w x v, w the vector part.
         s = 2.0 / (u * u + x * x + y * y + z * z)
         tx, ty, tz = s * (y * vz - z * vy), s * (z * vx - x * vz), s * (x * vy - y * vx)
@@ -398,6 +400,11 @@ def _wrapped(angle: float) -> float:
     if angle > math.pi:
         return angle - 2.0 * math.pi
     return angle if angle > -math.pi else angle + 2.0 * math.pi
+
+
+def as_quaternion(rot: QuaternLike) -> Quaterniond:
+    """The rotation as it is if it has our methods, else a copy that has them."""
+    return rot if isinstance(rot, Quaterniond) else Quaterniond(rot)
 
 
 def _from_one(value: Any) -> GzQuatern:

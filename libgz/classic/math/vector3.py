@@ -66,6 +66,9 @@ class Vector3d(GzVector):
             raise ParameterError(f"a Vector3d takes three numbers, or none, or a vector, not {x!r}, {y!r}, {z!r}")
 
     def _take(self, value: float | VectorLike | None) -> None:
+        if isinstance(value, GzVector):
+            self.x, self.y, self.z = value.x, value.y, value.z
+            return
         if value is None:
             self.x = self.y = self.z = 0.0
             return
@@ -148,7 +151,7 @@ class Vector3d(GzVector):
         return Vector3d(o.x - self.x, o.y - self.y, o.z - self.z)
 
     def __mul__(self, other: VectorLike | float) -> Vector3d:
-        if isinstance(other, float):
+        if isinstance(other, float | int):
             return Vector3d(self.x * other, self.y * other, self.z * other)
         o = other if isinstance(other, GzVector) else _spread(other)
         if o is None:
@@ -158,7 +161,7 @@ class Vector3d(GzVector):
     __rmul__ = __mul__
 
     def __truediv__(self, other: VectorLike | float) -> Vector3d:
-        if isinstance(other, float):
+        if isinstance(other, float | int):
             return Vector3d(self.x / other, self.y / other, self.z / other)
         o = other if isinstance(other, GzVector) else _spread(other)
         if o is None:

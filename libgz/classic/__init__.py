@@ -1,0 +1,1 @@
+"""Gazebo classic's API on SDF worlds."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
 from typing import Protocol
 
@@ -14,10 +15,37 @@ from libgz.geometry import rotate
 from libgz.ode.lib import OdeLibrary
 from libgz.ode.types import JointType
 
-__all__ = ["MAX_CONTACTS", "NO_HIT", "Step", "StepContext", "Tables", "read_body", "read_joint"]
+__all__ = [
+    "CONTACT",
+    "MAX_CONTACTS",
+    "MOST_CONTACTS",
+    "NO_HIT",
+    "Step",
+    "StepContext",
+    "Tables",
+    "read_body",
+    "read_joint",
+]
 
 MAX_CONTACTS = 10  # of a pair of geoms
+MOST_CONTACTS = 250  # of a pair of geoms in worlds of classic, which keep the deepest of them
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
+_VECTOR = (np.float64, (3,))
+# A contact point of a step: rows of its geoms; where it is [m], the unit normal, which points into the first geom, how
+# deep it is [m]; force [N] and torque about the centre of mass [N m] on the body of either geom. All global.
+CONTACT = np.dtype(
+    [
+        ("geom1", np.int64),
+        ("geom2", np.int64),
+        ("position", *_VECTOR),
+        ("normal", *_VECTOR),
+        ("depth", np.float64),
+        ("force1", *_VECTOR),
+        ("torque1", *_VECTOR),
+        ("force2", *_VECTOR),
+        ("torque2", *_VECTOR),
+    ]
+)
 
 
 class StepContext(ctypes.Structure):
@@ -36,6 +64,14 @@ class StepContext(ctypes.Structure):
         ("classic", c_int64),
         ("seed", c_uint64),
         ("contact_count", c_int64),
+        ("max_contacts", c_int64),
+        ("cone", c_int64),
+        ("gravity", c_double * 3),
+        ("record", c_int64),
+        ("record_count", c_int64),
+        ("record_room", c_int64),
+        ("records", c_void_p),
+        ("pending", c_void_p),
         ("surface", c_void_p),
         ("owner", c_void_p),
         ("body_count", c_int64),
@@ -77,6 +113,13 @@ class Step(Protocol):
 
     def solve(self) -> bool:
         """The second half: move everything, empty the contact group; false if ODE ran out of memory."""
+
+    @property
+    def release(self) -> Callable[[], object]:
+        """Gives back what was allocated; the callable holds no reference to the engine."""
+
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the contact points recorded in this step, as `CONTACT`; without forces until `solve`."""
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""

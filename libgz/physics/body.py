@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError
 from libgz.geometry import (
@@ -51,6 +51,7 @@ class Body:
         self.engine: Engine = world.engine
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
+        self.model: Any = None  # that it was added to
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy

@@ -58,14 +58,14 @@ class Animations:
                 if done is not None:
                     done()
         for model, (animations, done) in list(self._joints.items()):
-            ended = all([_advance(animation, passed) for animation in animations.values()])
+            over = [_advance(animation, passed) for animation in animations.values()]
             places = {}
             for name, numeric in animations.items():
                 key = NumericKeyFrame(0.0)
                 numeric.GetInterpolatedKeyFrame(key)
                 places[name] = key.GetValue()
             model.SetJointPositions(places)
-            if ended:
+            if all(over):
                 del self._joints[model]
                 if done is not None:
                     done()

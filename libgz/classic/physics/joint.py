@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, VectorLike, rotate
+from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -215,14 +215,8 @@ class Joint(Base):
         direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
         moments = []
         for link in (self.GetParent(), self.GetChild()):
-            rows = link.WorldInertiaMatrix().rows() if link is not None else [[0.0] * 3] * 3
-            moments.append(
-                sum(
-                    a * r * b
-                    for a, row in zip(direction, rows, strict=True)
-                    for r, b in zip(row, direction, strict=True)
-                )
-            )
+            rows = link.WorldInertiaMatrix().rows() if link is not None else []
+            moments.append(sum(a * GzVectorDot(row, direction) for a, row in zip(direction, rows, strict=False)))
         return moments[0] / moments[1] if moments[1] else 0.0
 
     # Links -------------------------------------------------------------------------------------------------------

@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.contact import ContactManager
+from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import VectorLike
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.joint import Joint
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
@@ -149,6 +151,16 @@ class PhysicsEngine:
         from libgz.classic.physics.make_joint import unborn_joint
 
         return unborn_joint(self._world, type, parent)
+
+    def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape:
+        """A ray to ask what lies on it; with a collision, in its link's frame.
+
+        Raises:
+            ParameterError: the type is not ``ray``; other shapes come with their collisions.
+        """
+        if type != "ray":
+            raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray")
+        return RayShape(self._world, collision.link if collision is not None else None)
 
 
 def _only(value: Any, what: str, allowed: str) -> None:

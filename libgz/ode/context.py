@@ -63,6 +63,7 @@ class StepContext(ctypes.Structure):
         ("quick", c_int64),
         ("classic", c_int64),
         ("seed", c_uint64),
+        ("steps", c_int64),
         ("contact_count", c_int64),
         ("max_contacts", c_int64),
         ("cone", c_int64),
@@ -153,27 +154,35 @@ def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
     state[0:3] = [p - o for p, o in zip(position, offset, strict=True)]
 
 
-def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
-    """Copy angles and rates of one joint out of ODE into its row."""
+_TURN = 6.2831853071795862  # 2 pi
+
+
+def _unwind(before: float, angle: float) -> float:
+    """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
+    return angle + _TURN * round((before - angle) / _TURN)
+
+
+def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = False) -> None:
+    """Copy angles and rates of one joint out of ODE into its row; with `unwind`, angles count their turns."""
     joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
     if not joint:
         return
     state = tables.joint_state[row]
+    before = state[:2].tolist()
     if kind == JointType.HINGE:
         state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)
     elif kind == JointType.SLIDER:
         state[0], state[2] = ode_.dJointGetSliderPosition(joint), ode_.dJointGetSliderPositionRate(joint)
-    elif kind == JointType.HINGE2:
-        state[:] = (
-            ode_.dJointGetHinge2Angle1(joint),
-            ode_.dJointGetHinge2Angle2(joint),
-            ode_.dJointGetHinge2Angle1Rate(joint),
-            ode_.dJointGetHinge2Angle2Rate(joint),
-        )
-    elif kind == JointType.UNIVERSAL:
-        state[:] = (
-            ode_.dJointGetUniversalAngle1(joint),
-            ode_.dJointGetUniversalAngle2(joint),
-            ode_.dJointGetUniversalAngle1Rate(joint),
-            ode_.dJointGetUniversalAngle2Rate(joint),
-        )
+    elif kind in _TWO_VALUES:
+        state[:] = [getattr(ode_, f"dJointGet{what}")(joint) for what in _TWO_VALUES[kind]]
+    if unwind and kind != JointType.SLIDER:
+        state[0] = _unwind(before[0], state[0])
+        if kind in (JointType.HINGE2, JointType.UNIVERSAL):
+            state[1] = _unwind(before[1], state[1])
+
+
+_TWO_VALUES: dict[int, tuple[str, str, str, str]] = {
+    JointType.HINGE2: ("Hinge2Angle1", "Hinge2Angle2", "Hinge2Angle1Rate", "Hinge2Angle2Rate"),
+    JointType.UNIVERSAL: ("UniversalAngle1", "UniversalAngle2", "UniversalAngle1Rate", "UniversalAngle2Rate"),
+    JointType.PISTON: ("PistonAngle", "PistonPosition", "PistonAngleRate", "PistonPositionRate"),
+}

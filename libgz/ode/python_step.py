@@ -168,6 +168,9 @@ class PythonStep:
         self._careful.log.read()
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
+        context.steps += 1
+        if context.classic:
+            self._read_joints()  # their turns must be counted
         return bool(done)
 
     def _raise_fault(self) -> None:
@@ -181,9 +184,12 @@ class PythonStep:
         for row in range(context.body_count):
             if tables.body_ids[row]:
                 read_body(self._ode, tables, row)
-        for row in range(context.joint_count):
-            if tables.joint_ids[row]:
-                read_joint(self._ode, tables, row)
+        self._read_joints()
+
+    def _read_joints(self) -> None:
+        context, tables = self._context, self._tables
+        for row in tables.joint_ids[: context.joint_count].nonzero()[0].tolist():
+            read_joint(self._ode, tables, row, unwind=bool(context.classic))
 
     def scan(
         self,

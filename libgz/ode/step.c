@@ -81,7 +81,11 @@ typedef struct {
     X(double, dJointGetUniversalAngle1, (void *))                               \
     X(double, dJointGetUniversalAngle2, (void *))                               \
     X(double, dJointGetUniversalAngle1Rate, (void *))                           \
-    X(double, dJointGetUniversalAngle2Rate, (void *))
+    X(double, dJointGetUniversalAngle2Rate, (void *))                           \
+    X(double, dJointGetPistonAngle, (void *))                                   \
+    X(double, dJointGetPistonPosition, (void *))                                \
+    X(double, dJointGetPistonAngleRate, (void *))                               \
+    X(double, dJointGetPistonPositionRate, (void *))
 
 #define DECLARE(result, name, arguments) static result(*name) arguments;
 ODE_FUNCTIONS(DECLARE)
@@ -122,6 +126,7 @@ typedef struct {
     int64_t quick;         /* 1: dWorldQuickStep */
     int64_t classic;       /* 1: the contact rule of Gazebo classic; 0: of the legacy server */
     uint64_t seed;         /* ODE's random state, one per world */
+    int64_t steps;         /* so far */
     int64_t contact_count; /* of the last step */
     int64_t max_contacts;  /* of a pair of geoms, under the classic rule */
     int64_t cone;          /* 1: under the classic rule friction acts against the motion, as in a cone */
@@ -146,6 +151,7 @@ size_t gz_step_context_size(void) { return sizeof(context); }
 
 enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; what classic chooses the deepest from */
 enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
+enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
 enum { ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
@@ -172,6 +178,7 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
+#define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
 static double smaller(double a, double b) { return a < b ? a : b; }
@@ -537,6 +544,12 @@ static void read_bodies(context *c)
     }
 }
 
+/* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
+static double unwind(const context *c, double before, double angle)
+{
+    return c->classic ? angle + TURN * rint((before - angle) / TURN) : angle;
+}
+
 static void read_joints(context *c)
 {
     int64_t i;
@@ -547,7 +560,7 @@ static void read_joints(context *c)
             continue;
         switch (c->joint_types[i]) {
         case JOINT_HINGE:
-            row[0] = dJointGetHingeAngle(joint);
+            row[0] = unwind(c, row[0], dJointGetHingeAngle(joint));
             row[2] = dJointGetHingeAngleRate(joint);
             break;
         case JOINT_SLIDER:
@@ -555,16 +568,22 @@ static void read_joints(context *c)
             row[2] = dJointGetSliderPositionRate(joint);
             break;
         case JOINT_HINGE2:
-            row[0] = dJointGetHinge2Angle1(joint);
-            row[1] = dJointGetHinge2Angle2(joint);
+            row[0] = unwind(c, row[0], dJointGetHinge2Angle1(joint));
+            row[1] = unwind(c, row[1], dJointGetHinge2Angle2(joint));
             row[2] = dJointGetHinge2Angle1Rate(joint);
             row[3] = dJointGetHinge2Angle2Rate(joint);
             break;
         case JOINT_UNIVERSAL:
-            row[0] = dJointGetUniversalAngle1(joint);
-            row[1] = dJointGetUniversalAngle2(joint);
+            row[0] = unwind(c, row[0], dJointGetUniversalAngle1(joint));
+            row[1] = unwind(c, row[1], dJointGetUniversalAngle2(joint));
             row[2] = dJointGetUniversalAngle1Rate(joint);
             row[3] = dJointGetUniversalAngle2Rate(joint);
+            break;
+        case JOINT_PISTON:
+            row[0] = unwind(c, row[0], dJointGetPistonAngle(joint));
+            row[1] = dJointGetPistonPosition(joint);
+            row[2] = dJointGetPistonAngleRate(joint);
+            row[3] = dJointGetPistonPositionRate(joint);
             break;
         }
     }
@@ -629,6 +648,7 @@ int gz_solve(context *c)
     read_contacts(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
+    c->steps++;
     read_bodies(c);
     read_joints(c);
     return done;

@@ -145,6 +145,8 @@ class JointType(enum.IntEnum):
     HINGE2 = 6
     FIXED = 7
     AMOTOR = 9
+    PISTON = 14
+    DBALL = 15
 
 
 # dParamLoStop and so on, written out so that editors and type checkers see them.

@@ -265,8 +265,8 @@ class Engine(EngineSettings):
         del self.geoms[row]
         self._free_rows["geom"].append(row)
 
-    def set_surface(self, row: int, column: Surface, value: float) -> None:
-        """Change one property of how a geom touches others."""
+    def set_surface(self, row: int, column: int, value: float) -> None:
+        """Change one property of how a geom touches others; `column` is one of `Surface`."""
         self.surface[row, column] = value
         self.surface_edits += 1
 
@@ -279,7 +279,7 @@ class Engine(EngineSettings):
 
     def read_joint(self, row: int) -> None:
         """Bring one joint's row up to date."""
-        read_joint(self._ode, self._tables, row)
+        read_joint(self._ode, self._tables, row, unwind=self.classic)
         self.joint_fresh[row] = 1
 
     def body_moved(self, row: int) -> None:
@@ -304,6 +304,12 @@ class Engine(EngineSettings):
         view = self.body_state[: self.bodies_used].view()
         view.flags.writeable = False
         return view
+
+    def wake(self) -> None:
+        """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
+        for body in self.bodies.values():
+            if body.sleepy:
+                body.Enable(True)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

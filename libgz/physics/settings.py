@@ -32,6 +32,10 @@ class EngineSettings:
     step_form: Step
     surface_edits: int
 
+    def wake(self) -> None:
+        """Wake all bodies that may sleep."""
+        raise NotImplementedError
+
     @property
     def world(self) -> int:
         """The handle of the ODE world.
@@ -82,6 +86,7 @@ class EngineSettings:
         self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
         self._ode.dWorldSetGravity(self.world, *self._gravity)
         self._context.gravity[:] = self._gravity
+        self.wake()
 
     def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
         """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
@@ -103,6 +108,11 @@ class EngineSettings:
     def classic(self, value: bool) -> None:
         self._context.classic = int(value)
         self.surface_edits += 1
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made so far."""
+        return int(self._context.steps)
 
     @property
     def contact_count(self) -> int:

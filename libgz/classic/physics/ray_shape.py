@@ -138,9 +138,7 @@ class ScanGrid:
         return ray_table(directions, self.reach, offset)
 
 
-def ray_table(
-    directions: NDArray[np.float64], reach: tuple[float, float], offset: GzPose
-) -> NDArray[np.float64]:
+def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offset: GzPose) -> NDArray[np.float64]:
     """Rays from a point that begin at `reach[0]` and end at `reach[1]` [m], as `Engine.scan` wants them."""
     turn = np.array([rotate(offset.rot, axis) for axis in np.eye(3)])
     near, far = reach
@@ -183,11 +181,6 @@ class MultiRayShape:
         self._engine.scan(np.array((*pose.pos, *pose.rot)), self._rays, 0, self._reached, self._rows)
         if self._scans:
             self._scans()
-
-    @property
-    def heard(self) -> bool:
-        """Whether somebody waits for its scans."""
-        return bool(self._scans)
 
     def ConnectNewLaserScans(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` after each scan, as long as the connection is kept."""

@@ -47,7 +47,9 @@ class ContactSensor(Sensor):
         for name in self._collisions:
             if self.link.GetCollision(name.removeprefix(self._prefix)) is None:
                 known = ", ".join(collision.GetName() for collision in self.link.GetCollisions()) or "none"
-                log.warning("%s: <contact>: there is no collision %r; %s has %s", self.sdf.where, name, self._prefix[:-2], known)
+                log.warning(
+                    "%s: <contact>: there is no collision %r; %s has %s", self.sdf.where, name, self._prefix[:-2], known
+                )
 
     def Topic(self) -> str:
         """``~/model/link/sensor``, or what its file says."""

@@ -80,18 +80,27 @@ class WorldSensors:
         faults, self._faults = self._faults, []
         if faults and not self._started:
             raise WorldFileError("\n".join(faults))
-        self._started = True
+        later, self._started = self._started, True
         for fault in faults:
             log.error("%s", fault)
         added, self._new = self._new, []
         for sensor in added:
-            sensor.Init()
-            self.wake(sensor)
+            self._init(sensor, later)
         self._served = False
         self.update_topics()
-        for sensor in added:
+        for sensor in (one for one in added if one.ScopedName() in self.sensors):
             for element in sensor.sdf.named("plugin"):
                 self.load_plugin(sensor, element)
+
+    def _init(self, sensor: Sensor, later: bool) -> None:
+        try:
+            sensor.Init()
+        except GazeboError as fault:
+            if not later:
+                raise
+            log.error("%s: <sensor>: %s", sensor.sdf.where, fault)
+            self.remove(sensor)
+        self.wake(sensor)
 
     def load_plugin(self, sensor: Sensor, element: Element) -> bool:
         """Load a plugin of a sensor; whether it runs."""

@@ -73,13 +73,8 @@ class RaySensor(Sensor):
         super().SetPose(pose)
         self._shape.place(self._pose)
 
-    def connected(self) -> bool:
-        """Whether callbacks wait for its measurements or its scans."""
-        return super().connected() or self._shape.heard
-
     def LaserShape(self) -> MultiRayShape:
         """The rays."""
-        self.sensors.wake(self)  # whoever asks may connect to its scans
         return self._shape
 
     GetLaserShape = LaserShape
@@ -144,9 +139,7 @@ class RaySensor(Sensor):
         """The fiducial number of what the ray of a reading hit; -1 for none."""
         row, column = divmod(index, self._readings[0])
         rays, rows = self._shape.grid.samples
-        return self._shape.Fiducial(
-            row * rows // self._readings[1] * rays + column * rays // self._readings[0]
-        )
+        return self._shape.Fiducial(row * rows // self._readings[1] * rays + column * rays // self._readings[0])
 
     GetRanges, GetRange, GetRetro, GetFiducial = Ranges, Range, Retro, Fiducial
 

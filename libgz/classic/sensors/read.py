@@ -28,7 +28,9 @@ def number(element: Element, key: str, least: float = -math.inf, most: float = m
     """
     value = element.Get(float, key)
     if not (least <= value <= most and math.isfinite(value)):
-        words = [f"{word} {bound:g}" for word, bound in (("at least", least), ("at most", most)) if math.isfinite(bound)]
+        words = [
+            f"{word} {bound:g}" for word, bound in (("at least", least), ("at most", most)) if math.isfinite(bound)
+        ]
         allowed = " and ".join(words) or "finite"
         raise wrong(element, key, f"is {value:g}{unit and ' ' + unit}; it must be {allowed}{unit and ' ' + unit}")
     return value

@@ -18,7 +18,7 @@ from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
     from libgz.classic.msgs import Message
-    from libgz.classic.physics import Joint, Link, World
+    from libgz.classic.physics import Joint, Link
     from libgz.classic.sensors.manager import WorldSensors
     from libgz.classic.transport import Publisher
     from libgz.sdf.element import Element

@@ -122,7 +122,8 @@ class MultiCameraSensor(Sensor):
         """Write the last pictures to files, one for each camera; whether that worked."""
         if len(filenames) != len(self._cameras):
             return False
-        return all([camera.SaveFrame(name) for camera, name in zip(self._cameras, filenames, strict=True)])
+        saved = [camera.SaveFrame(name) for camera, name in zip(self._cameras, filenames, strict=True)]
+        return all(saved)
 
     GetCameraCount, GetCamera = CameraCount, Camera
     GetImageWidth, GetImageHeight, GetImageData = ImageWidth, ImageHeight, ImageData

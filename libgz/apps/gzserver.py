@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import NoReturn
 
 from libgz._version import __version__
+from libgz.apps.console import set_up_classic_console
 from libgz.apps.master import start_master, stop_master
-from libgz.classic.common.console import set_up_console
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach, system_plugins
@@ -171,9 +171,7 @@ class Server:
             if options.pause:
                 core.settings = dataclasses.replace(core.settings, pause=True)
             if core.engine.classic:
-                server = attach(core)
-                server.serve_topics()
-                self._choose_profile(server.world)
+                self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:
             core.close()
@@ -221,7 +219,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
-    set_up_console(verbose="--verbose" in words)
+    set_up_classic_console(verbose="--verbose" in words)
     options = system_options(parser, words)
     if options.verbose:
         sys.stderr.write(BANNER + "\n")

@@ -113,7 +113,7 @@ def read_contacts(world: World, points: NDArray[np.void]) -> list[Contact]:
             touching = [world.collision_of(engine.geoms[row]) for row in rows if row in engine.geoms]
             if len(touching) < 2 or None in touching:
                 continue
-            pairs[rows] = Contact(world, *touching, now)
+            pairs[rows] = Contact(world, touching[0], touching[1], now)
         contact = pairs[rows]
         contact.positions.append(Vector3d(*point["position"].tolist()))
         contact.normals.append(Vector3d(*point["normal"].tolist()))

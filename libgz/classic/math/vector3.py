@@ -14,6 +14,8 @@ from libgz.sdf.value import parse
 
 __all__ = ["Vector3", "Vector3d"]
 
+_NUMBERS = (float, int)  # the common ones; numpy's go the long way
+
 
 def _spread(value: object) -> GzVector | None:
     """What stands in for an operand: a number thrice, or any three numbers; None if it is neither."""
@@ -151,7 +153,7 @@ class Vector3d(GzVector):
         return Vector3d(o.x - self.x, o.y - self.y, o.z - self.z)
 
     def __mul__(self, other: VectorLike | float) -> Vector3d:
-        if isinstance(other, float | int):
+        if isinstance(other, _NUMBERS):
             return Vector3d(self.x * other, self.y * other, self.z * other)
         o = other if isinstance(other, GzVector) else _spread(other)
         if o is None:
@@ -161,7 +163,7 @@ class Vector3d(GzVector):
     __rmul__ = __mul__
 
     def __truediv__(self, other: VectorLike | float) -> Vector3d:
-        if isinstance(other, float | int):
+        if isinstance(other, _NUMBERS):
             return Vector3d(self.x / other, self.y / other, self.z / other)
         o = other if isinstance(other, GzVector) else _spread(other)
         if o is None:

@@ -7,7 +7,7 @@ import math
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector, rotate
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector, rotate
 from libgz.ode.types import Surface
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
@@ -17,6 +17,7 @@ from libgz.physics.mass import given_mass
 from libgz.sdf.element import Element
 from libgz.simulation.model import Model
 from libgz.simulation.sdf_joint import SdfJoint
+from libgz.simulation.sdf_visual import dress, link_lights
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel"]
@@ -41,6 +42,7 @@ class SdfModel(Model):
         self.links: dict[str, Body] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
         self.geom_names: dict[Geom, str] = {}
+        self.visual_elements: dict[Geom, Element] = {}
         self._frame_in_canonical = GzPose()
         self._acting: list[SdfJoint] = []
         self.SetName("model")
@@ -84,6 +86,7 @@ class SdfModel(Model):
             self._guard(collision, lambda c=collision: self._add_collision(body, space, c))
         for visual in element.named("visual"):
             self._guard(visual, lambda v=visual: self._add_visual(body, v))
+        link_lights(body, element)
         inertial = element.child("inertial")
         inertia = inertial.child("inertia")
         moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
@@ -175,19 +178,8 @@ class SdfModel(Model):
         if geom is None:
             return
         self.geom_names[geom] = element.Get(str, "name")
-        material = element.child("material")
-        for key, setter in (
-            ("ambient", geom.SetAmbientColor),
-            ("diffuse", geom.SetDiffuseColor),
-            ("specular", geom.SetSpecularColor),
-            ("emissive", geom.SetEmissionColor),
-        ):
-            if material.HasElement(key):
-                setter(material.Get(GzColor, key))
-        transparency = element.Get(float, "transparency")
-        if transparency > 0.0:
-            geom.GetDiffuseColor().a = 1.0 - transparency
-            geom.SetTransparency(True)
+        self.visual_elements[geom] = element
+        dress(geom, element, self._note)
 
     # Joints ------------------------------------------------------------------------------------------------------
 

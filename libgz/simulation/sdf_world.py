@@ -6,13 +6,14 @@ import logging
 
 from libgz.errors import WorldFileError
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.simulation.model import Model
 from libgz.simulation.sdf_model import SdfModel, model_pose
+from libgz.simulation.sdf_visual import apply_scene, set_light
 from libgz.simulation.world import World
 
 __all__ = ["SdfLight", "load_sdf"]
@@ -32,10 +33,7 @@ class SdfLight(Model):
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
-        self.light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
-        self.light.SetSpecularColor(element.Get(GzColor, "specular"))
-        fading = element.child("attenuation")
-        self.light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        set_light(self.light, element)
 
 
 def load_sdf(world: World, file: SdfFile) -> None:
@@ -48,6 +46,7 @@ def load_sdf(world: World, file: SdfFile) -> None:
     element = next(root.named("world"), None)
     if element is not None:
         _apply_physics(world, element, faults)
+        apply_scene(world, element.child("scene"))
     for entity in (element or root).children:
         if entity.name == "model":
             _add_model(world, entity, faults, GzPose(), None)

@@ -263,14 +263,6 @@ class Camera:
         self.view.width, self.view.height = int(width), int(height)
         self.view.image = np.zeros((self.view.height, self.view.width, 3), dtype=np.uint8)
 
-    def SetImageWidth(self, width: int) -> None:
-        """Change the picture's width [px]."""
-        self.SetImageSize(width, self.view.height)
-
-    def SetImageHeight(self, height: int) -> None:
-        """Change the picture's height [px]."""
-        self.SetImageSize(self.view.width, height)
-
     def ImageDepth(self) -> int:
         """Bytes of a pixel."""
         return bytes_per_pixel(self._format)

@@ -1,6 +1,7 @@
 """Gazebo classic's plugins in Python, and the names they use: views on the engine's objects.
 
-The public names stand in `__init__.pyi`; each is imported when it is first used.
+Each name is imported when it is first used. A star import brings all but `gui` and `rendering`, which a world without
+pictures has no need to load.
 """
 
 from __future__ import annotations
@@ -9,7 +10,8 @@ import importlib
 from typing import Any
 
 # Submodules by Gazebo's names; everything else is in libgz.classic.plugin.
-_MODULES = ("common", "event", "gui", "math", "msgs", "physics", "rendering", "sensors", "transport")
+_MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "transport")
+_ON_REQUEST = ("gui", "rendering")
 _KINDS = ("GUI", "Model", "Sensor", "System", "Visual", "World")
 _PLUGIN = [name for kind in _KINDS for name in (f"{kind}Plugin", f"GZ_REGISTER_{kind.upper()}_PLUGIN")]
 _CONSOLE = ("gzdbg", "gzerr", "gzlog", "gzmsg", "gzwarn")
@@ -18,10 +20,8 @@ __all__ = [*_MODULES, *_PLUGIN, *_CONSOLE, "sdf"]
 
 
 def __getattr__(name: str) -> Any:
-    if name in _MODULES:
+    if name in _MODULES or name in _ON_REQUEST:
         value: Any = importlib.import_module(f"libgz.classic.{name}")
-    elif name == "sdf":
-        value = importlib.import_module("libgz.classic.sdf")
     elif name in _PLUGIN:
         value = getattr(importlib.import_module("libgz.classic.plugin"), name)
     elif name in _CONSOLE:
@@ -35,4 +35,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_ON_REQUEST})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-import sys
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from libgz.classic.loading import LoadedPlugin, new_plugin
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
+from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
 from libgz.simulation.changes import delete_models
@@ -21,7 +22,6 @@ from libgz.simulation.world import World as CoreWorld
 if TYPE_CHECKING:
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
-    from libgz.classic.topics import WorldTopics
     from libgz.simulation.model import Model as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
@@ -57,7 +57,7 @@ class WorldServer:
         self.world = World(core, self)
         self.world_plugins: dict[str, LoadedPlugin] = {}
         self.sensors: WorldSensors | None = None
-        self.topics: WorldTopics | None = None
+        self.topics = WorldTopics(self.world)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
         self._new: list[CoreModel] = list(core.models)
@@ -208,17 +208,7 @@ class WorldServer:
             self.finish_added()
         if self.sensors is not None:
             self.sensors.update()
-        if self.topics is not None:
-            self.topics.update()
-        elif "libgz.classic.transport" in sys.modules:  # somebody listens or speaks
-            self.serve_topics()
-
-    def serve_topics(self) -> None:
-        """Publish what Gazebo published, and listen to what it listened to."""
-        if self.topics is None:
-            from libgz.classic.topics import WorldTopics
-
-            self.topics = WorldTopics(self)
+        self.topics.update()
 
     def time_was_reset(self) -> None:
         """The clock was set back."""
@@ -264,7 +254,12 @@ class WorldServer:
         """Where the file says the world lies."""
         if self.element is None or not self.element.HasElement("spherical_coordinates"):
             return SphericalCoordinates()
-        return SphericalCoordinates.from_element(self.element.child("spherical_coordinates"))
+        place = self.element.child("spherical_coordinates")
+        latitude, longitude, heading = (
+            math.radians(place.Get(float, key)) for key in ("latitude_deg", "longitude_deg", "heading_deg")
+        )
+        surface = SphericalCoordinates.EARTH_WGS84  # the only one SDF knows
+        return SphericalCoordinates(surface, latitude, longitude, place.Get(float, "elevation"), heading)
 
 
 def _names(element: Element) -> tuple[str, str]:

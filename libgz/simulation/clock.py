@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import time
 from collections.abc import Callable
 
@@ -18,8 +19,8 @@ class Clock:
     def __init__(self) -> None:
         self.iterations = 0  # steps done, pauses excluded
         self._simTime = self._pauseTime = 0.0
-        # What callbacks of update events are given; who brings these callbacks sets it.
-        self.update_info: Callable[[], object] = lambda: None
+        # What callbacks of update events are given.
+        self.update_info: Callable[[], object] = self._first_update_info
         self._start: float | None = None  # on the monotonic clock; None while the world does not run
 
     def GetSimTime(self) -> float:
@@ -37,6 +38,11 @@ class Clock:
     def GetWallTime(self) -> float:
         """Unix time [s]."""
         return time.time()
+
+    def _first_update_info(self) -> object:
+        # By name, for classic stands above this package; it brings its own update_info.
+        importlib.import_module("libgz.classic.server").attach(self)
+        return self.update_info()
 
     def reset_time(self) -> None:
         """Set sim and pause time and the iterations to 0."""

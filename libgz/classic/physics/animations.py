@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from libgz.classic.common import NumericAnimation, NumericKeyFrame, PoseAnimation, PoseKeyFrame
+from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
 
 if TYPE_CHECKING:
@@ -50,8 +50,7 @@ class Animations:
         passed, self._last = max(0.0, now - self._last), now
         for entity, (animation, done) in list(self._poses.items()):
             ended = _advance(animation, passed)
-            frame = PoseKeyFrame(0.0)
-            animation.GetInterpolatedKeyFrame(frame)
+            frame = animation.GetInterpolatedKeyFrame()
             entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
             if ended:
                 del self._poses[entity]
@@ -61,9 +60,7 @@ class Animations:
             over = [_advance(animation, passed) for animation in animations.values()]
             places = {}
             for name, numeric in animations.items():
-                key = NumericKeyFrame(0.0)
-                numeric.GetInterpolatedKeyFrame(key)
-                places[name] = key.GetValue()
+                places[name] = numeric.GetInterpolatedKeyFrame().Value()
             model.SetJointPositions(places)
             if all(over):
                 del self._joints[model]
@@ -75,4 +72,4 @@ def _advance(animation: PoseAnimation | NumericAnimation, seconds: float) -> boo
     """Let time pass; whether the animation is over."""
     before = animation.GetTime()
     animation.AddTime(seconds)
-    return not animation.loop and before + seconds >= animation.GetLength()
+    return not animation.repeat and before + seconds >= animation.GetLength()

@@ -94,7 +94,7 @@ class ContactManager:
                 touching = [self._world.collision_of(engine.geoms[row]) for row in rows if row in engine.geoms]
                 if len(touching) < 2 or None in touching:
                     continue
-                pairs[rows] = Contact(self._world, *touching, now)
+                pairs[rows] = Contact(self._world, touching[0], touching[1], now)
             contact = pairs[rows]
             contact.positions.append(Vector3d(*point["position"].tolist()))
             contact.normals.append(Vector3d(*point["normal"].tolist()))

@@ -215,7 +215,7 @@ class Joint(Base):
         direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
         moments = []
         for link in (self.GetParent(), self.GetChild()):
-            rows = link.WorldInertiaMatrix().rows() if link is not None else []
+            rows = link.WorldInertiaMatrix().m if link is not None else []
             moments.append(sum(a * GzVectorDot(row, direction) for a, row in zip(direction, rows, strict=False)))
         return moments[0] / moments[1] if moments[1] else 0.0
 

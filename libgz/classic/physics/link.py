@@ -212,7 +212,7 @@ class Link(Entity):
     def GetWorldEnergyKinetic(self) -> float:
         """Energy of motion [J]."""
         v, w = self.body.GetLinearVel(), self.body.GetAngularRate()
-        spin = np.array(self.WorldInertiaMatrix().rows()) @ np.array(w)
+        spin = np.array(self.WorldInertiaMatrix().m) @ np.array(w)
         return 0.5 * self.body.mass * GzVectorDot(v, v) + 0.5 * float(np.dot(w, spin))
 
     def GetWorldEnergy(self) -> float:

@@ -347,7 +347,9 @@ class World(Base):
         if entity is None or not isinstance(entity, Model | Light):
             names = [part.GetName() for part in self.children()]
             raise NotFoundError(f"world {self.Name()!r} has no model {which!r}{nearest(str(which), names)}")
-        family = [model.core for model in entity.family()] if isinstance(entity, Model) else [entity.core]
+        family: list[CoreModel] = [entity.core]
+        if isinstance(entity, Model):
+            family = [model.core for model in entity.family()]
         self.core.after_step(lambda: self.server.remove(family))
 
     def Clear(self) -> None:
@@ -468,6 +470,11 @@ def _is(part: Base, name: str) -> bool:
     return name in (part.GetName(), part.GetScopedName())
 
 
+def live_worlds() -> list[World]:
+    """The views that there are already."""
+    return sorted(_worlds, key=lambda world: world.GetId())
+
+
 def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
     from libgz.classic.server import attach
@@ -475,7 +482,7 @@ def worlds() -> list[World]:
     for core in CoreWorld.all_running():
         if core.engine.classic:
             attach(core)
-    return sorted(_worlds, key=lambda world: world.GetId())
+    return live_worlds()
 
 
 def has_world(name: str = "") -> bool:

@@ -137,9 +137,9 @@ def _with(material: Material, words: list[str], folders: list[Path]) -> Material
         return replace(material, texture=next((file for file in candidates if file.is_file()), material.texture))
     if key == "lighting" and values:
         return replace(material, lit=values[0] != "off")
-    if key == "alpha_op_ex" and "src_manual" in values:
-        return replace(material, diffuse=(*material.diffuse[:3], _number(values[-1], material.diffuse[3])))
-    numbers = [_number(value, None) for value in values]
+    numbers = [_number(value) for value in values]
+    if key == "alpha_op_ex" and "src_manual" in values and numbers[-1] is not None:
+        return replace(material, diffuse=(*material.diffuse[:3], numbers[-1]))
     if key not in ("ambient", "diffuse", "specular", "emissive") or len(numbers) < 3 or None in numbers:
         return material
     if key == "specular" and len(numbers) > 3:
@@ -148,8 +148,8 @@ def _with(material: Material, words: list[str], folders: list[Path]) -> Material
     return replace(material, **{key: _color(values)})  # type: ignore[arg-type]
 
 
-def _number(word: str, otherwise: float | None) -> float | None:
+def _number(word: str) -> float | None:
     try:
         return float(word)
     except ValueError:
-        return otherwise
+        return None

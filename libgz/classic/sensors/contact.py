@@ -73,8 +73,8 @@ class ContactSensor(Sensor):
         """Note this iteration's contacts."""
         points = self.world.core.engine.contacts
         rows = [c.geom.row for c in self.link.GetCollisions() if c.GetScopedName() in self._collisions]
-        mine = np.isin(points["geom1"], rows) | np.isin(points["geom2"], rows) if len(points) else []
-        self._waiting.append(read_contacts(self.world, points[mine]) if np.any(mine) else [])
+        mine = points[np.isin(points["geom1"], rows) | np.isin(points["geom2"], rows)] if len(points) else points
+        self._waiting.append(read_contacts(self.world, mine))
 
     def measure(self, now: float) -> bool:
         """Take over what was noted."""

@@ -12,11 +12,11 @@ from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.read import choice, custom_topic, wrong
 from libgz.classic.sensors.sensor import Sensor
 from libgz.geometry import QuaternLike
+from libgz.sdf.element import Element
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
     from libgz.classic.sensors.manager import WorldSensors
-    from libgz.sdf.element import Element
 
 __all__ = ["ImuSensor"]
 
@@ -66,16 +66,16 @@ class ImuSensor(Sensor):
             holder = next(self._imu.named(key), None)
             for axis, kind in zip("xyz", kinds, strict=True):
                 self.add_noise(kind, next(holder.named(axis), None) if holder is not None else None)
-        old = next(self._imu.named("noise"), None)
-        for key, kinds in (("rate", RATE_NOISE), ("accel", ACCEL_NOISE)) if old is not None else ():
-            noise = old.child(key).Clone()
-            noise.name = "noise"
-            noise.set_attribute("type", old.Get(str, "type").strip())
-            holder = type(old)(key, file=old.file, line=old.line)
-            holder.InsertElement(noise)
-            for kind in kinds:
-                if kind not in self.noises:
-                    self.add_noise(kind, holder)
+        for old in self._imu.named("noise"):
+            word = old.Get(str, "type").strip()
+            for key, kinds in (("rate", RATE_NOISE), ("accel", ACCEL_NOISE)):
+                holder = Element(key, file=old.file, line=old.line)
+                noise = old.child(key).Clone()
+                noise.name = "noise"
+                noise.set_attribute("type", word)
+                holder.InsertElement(noise)
+                for axis_kind in kinds:
+                    self.add_noise(axis_kind, holder)
 
     def _read_reference(self) -> Quaterniond | None:
         """The frame that the orientation is told in; None for the one it begins in."""

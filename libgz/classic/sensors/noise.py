@@ -182,9 +182,14 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     if kind == "none":
         return Noise()
     stream = np.random.SeedSequence(entropy=seed, spawn_key=(zlib.crc32(name.encode()), channel))
-    values = [number(element, "mean"), number(element, "stddev", 0.0)]
-    values += [number(element, "bias_mean"), number(element, "bias_stddev", 0.0)]
-    return GaussianNoiseModel(*values, number(element, "precision", 0.0), stream)
+    return GaussianNoiseModel(
+        number(element, "mean"),
+        number(element, "stddev", 0.0),
+        number(element, "bias_mean"),
+        number(element, "bias_stddev", 0.0),
+        number(element, "precision", 0.0),
+        stream,
+    )
 
 
 class NoiseFactory:

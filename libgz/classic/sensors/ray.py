@@ -245,4 +245,5 @@ def _mixing(samples: tuple[int, int], readings: tuple[int, int]) -> _Mixing:
 def _mix(values: NDArray[np.float64], mixing: _Mixing, average: bool = False) -> NDArray[np.float64]:
     indices, weights = mixing
     corners = values[indices]
-    return corners.mean(axis=1) if average else (corners * weights).sum(axis=1)
+    mixed: NDArray[np.float64] = corners.mean(axis=1) if average else (corners * weights).sum(axis=1)
+    return mixed

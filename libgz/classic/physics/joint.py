@@ -9,16 +9,19 @@ from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
 from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.simulation.sdf_model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.physics.model import Model
+    from libgz.classic.physics.world import World
     from libgz.physics.body import Body
-    from libgz.sdf.element import Element
     from libgz.simulation.event import Connection
     from libgz.simulation.sdf_joint import SdfJoint
 
-__all__ = ["Joint"]
+__all__ = ["AXES", "Joint"]
+
+AXES = {"ball": 0, "fixed": 0, "universal": 2, "revolute2": 2, "gearbox": 2}  # of kinds that have not one
 
 
 class Joint(Base):
@@ -26,9 +29,9 @@ class Joint(Base):
 
     entity_type = Base.JOINT
 
-    def __init__(self, model: Model, core: SdfJoint) -> None:
-        super().__init__(model.GetWorld(), core.name, model, core.element)
-        self.model, self.core = model, core
+    def __init__(self, world: World, model: Model | None, core: SdfJoint) -> None:
+        super().__init__(world, core.name, model, core.plan.element)
+        self.core = core
 
     def GetMsgType(self) -> str:
         """revolute, prismatic, ball, universal, revolute2, screw, gearbox or fixed."""
@@ -50,7 +53,10 @@ class Joint(Base):
 
     def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
         """Bring it there at once: the child, and all that hangs on it, moves. Whether that was possible."""
-        return self.core.set_position(position, index, keep_velocity=preserveWorldVelocity)
+        if not 0 <= index < self.core.dof or not self.core.attached:
+            return False
+        self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
+        return True
 
     SetAngle = SetPosition
 
@@ -70,7 +76,7 @@ class Joint(Base):
 
     def GetForce(self, index: int) -> float:
         """What SetForce has gathered for this step."""
-        return self.core.applied_force(index)
+        return self.core.force(index)
 
     def GetForceTorque(self, index: int = 0) -> JointWrench:
         """What the joint did to the links in the last step: 1 the parent, 2 the child, in the links' axes."""
@@ -82,18 +88,19 @@ class Joint(Base):
 
     def _wrench(self) -> JointWrench:
         values = []
-        for body, wrench in zip((self.core.parent, self.core.child), self.core.wrenches(), strict=True):
+        force1, torque1, force2, torque2 = self.core.wrench
+        for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
-            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in wrench]
+            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
         return JointWrench(*values)
 
     def LinkForce(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N], global."""
-        return Vector3d(*self.core.wrenches()[index][0])
+        return Vector3d(*self.core.wrench[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
-        """What it did to the parent (0) or child (1) [N m], global."""
-        return Vector3d(*self.core.wrenches()[index][1])
+        """What it did to the parent (0) or child (1) about the anchor [N m], global."""
+        return Vector3d(*self.core.wrench[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 
@@ -109,11 +116,11 @@ class Joint(Base):
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
         """Set the lower stop."""
-        self.core.set_param("lo_stop", index, limit)
+        self.core.set_param("lo_stop", limit, index)
 
     def SetUpperLimit(self, index: int, limit: float) -> None:
         """Set the upper stop."""
-        self.core.set_param("hi_stop", index, limit)
+        self.core.set_param("hi_stop", limit, index)
 
     GetLowStop = GetLowerLimit = LowerLimit
     GetHighStop = GetUpperLimit = UpperLimit
@@ -173,7 +180,7 @@ class Joint(Base):
         Raises:
             ParameterError: there is no such parameter.
         """
-        self.core.set_param(key, index, value)
+        self.core.set_param(key, float(value), index)
         return True
 
     def GetParam(self, key: str, index: int) -> float:
@@ -198,7 +205,7 @@ class Joint(Base):
 
     def GlobalAxis(self, index: int) -> Vector3d:
         """An axis, global."""
-        return Vector3d(*self.core.global_axis(index))
+        return Vector3d(*self.core.axis(index))
 
     def LocalAxis(self, index: int) -> Vector3d:
         """An axis in the joint's frame, as the file has it."""
@@ -221,11 +228,11 @@ class Joint(Base):
 
     # Links -------------------------------------------------------------------------------------------------------
 
-    def GetParent(self) -> Link | None:  # type: ignore[override]
+    def GetParent(self) -> Link | None:
         """The parent link; None for the world."""
         return self._link(self.core.parent)
 
-    def GetChild(self, which: int | str | None = None) -> Link | None:  # type: ignore[override]
+    def GetChild(self, which: int | str | None = None) -> Link | None:
         """The child link; None for the world."""
         return self._link(self.core.child)
 
@@ -245,20 +252,22 @@ class Joint(Base):
         """Whether it joins these two links."""
         return {one, two} == {self.GetParent(), self.GetChild()}
 
-    def Load(self, parent: Link | Element, child: Link | None = None, pose: GzPose | None = None) -> None:
-        """Join two links with the anchor at a pose in the child [m], or build the joint from a `<joint>` element."""
-        from libgz.classic.physics.make_joint import load_joint
-
-        load_joint(self, parent, child, pose)
-
-    def Init(self) -> None:
-        """Nothing to do: the joint acts as soon as it is loaded."""
+    def Load(self, parent: Link | None, child: Link | None, pose: GzPose | None = None) -> None:
+        """Join two links, None for the world, with the joint's frame at a pose in the child [m]."""
+        if pose is not None:
+            self.core.set_frame(pose)
+        self.Attach(parent, child)
+        if self._parent is None and (child or parent) is not None:
+            self.SetModel((child or parent).model)  # type: ignore[union-attr]
 
     def SetModel(self, model: Model) -> None:
-        """Make it a part of a model."""
-        from libgz.classic.physics.make_joint import adopt_joint
+        """Make it a part of a model, so that it acts by itself and goes when the model goes."""
+        if self._parent is not model and isinstance(model.core, SdfModel):
+            self._parent = model
+            model.core.sdf_joints.setdefault(self.core.name, self.core)
 
-        adopt_joint(self, model)
+    def Init(self) -> None:
+        """Nothing to do: a joint acts as soon as it joins links."""
 
     def Fini(self) -> None:
         """Take it out of its model."""
@@ -266,11 +275,14 @@ class Joint(Base):
 
     def remove(self) -> None:
         """Take it out of its model and destroy it."""
-        self.model.core.remove_joint(self.core)  # type: ignore[attr-defined]
+        model = self.GetParentModel()
+        if model is not None and isinstance(model.core, SdfModel):
+            model.core.remove_joint(self.core.name)
+        self.core.close()
 
     def Reset(self) -> None:
-        """Forget the pushes of this step; the model's reset brings its links back."""
-        self.core.reset()
+        """Count turns from zero again; the model's reset brings its links back."""
+        self.core.restore()
 
     def ConnectJointUpdate(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` in each iteration, before physics."""

@@ -17,6 +17,7 @@ __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
+COLORS = ("ambient", "diffuse", "specular", "emissive")
 TEXTURES = ("", "../textures", "textures", "../materials/textures")  # where a script's pictures lie, seen from it
 
 Color = tuple[float, float, float, float]
@@ -44,9 +45,10 @@ def _known() -> Mapping[str, tuple[Material, str]]:
     found = {}
     with TABLE.open(encoding="utf-8", newline="") as table:
         for row in csv.DictReader(table, delimiter="\t"):
-            color = {key: _color(row[key].split()) for key in ("ambient", "diffuse", "specular", "emissive")}
-            color["diffuse"] = (*color["diffuse"][:3], float(row["alpha"]))
-            found[row["name"]] = (Material(**color, shininess=float(row["shininess"])), row["texture"])
+            ambient, diffuse, specular, emissive = (_color(row[key].split()) for key in COLORS)
+            diffuse = (*diffuse[:3], float(row["alpha"]))
+            material = Material(ambient, diffuse, specular, emissive, float(row["shininess"]))
+            found[row["name"]] = (material, row["texture"])
     return found
 
 
@@ -140,7 +142,7 @@ def _with(material: Material, words: list[str], folders: list[Path]) -> Material
     numbers = [_number(value) for value in values]
     if key == "alpha_op_ex" and "src_manual" in values and numbers[-1] is not None:
         return replace(material, diffuse=(*material.diffuse[:3], numbers[-1]))
-    if key not in ("ambient", "diffuse", "specular", "emissive") or len(numbers) < 3 or None in numbers:
+    if key not in COLORS or len(numbers) < 3 or None in numbers:
         return material
     if key == "specular" and len(numbers) > 3:
         *color, shininess = values

@@ -19,7 +19,17 @@ from libgz.sdf.materials import NEUTRAL, Material, find_material, own_texture
 if TYPE_CHECKING:
     from libgz.simulation.world import World
 
-__all__ = ["apply_scene", "dress", "link_lights", "put_on", "set_light", "set_sky", "set_transparency"]
+__all__ = [
+    "KINDS",
+    "apply_scene",
+    "dress",
+    "link_lights",
+    "material_name",
+    "put_on",
+    "set_light",
+    "set_sky",
+    "set_transparency",
+]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -45,9 +55,9 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
 
 
 def _material(look: Appearance, element: Element, note: Note) -> None:
-    script = element.child("script") if element.HasElement("script") else None
-    name = _name_of(script) if script is not None else ""
-    if script is not None and name:
+    name = material_name(element)
+    if name:
+        script = element.child("script")
         uris = [uri.Get(str) for uri in script.named("uri")]
         folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
         found = find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
@@ -62,10 +72,14 @@ def _material(look: Appearance, element: Element, note: Note) -> None:
     look.version += 1
 
 
-def _name_of(script: Element) -> str:
-    """The material's name; old worlds have it as plain text."""
+def material_name(element: Element) -> str:
+    """The name in the script of a `<material>`; old worlds have it as plain text. Empty if there is none."""
+    script = element.child("script") if element.HasElement("script") else None
+    if script is None:
+        return ""
     name = script.Get(str, "name").strip()
-    return script.value.GetAsString() if name in ("", UNSET) else name
+    name = script.value.GetAsString() if name in ("", UNSET) else name
+    return "" if name == UNSET else name
 
 
 def put_on(look: Appearance, material: Material) -> None:

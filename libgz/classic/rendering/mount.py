@@ -76,9 +76,9 @@ class Mount:
             shifted = GzPose(GzVectorAdd(on.pos, there.pos), on.rot)
             self._camera.SetWorldPose(GzCoordPoseAdd(on, there) if self._turns else shifted)
         if self.tracked is not None:
-            here, there = self._camera.view.pose.pos, self.tracked.WorldPose().pos
-            if abs(there.x - here.x) + abs(there.y - here.y) > NEAR:
-                self._camera.SetWorldPose(GzPosePointAt(here, there, GzVector(0.0, 0.0, 1.0)))
+            here, goal = self._camera.view.pose.pos, self.tracked.WorldPose().pos
+            if abs(goal.x - here.x) + abs(goal.y - here.y) > NEAR:
+                self._camera.SetWorldPose(GzPosePointAt(here, goal, GzVector(0.0, 0.0, 1.0)))
 
     def _follow_way(self, way: PoseAnimation) -> None:
         way.SetTime(self.clock() - self._since)

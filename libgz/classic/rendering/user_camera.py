@@ -7,7 +7,7 @@ from typing import Any
 
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.rendering.camera import Camera
-from libgz.geometry import GzPose, GzPosePointAt, GzVector, GzVectorAdd, GzVectorMul, VectorLike
+from libgz.geometry import GzCoordPositionAdd, GzPose, GzPosePointAt, GzVector, GzVectorAdd, GzVectorMul, VectorLike
 
 __all__ = ["UserCamera"]
 
@@ -22,6 +22,7 @@ class UserCamera(Camera):
     def __init__(self, *values: Any, **options: Any) -> None:
         super().__init__(*values, **options)
         self._controller = "orbit"
+        self.view.options.displayGrid = True
         self._initial = self.START
         self._focus = Vector3d()
         self.SetDefaultPose(self.START)
@@ -68,8 +69,8 @@ class UserCamera(Camera):
         found = self._find(visual)
         if found is None:
             return False
-        box = found.BoundingBox()
-        middle, size = box.Center(), max(box.Size().Length(), self.NearClip())
+        box, there = found.BoundingBox(), found.WorldPose()
+        middle, size = GzCoordPositionAdd(box.Center(), there.pos, there.rot), max(box.Size().Length(), self.NearClip())
         away = GzVectorMul(-FRAMES * size, self.Direction())
         place = GzVectorAdd(middle, away)
         return self.MoveToPositions([GzPose(GzVector(*place), self.view.pose.rot)], time, done)

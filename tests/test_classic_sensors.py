@@ -17,8 +17,8 @@ G = 9.8
 
 def world_of(content, version="1.6", gravity="0 0 -9.8"):
     holder = f"<gravity>{gravity}</gravity>"
-    if version != "1.6":
-        holder = f"<physics type='ode'>{holder}</physics>"
+    inside, outside = (holder, "") if version != "1.6" else ("", holder)
+    holder = f"{outside}<physics type='ode'>{inside}</physics>"
     return libgz.World.from_string(f"<sdf version='{version}'><world name='default'>{holder}{content}</world></sdf>")
 
 
@@ -69,7 +69,7 @@ def get(name):
     return found
 
 
-# Gazebo's acceptance figures ---------------------------------------------------------------------------------------
+# Gazebo's acceptance figures -----------------------------------------------------------------------------------------
 
 
 def test_row_14_a_laser_in_an_empty_world_sees_nothing_then_a_box_then_the_ground():
@@ -77,7 +77,8 @@ def test_row_14_a_laser_in_an_empty_world_sees_nothing_then_a_box_then_the_groun
     with world_of(GROUND + model("laser", laser, "0 0 0.5 0 0 0")) as world:
         world.step(1)
         scan = get("s")
-        assert len(scan.Ranges()) == 640 and all(r == math.inf for r in scan.Ranges())
+        assert len(scan.Ranges()) == 640
+        assert all(r == math.inf for r in scan.Ranges())
 
         physics.get_world().InsertModelString(f"<sdf version='1.6'>{box('box', '2 0 0.5 0 0 0')}</sdf>")
         scan.Update(True)
@@ -169,7 +170,7 @@ def test_row_17_an_imu_on_a_pendulum():
         for _ in range(700):  # 0.59 s to the lowest point
             world.step(1)
             pulls.append(get("s").LinearAcceleration().Length())
-        # At the lowest point g + v^2 / r = 3 g; a compound pendulum of a radius of gyration of 3 cm is that within 1e-3.
+        # g + v^2 / r = 3 g at the lowest point, but for 1e-3 by its radius of gyration of 3 cm.
         assert max(pulls) == pytest.approx(3 * G, rel=5e-3)
 
 
@@ -243,7 +244,8 @@ def test_row_21_a_contact_sensor_is_inactive_until_it_is_told_to_be():
     with world_of(touching()) as world:
         one = get("s")
         world.step(50)
-        assert not one.IsActive() and not world.engine.record_contacts
+        assert not one.IsActive()
+        assert not world.engine.record_contacts
         assert len(one.Contacts().contact) == 0
         one.SetActive(True)
         world.step(950)
@@ -295,6 +297,64 @@ def test_a_rate_that_is_no_multiple_of_the_step_does_not_drift():
         assert kept.connected
 
 
+def arm(sensors_1="", sensors_2=""):
+    """Two links of 10 kg on two hinges, one on the other, standing upright."""
+    inertia = "<inertial><pose>0 0 0.5 0 0 0</pose><mass>10</mass></inertial>"
+    hinge = (
+        "<joint name='{}' type='revolute'><parent>{}</parent><child>{}</child>"
+        "<axis><xyz>1 0 0</xyz><limit><lower>-1.57</lower><upper>1.57</upper></limit></axis>{}</joint>"
+    )
+    return (
+        f"<model name='arm'><link name='one'>{inertia}</link><link name='two'><pose>0 0 1 0 0 0</pose>{inertia}</link>"
+        f"{hinge.format('j1', 'world', 'one', sensors_1)}{hinge.format('j2', 'one', 'two', sensors_2)}</model>"
+    )
+
+
+def force_torque(frame, direction, name, **options):
+    content = f"<frame>{frame}</frame><measure_direction>{direction}</measure_direction>"
+    return sensor("force_torque", f"<force_torque>{content}</force_torque>", name, **options)
+
+
+def test_row_11_force_and_torque_of_upright_links():
+    to_child = force_torque("child", "parent_to_child", "up")
+    to_parent = force_torque("parent", "child_to_parent", "down")
+    with world_of(
+        arm(to_child + to_parent, force_torque("child", "parent_to_child", "upper")), gravity="0 0 -50"
+    ) as world:
+        world.step(1)
+        for _ in range(10):
+            assert tuple(get("up").Force()) == pytest.approx((0, 0, 1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("down").Force()) == pytest.approx((0, 0, -1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("upper").Force()) == pytest.approx((0, 0, 500), rel=5e-6, abs=1e-9)
+            assert tuple(get("up").Torque()) == pytest.approx((0, 0, 0), abs=1e-6)
+            world.step(1)
+        assert get("up").ScopedName() == "default::arm::j1::up"
+        assert get("up").Joint().GetName() == "j1"
+
+
+def test_a_force_torque_sensor_tells_in_its_own_axes_and_to_listeners():
+    inertia = "<inertial><pose>1 0 0 0 0 0</pose><mass>2</mass></inertial>"
+    joint = (
+        "<joint name='j' type='fixed'><parent>world</parent><child>link</child>"
+        f"<pose>0 0 0 0 0 {math.pi / 2}</pose>{{}}</joint>"
+    )
+    both = force_torque("child", "child_to_parent", "plain")
+    both += force_torque("sensor", "child_to_parent", "turned", pose=f"0 0 0 {math.pi / 2} 0 0", on=False)
+    with world_of(model("m", inertia, "0 0 5 0 0 0", False, joint.format(both))) as world:
+        heard = []
+        kept = get("turned").ConnectUpdate(heard.append)
+        world.step(5)
+        weight = 2 * G
+        assert tuple(get("plain").Force()) == pytest.approx((0, 0, -weight), abs=1e-6)
+        assert tuple(get("plain").Torque()) == pytest.approx((0, weight, 0), abs=1e-6)
+        # The sensor's x is the child's y, its y the child's z, its z the child's x.
+        assert tuple(get("turned").Force()) == pytest.approx((0, -weight, 0), abs=1e-6)
+        assert tuple(get("turned").Torque()) == pytest.approx((weight, 0, 0), abs=1e-6)
+        assert len(heard) == 5
+        assert heard[-1].wrench.force.y == pytest.approx(-weight, abs=1e-6)
+        assert kept.connected
+
+
 # Life ----------------------------------------------------------------------------------------------------------------
 
 
@@ -302,13 +362,16 @@ def test_a_sensor_that_nobody_wants_does_not_measure():
     with world_of(model("m", imu(on=False))) as world:
         one = get("s")
         world.step(100)
-        assert one.LastUpdateTime().Double() == 0.0 and not one.IsActive()
+        assert one.LastUpdateTime().Double() == 0.0
+        assert not one.IsActive()
         kept = one.ConnectUpdated(lambda: None)
         world.step(1)
-        assert one.LastUpdateTime().Double() == pytest.approx(0.101) and one.IsActive()
+        assert one.LastUpdateTime().Double() == pytest.approx(0.101)
+        assert one.IsActive()
         del kept
         world.step(100)
-        assert one.LastUpdateTime().Double() == pytest.approx(0.101) and not one.IsActive()
+        assert one.LastUpdateTime().Double() == pytest.approx(0.101)
+        assert not one.IsActive()
         one.SetActive(True)
         world.step(1)
         assert one.LastMeasurementTime().Double() == pytest.approx(0.202)
@@ -325,7 +388,8 @@ def test_a_paused_world_measures_only_by_force():
         laser = get("s")
         laser.SetUpdateRate(1)
         laser.Update(True)
-        assert laser.UpdateRate() == 1.0 and kept.connected
+        assert laser.UpdateRate() == 1.0
+        assert kept.connected
 
 
 def test_a_listener_of_the_topic_wakes_a_sensor():
@@ -338,13 +402,17 @@ def test_a_listener_of_the_topic_wakes_a_sensor():
         node.Init("default")
         laser = get("laser")
         world.step(10)
-        assert laser.Topic() == "~/m/link/laser/scan" and not laser.IsActive()
+        assert laser.Topic() == "~/m/link/laser/scan"
+        assert not laser.IsActive()
         kept = node.Subscribe("~/m/link/laser/scan", scans.append)
         world.step(500)
         transport.TopicManager.Instance().ProcessNodes()
-        assert laser.IsActive() and len(scans) == 5
+        assert laser.IsActive()
+        assert len(scans) == 5
         scan = scans[0].scan
-        assert scan.count == 3 and scan.ranges[1] == pytest.approx(0.5) and scan.frame == "m::link"
+        assert scan.count == 3
+        assert scan.ranges[1] == pytest.approx(0.5)
+        assert scan.frame == "m::link"
         kept.Unsubscribe()
         world.step(200)
         assert not laser.IsActive()
@@ -391,7 +459,8 @@ def test_the_manager_finds_makes_and_removes():
         manager = sensors.SensorManager.Instance()
         assert manager.GetSensor("same") is None
         assert manager.GetSensor("m::link::same") is not manager.GetSensor("default::n::link::same") is not None
-        assert len(manager.GetSensors()) == 3 and manager.SensorsInitialized()
+        assert len(manager.GetSensors()) == 3
+        assert manager.SensorsInitialized()
         element = manager.GetSensor("own").GetSDF().Clone()
         element.set_attribute("name", "made")
         assert manager.CreateSensor(element, "default", "n::link") == "default::n::link::made"
@@ -404,7 +473,8 @@ def test_the_manager_finds_makes_and_removes():
         with pytest.raises(NotFoundError, match="no link or joint 'x'"):
             manager.CreateSensor(element, "default", "x")
         link = physics.get_world().ModelByName("m").GetLink("link")
-        assert link.GetSensorCount() == 2 and link.GetSensorName(0) == "default::m::link::same"
+        assert link.GetSensorCount() == 2
+        assert link.GetSensorName(0) == "default::m::link::same"
 
 
 PLUGIN = """
@@ -436,10 +506,13 @@ def test_a_sensor_plugin_that_raises_is_named_and_stopped(tmp_path, monkeypatch,
     missing = imu("missing", more="<plugin name='p' filename='libnowhere.so'/>")
     with caplog.at_level(logging.ERROR), world_of(model("m", good + bad + missing)) as world:
         world.step(10)
-        assert len(get("good").seen) == 3 and get("good").LastUpdateTime().Double() == pytest.approx(0.01)
+        assert len(get("good").seen) == 3
+        assert get("good").LastUpdateTime().Double() == pytest.approx(0.01)
         assert get("bad").seen == []
-        assert "name[watcher] and filename[libwatch.so]" in caplog.text and "enough" in caplog.text
-        assert "in the Load function of plugin with name[loser]" in caplog.text and "not today" in caplog.text
+        assert "name[watcher] and filename[libwatch.so]" in caplog.text
+        assert "enough" in caplog.text
+        assert "in the Load function of plugin with name[loser]" in caplog.text
+        assert "not today" in caplog.text
         assert "Failed to load plugin libnowhere.so" in caplog.text
         assert get("missing").IsActive()
 
@@ -465,7 +538,9 @@ def test_noise_has_its_mean_deviation_and_bias():
         x, y, z = zip(*got, strict=True)
         assert statistics.mean(x) == pytest.approx(1.0, abs=3 * 0.1 / math.sqrt(1000))
         assert statistics.stdev(x) == pytest.approx(0.1, rel=0.1)
-        assert set(map(abs, y)) == {2.0} and len(set(y)) == 1 and set(z) == {0.0}
+        assert set(map(abs, y)) == {2.0}
+        assert len(set(y)) == 1
+        assert set(z) == {0.0}
         assert tuple(one.AngularVelocity(noiseFree=True)) == (0.0, 0.0, 0.0)
         kind = sensors.SensorNoiseType.IMU_ANGVEL_X_NOISE_RADIANS_PER_S
         assert one.Noise(kind).GetStdDev() == 0.1
@@ -485,7 +560,8 @@ def test_noise_of_sdf_1_4_is_on_all_axes_and_quantized_noise_is_rounded():
         world.step(1)
         assert tuple(get("s").AngularVelocity()) == (3.0, 3.0, 3.0)
         assert tuple(get("s").LinearAcceleration()) == pytest.approx((1, 1, 10.8))
-    content = f"<altimeter><vertical_position>{noise('gaussian_quantized', 0.26, 0, (0, 0), 0.5)}</vertical_position></altimeter>"
+    rounded = noise("gaussian_quantized", 0.26, precision=0.5)
+    content = f"<altimeter><vertical_position>{rounded}</vertical_position></altimeter>"
     with world_of(model("m", sensor("altimeter", content))) as world:
         world.step(1)
         assert get("s").Altitude() == 0.5
@@ -502,12 +578,14 @@ def test_two_runs_with_one_seed_are_equal_and_sensors_have_noise_of_their_own():
             return get("a").Ranges(), get("b").Ranges()
 
     first, again, other = run(1), run(1), run(2)
-    assert first == again and first != other and first[0] != first[1]
+    assert first == again
+    assert first != other
+    assert first[0] != first[1]
     angles = np.linspace(-0.5, 0.5, 50)
     assert np.std(np.array(first[0]) - 2.5 / np.cos(angles)) == pytest.approx(0.1, rel=0.35)
 
 
-# Other kinds -----------------------------------------------------------------------------------------------------------
+# Other kinds ---------------------------------------------------------------------------------------------------------
 
 
 def test_readings_beyond_the_range_are_plus_and_below_it_minus_infinity():
@@ -533,11 +611,14 @@ def test_a_laser_tells_how_much_comes_back_and_plugins_can_shape_its_scans():
             one.LaserShape().ConnectNewLaserScans(lambda: scans.append(1)),
         ]
         world.step(1)
-        assert (one.Retro(0), one.Retro(1)) == (2000.0, 0.0) and one.Fiducial(0) == -1
+        assert (one.Retro(0), one.Retro(1)) == (2000.0, 0.0)
+        assert one.Fiducial(0) == -1
         data, width, height, depth, layout = frames[0]
         assert (width, height, depth, layout) == (2, 1, 3, "FLOAT32_RGB")
-        assert data[0] == pytest.approx(0.5) and data[1] == 2000.0
-        assert len(scans) == 1 and len(kept) == 2
+        assert data[0] == pytest.approx(0.5)
+        assert data[1] == 2000.0
+        assert len(scans) == 1
+        assert len(kept) == 2
         assert one.HorzFOV() == pytest.approx(1.5)
 
 
@@ -549,7 +630,8 @@ def test_an_altimeter_and_a_magnetometer():
         altimeter = get("alt")
         assert altimeter.Altitude() == pytest.approx(0.5, abs=1e-6)
         assert altimeter.VerticalVelocity() == pytest.approx(0.5, abs=1e-6)
-        assert altimeter.ReferenceAltitude() == 2.0 and altimeter.Topic() == "~/m/link/alt"
+        assert altimeter.ReferenceAltitude() == 2.0
+        assert altimeter.Topic() == "~/m/link/alt"
         field = physics.get_world().MagneticField()
         assert tuple(get("mag").MagneticField()) == pytest.approx((field.y, -field.x, field.z), abs=1e-12)
 
@@ -578,6 +660,34 @@ def test_orientations_are_told_in_the_frame_that_the_file_names():
         assert get("own").Orientation().Yaw() == pytest.approx(0.3)
 
 
+def test_a_logical_camera_names_what_is_in_sight():
+    camera = (
+        "<logical_camera><near>0.5</near><far>5</far><aspect_ratio>2</aspect_ratio>"
+        "<horizontal_fov>1.5707963</horizontal_fov></logical_camera>"
+    )
+    scene = model("eye", sensor("logical_camera", camera, pose="0 0 1 0 0 0")) + GROUND
+    scene += box("ahead", "3 0 1 0 0 0") + box("edge", "3 3.4 1 0 0 0") + box("aside", "3 3.6 1 0 0 0", "1 0.2 1")
+    scene += box("above", "3 0 3.5 0 0 0") + box("far", "5.4 0 1 0 0 0") + box("farther", "5.6 0 1 0 0 0")
+    scene += box("near", "0.3 0 1 0 0 0", "0.2 0.2 0.2") + box("behind", "-3 0 1 0 0 0")
+    with world_of(scene) as world:
+        world.step(1)
+        seen = {one.name: one.pose.position for one in get("s").Image().model}
+        assert set(seen) == {"ahead", "edge", "far", "ground"}
+        assert (seen["ahead"].x, seen["ahead"].y, seen["ahead"].z) == (3.0, 0.0, 0.0)
+        assert get("s").Topic() == "~/eye/link/s/models"
+        assert (get("s").Near(), get("s").Far(), get("s").AspectRatio()) == (0.5, 5.0, 2.0)
+
+
+def test_sensors_describe_themselves():
+    from libgz.classic import msgs
+
+    with world_of(model("m", imu(rate=20, pose="0 0 1 0 0 0"))):
+        msg = msgs.Sensor()
+        get("s").FillMsg(msg)
+        assert (msg.name, msg.type, msg.parent, msg.update_rate, msg.pose.position.z) == ("s", "imu", "m::link", 20, 1)
+        assert get("s").GetTopic() == "~/m/link/s/imu"
+
+
 def test_rays_of_one_s_own():
     with world_of(box("b", "0 0 2 0 0 0")) as world:
         world.step(1)
@@ -604,7 +714,10 @@ def test_rays_of_one_s_own():
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
         (sensor("force_torque", ""), "must be a joint"),
         (imu() + imu(), "there is a 'default::m::link::s' already"),
-        (sensor("altimeter", f"<altimeter><vertical_position>{noise('pink')}</vertical_position></altimeter>"), "'pink'"),
+        (
+            sensor("altimeter", f"<altimeter><vertical_position>{noise('pink')}</vertical_position></altimeter>"),
+            "'pink'",
+        ),
         (
             sensor("imu", f"<imu><angular_velocity><x>{noise(stddev=-1)}</x></angular_velocity></imu>"),
             "<stddev>: is -1; it must be at least 0",
@@ -623,7 +736,8 @@ def test_a_wrong_sensor_of_a_model_that_joins_later_is_told_and_left_out(caplog)
             physics.get_world().InsertModelString(f"<sdf version='1.6'>{wrong}</sdf>")
         assert "<samples>: is 0" in caplog.text
         world.step(1)
-        assert sensors.get_sensor("bad") is None and get("fine").IsActive()
+        assert sensors.get_sensor("bad") is None
+        assert get("fine").IsActive()
 
 
 def test_sensors_that_are_not_simulated_are_left_out_with_a_word(caplog):

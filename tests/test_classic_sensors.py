@@ -322,7 +322,7 @@ def test_row_11_force_and_torque_of_upright_links():
         arm(to_child + to_parent, force_torque("child", "parent_to_child", "upper")), gravity="0 0 -50"
     ) as world:
         world.step(1)
-        for _ in range(10):
+        for _ in range(10):  # the engine's least cfm makes joints soft: 2.5e-6 of the force are missing
             assert tuple(get("up").Force()) == pytest.approx((0, 0, 1000), rel=5e-6, abs=1e-9)
             assert tuple(get("down").Force()) == pytest.approx((0, 0, -1000), rel=5e-6, abs=1e-9)
             assert tuple(get("upper").Force()) == pytest.approx((0, 0, 500), rel=5e-6, abs=1e-9)

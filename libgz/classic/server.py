@@ -106,7 +106,7 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
-                self._visuals().add(added)
+                self.serve_visuals().add(added)
 
     def all_sensors(self) -> WorldSensors:
         """The world's sensors, though there may be none yet."""
@@ -116,7 +116,8 @@ class WorldServer:
             self.sensors = WorldSensors(self.world)
         return self.sensors
 
-    def _visuals(self) -> VisualPlugins:
+    def serve_visuals(self) -> VisualPlugins:
+        """The world is drawn here: load Visual plugins, those of models that come later, too."""
         if self.visuals is None:
             from libgz.classic.rendering.plugins import VisualPlugins
 

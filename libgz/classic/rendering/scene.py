@@ -12,7 +12,7 @@ import numpy as np
 
 from libgz.classic.common import Time
 from libgz.classic.math import Color
-from libgz.classic.physics.world import World, get_world
+from libgz.classic.physics import World, get_world
 from libgz.classic.rendering.camera import Camera, cameras_of
 from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
@@ -358,5 +358,6 @@ def _grid() -> Lines:
     """Metres on the ground around the origin."""
     half = CELLS * CELL / 2.0
     at = np.linspace(-half, half, CELLS + 1)
-    ends = [end for a in at for end in ((a, -half, 0.0), (a, half, 0.0), (-half, a, 0.0), (half, a, 0.0))]
+    z = 0.01  # above a ground plane
+    ends = [end for a in at for end in ((a, -half, z), (a, half, z), (-half, a, z), (half, a, z))]
     return Lines(np.array(ends, dtype=np.float32), GREY)

@@ -12,15 +12,17 @@ import numpy as np
 from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
+from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike
 from libgz.physics.geom import Geom
+from libgz.sdf.element import Element
 from libgz.sdf.materials import find_material
 from libgz.simulation.sdf_visual import material_name, put_on, set_transparency
 
 if TYPE_CHECKING:
+    from libgz.classic.loading import LoadedPlugin
     from libgz.classic.rendering.scene import Scene
     from libgz.physics.body import Body
-    from libgz.sdf.element import Element
 
 __all__ = ["Visual"]
 
@@ -57,6 +59,7 @@ class Visual:
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
         self._lines: list[DynamicLines] = []
+        self.plugins: list[LoadedPlugin] = []
 
     @classmethod
     def of(
@@ -157,6 +160,38 @@ class Visual:
             for geom in self.geoms:
                 geom.close()
             self.geoms.clear()
+
+    # Plugins -----------------------------------------------------------------------------------------------------
+
+    def begin_plugin(self, filename: str, name: str, sdf: Element) -> None:
+        """Construct a plugin and Load it."""
+        plugin = self._scene.world.server.new_plugin("Visual", filename, name, f"Visual[{self._name}]")
+        if plugin is not None and plugin.call("Load", self, sdf):
+            self.plugins.append(plugin)
+
+    def init_plugins(self) -> None:
+        """Init all its plugins."""
+        for plugin in list(self.plugins):
+            plugin.call("Init")
+
+    def LoadPlugin(self, filename: str, name: str, sdf: Element | None = None) -> None:
+        """Load one more plugin; then all are Inited, those that were there a second time, as classic did."""
+        self.begin_plugin(filename, name, sdf or Element("plugin"))
+        self.init_plugins()
+        self._scene.world.server.serve_visuals()
+
+    def RemovePlugin(self, name: str) -> None:
+        """Let a plugin go, with all it is connected to.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        plugin = next((plugin for plugin in self.plugins if plugin.name == name), None)
+        if plugin is None:
+            known = [plugin.name for plugin in self.plugins]
+            raise NotFoundError(f"visual {self._name!r} has no plugin {name!r}{nearest(name, known)}")
+        self.plugins.remove(plugin)
+        plugin.drop()
 
     # Place -------------------------------------------------------------------------------------------------------
 

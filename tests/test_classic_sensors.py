@@ -266,6 +266,8 @@ def test_row_21_a_contact_sensor_is_inactive_until_it_is_told_to_be():
         assert {msg.contact[0].collision1, msg.contact[1].collision1} & {"base::link::top", "ball::link::skin"}
         assert len(msg.contact[0].position) == len(msg.contact[0].wrench) == len(msg.contact[0].depth)
         assert (one.GetCollisionCount(), one.GetCollisionName(0)) == (1, "base::link::top")
+        one.Update(True)
+        assert one.Contacts() == msg  # no iteration since
         one.SetActive(False)
         world.step(2)
         assert not world.engine.record_contacts

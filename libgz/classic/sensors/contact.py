@@ -77,7 +77,9 @@ class ContactSensor(Sensor):
         self._waiting.append(read_contacts(self.world, mine))
 
     def measure(self, now: float) -> bool:
-        """Take over what was noted."""
+        """Take over what was noted; nothing if there was no iteration since."""
+        if not self._waiting:
+            return False
         self._measured = now
         self._contacts = [contact for found in self._waiting for contact in found]
         self._waiting.clear()

@@ -77,6 +77,8 @@ class Library:
         if found is None:
             size = geom.appearance.texture_size
             shape = grid(far + 2.0 * PATCH, PATCH, (size.x, size.y))
+            if not plain:
+                self._load_texture(geom, look)
             number = self._begin()
             if plain:
                 self._draw(shape, False)
@@ -110,8 +112,8 @@ class Library:
                     radius = max(radius, float(np.linalg.norm(shape.vertices, axis=1).max()))
             work.append((geom, meshes))
         if not plain:
-            for geom, _ in work:  # before the list begins: a texture made inside would become part of it
-                self.texture(geom.appearance.texture_file if look[2] else None)
+            for geom, _ in work:
+                self._load_texture(geom, look)
         number = self._begin()
         for geom, meshes in work:
             if plain:
@@ -144,6 +146,10 @@ class Library:
                 log.warning("%s; the shape below is shown instead", fault)
                 self._skins[path] = []
         return self._skins[path]
+
+    def _load_texture(self, geom: Geom, look: Look) -> None:
+        """To be done before a list begins: a texture made inside becomes part of it, and is made anew in every picture."""
+        self.texture(geom.appearance.texture_file if look[2] else None)
 
     def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
         """Draw meshes with the material and texture of their geom, or their own."""

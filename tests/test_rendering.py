@@ -6,6 +6,8 @@ Golden pictures are made anew, after looking at them, by:  LIBGZ_NEW_GOLDENS=1 .
 import math
 import os
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +19,7 @@ from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, G
 from libgz.physics.engine import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
-from libgz.rendering.context import CONTEXTS
+from libgz.rendering.context import CONTEXTS, open_context
 from libgz.rendering.drawers import DRAWERS
 from libgz.rendering.skin import read_skin
 from libgz.worldfile.attributes import installed_worlds
@@ -118,6 +120,40 @@ def test_golden_pictures(case, context, monkeypatch):
         for name, pixels in (("expected", expected), ("actual", actual), ("difference", amplified)):
             Image.fromarray(pixels).save(folder / f"{case}-{context}-{name}.png")
         raise AssertionError(f"mean difference {difference.mean():.2f}; see {folder}/{case}-{context}-*.png")
+
+
+SIDE_BY_SIDE = """
+import os, sys
+from OpenGL.platform import ctypesloader
+if sys.argv[1] == "alone":
+    ctypesloader.loadLibrary = lambda *words, **more: None
+import libgz, numpy as np
+from libgz.rendering.camera import Camera
+pictures, cameras = [], []
+for choice in ("osmesa", "egl"):
+    os.environ["LIBGZ_GL"] = choice
+    world = libgz.World.from_string(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:LightSource><xyz>-4 3 6</xyz></model:LightSource>"
+        "<model:SimpleSolid><xyz>3 0 0</xyz></model:SimpleSolid></gz:world>")
+    cameras.append(Camera(world, 160, 120))
+for _ in range(2):
+    pictures = [camera.Update().astype(int) for camera in cameras]
+print([camera._scene.context.name for camera in cameras], np.ptp(pictures[0]) > 30,
+      np.abs(pictures[0] - pictures[1]).max() <= 16)
+"""
+
+
+@pytest.mark.parametrize("libraries", ["all", "alone"])
+def test_both_kinds_of_contexts_stand_side_by_side_and_need_no_other_gl_library(libraries):
+    run = subprocess.run([sys.executable, "-c", SIDE_BY_SIDE, libraries], capture_output=True, text=True)
+    assert run.stdout == "['osmesa', 'egl'] True True\n", run.stderr
+
+
+def test_a_name_that_opengl_lacks_is_told():
+    context = open_context()
+    with pytest.raises(AttributeError, match="OpenGL has no glBegun"):
+        _ = context.gl.glBegun
+    context.close()
 
 
 # Meshes ----------------------------------------------------------------------------------------------------------
@@ -305,6 +341,20 @@ def test_the_grounds_texture_stays_where_it_is(tmp_path):
         for x, y in ((0.0, 0.75), (0.3, 2.25), (7.1, 9.75), (-11.0, -0.75), (-4.4, -2.25), (100.2, 300.75)):
             value = look(world, place=(x, y, 2), at=(x + 0.001, y, 0))[60, 80].mean()
             assert (value > 128) == (y % 3.0 < 1.5), (x, y)
+
+
+def test_textures_are_made_once_and_not_as_part_of_a_list():
+    texture = f"<textureFile>{installed_worlds()}/grid.png</textureFile>"
+    bodies = f"<model:GroundPlane>{texture}</model:GroundPlane><model:SimpleSolid>{texture}</model:SimpleSolid>"
+    with world_of(LIGHT + bodies) as world, Camera(world, 160, 120) as camera:
+        gl, calls = camera._scene._renderer.gl, []
+        for name in ("glNewList", "glEndList", "glTexImage2D"):
+            real = getattr(gl, name)
+            setattr(gl, name, lambda *words, name=name, real=real: (calls.append(name), real(*words))[1])
+        camera.Update()
+        assert calls.count("glTexImage2D") == 1
+        before = calls[: calls.index("glTexImage2D")]
+        assert before.count("glNewList") == before.count("glEndList")
 
 
 def test_a_damaged_picture_is_one_warning(tmp_path, caplog):

@@ -148,7 +148,7 @@ class Library:
         return self._skins[path]
 
     def _load_texture(self, geom: Geom, look: Look) -> None:
-        """To be done before a list begins: a texture made inside becomes part of it, and is made anew in every picture."""
+        """Before a list begins: a texture made inside would be part of it, and be made anew in every picture."""
         self.texture(geom.appearance.texture_file if look[2] else None)
 
     def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
@@ -233,7 +233,7 @@ class Library:
         pixels = np.ascontiguousarray(read_image(path)[::-1])  # GL's rows begin at the bottom
         gl, kind = self.gl, Constant.TEXTURE_2D
         number = ctypes.c_uint()
-        gl.glGenTextures(1, number)
+        gl.glGenTextures(1, ctypes.byref(number))
         gl.glBindTexture(kind, number.value)
         gl.glPixelStorei(Constant.UNPACK_ALIGNMENT, 1)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)

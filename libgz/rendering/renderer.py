@@ -79,6 +79,7 @@ class Renderer:
         self._dome(shot, eye)
         self._lights(shot, eye)
         self.gl.glEnable(Constant.LIGHTING)
+        self._ground(shot, eye, plain=False)
         self._items(shot, eye, plain=False)
         self.gl.glDisable(Constant.LIGHTING)
         self._lines(shot, eye)
@@ -91,6 +92,7 @@ class Renderer:
         """Draw which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
         self._bind(shot.view.width, shot.view.height)
         eye = self._begin(shot, black=True)
+        self._ground(shot, eye, plain=True)
         self._items(shot, eye, plain=True)
         self.gl.glColor3f(1.0, 1.0, 1.0)
         self.gl.check()
@@ -141,7 +143,7 @@ class Renderer:
                 gl.glLightf(number, name, factor)
 
     def _items(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
-        """Opaque items, then planes, then what is transparent, from back to front."""
+        """Opaque items, then what is transparent, from back to front."""
         gl, content = self.gl, shot.content
         matrices = eye @ shot.poses
         columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
@@ -158,8 +160,6 @@ class Renderer:
                 continue
             load(start + 128 * i)
             call(number)
-        for plane in shot.planes:
-            self._plane(shot, eye, plane, plain)
         if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
@@ -171,6 +171,13 @@ class Renderer:
 
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
+
+    def _ground(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
+        """All planes: most of the pixels, which are drawn by Mesa's threads while this one goes on to the items."""
+        for plane in shot.planes:
+            self._plane(shot, eye, plane, plain)
+        if shot.planes:
+            self.gl.glFlush()
 
     def _plane(self, shot: Shot, eye: NDArray[np.float64], geom: Geom, plain: bool) -> None:
         """A plane as patches around the camera; they keep their places in the world, and so does the texture."""

@@ -20,7 +20,7 @@ from libgz.physics.engine import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context
-from libgz.rendering.drawers import DRAWERS
+from libgz.rendering.drawers import DRAWERS, meshes_of
 from libgz.rendering.skin import read_skin
 from libgz.worldfile.attributes import installed_worlds
 
@@ -194,6 +194,26 @@ def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatc
         monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
         geom.SetColor(GzColor(1, 0, 0))
         assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
+
+
+def test_a_tires_missing_inner_side_is_not_missed(monkeypatch):
+    def whole(geom, segments):
+        discs = [mesh.disc(0.8 * geom.radius, 0.8 * geom.tire_radius * up, segments, up) for up in (1.0, -1.0)]
+        return [mesh.torus(geom.radius - geom.tire_radius, geom.tire_radius, segments), *discs]
+
+    for tire in (0.03, 0.08, 0.14):  # the thinnest has gaps beside its discs, and so an inner side
+        with world_of(LIGHT) as world:
+            wheel = libgz.WheelGeom(libgz.Body(world), Space(world.engine), 0.4, tire)
+            wheel.body.SetPose(GzPose(GzVector(1.5, 0, 0), GzQuaternFromEuler(0.3, 1.0, 0.2)))
+            wheel.SetColor(GzColor(0.9, 0.5, 0.2))
+            drawn = look(world).astype(int)
+            with monkeypatch.context() as patch:
+                patch.setitem(DRAWERS, libgz.WheelGeom, whole)
+                wheel.SetColor(GzColor(0.9, 0.5, 0.2))
+                difference = np.abs(look(world) - drawn).max(axis=2)
+        parts = meshes_of(wheel, 32)[0].vertices
+        assert (len(parts) < len(whole(wheel, 32)[0].vertices)) == (tire > 0.05)
+        assert (difference > 24).mean() < 0.015  # where edges lie a pixel beside
 
 
 def test_what_has_no_normals_is_drawn_unlit(monkeypatch):

@@ -1,1 +1,1 @@
-"""Gazebo classic's API on SDF worlds."""
+"""The names of Gazebo classic (1-11), as thin views on the engine."""

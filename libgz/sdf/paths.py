@@ -9,6 +9,10 @@ from libgz.errors import NotFoundError
 
 __all__ = ["find_model", "find_uri", "model_directories", "resource_directories"]
 
+# Folders that plugins add while they run; they come after those of the variables.
+added_models: list[Path] = []
+added_resources: list[Path] = []
+
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 MEDIA = ("", "models", "media/models", "Media/models")
 
@@ -18,13 +22,14 @@ def _listed(variable: str) -> list[Path]:
 
 
 def model_directories() -> list[Path]:
-    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, the models that come with libgz."""
-    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), BUILT_IN]
+    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those that come with libgz."""
+    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
 
 
 def resource_directories() -> list[Path]:
-    """Where files look: the current directory, then GAZEBO_RESOURCE_PATH and the usual folders below its parts."""
-    return [Path.cwd(), *(folder / sub for folder in _listed("GAZEBO_RESOURCE_PATH") for sub in MEDIA)]
+    """Where files look: the current directory, GAZEBO_RESOURCE_PATH and added ones, and the usual folders in these."""
+    folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources]
+    return [Path.cwd(), *(folder / sub for folder in folders for sub in MEDIA)]
 
 
 def find_uri(uri: str, beside: Path | None = None) -> Path:

@@ -203,6 +203,24 @@ def test_who_publishes_and_who_listens(uri, node):
         wait(lambda: not pub.HasConnections() and getAdvertisedTopics() == ["/gazebo/w/a"])
 
 
+def test_a_topic_may_be_advertised_again_and_with_another_type(uri, node):
+    with serve():
+        process = client(
+            """
+            sub = node.Subscribe("~/a", lambda m: print(m.GetTypeName(), flush=True))
+            wait(lambda: node.GetMsgType("~/a") == "gazebo.msgs.GzString")
+            wait(lambda: not getAdvertisedTopics())
+            """
+        )
+        for kind in (msgs.Int, msgs.Int, msgs.Pose, msgs.GzString):
+            pub = node.Advertise(kind, "~/a")
+            assert pub.WaitForConnection(PATIENCE)
+            pub.Publish(kind())
+            assert process.stdout.readline() == kind.GetTypeName() + "\n"
+            pub.Fini()
+        finish(process)
+
+
 def test_nothing_is_serialized_for_nobody(uri, node, monkeypatch):
     with serve():
         got = []
@@ -294,6 +312,19 @@ def test_a_client_waits_for_its_server(uri):
     with serve():
         manager.AddTopicNamespace("w")
         assert finish(process) == "w\n"
+
+
+def test_a_client_notices_the_end_of_its_server(uri):
+    code = "from libgz.classic.transport import serve; link = serve(); print('here', flush=True); input()"
+    command = [sys.executable, "-c", code]
+    for end in ("kill", "terminate"):
+        server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        with connect(timeout=PATIENCE) as link:
+            assert link.connected()
+            getattr(server, end)()
+            server.communicate(timeout=PATIENCE)
+            wait(lambda link=link: not link.connected())
+            Node().Init("w")
 
 
 BLOCK = """

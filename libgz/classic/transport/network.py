@@ -194,7 +194,7 @@ class Network:
             _direct(lambda query: manager.queue.append(functools.partial(_answer, me, to, query))),
             allowed_origin=zenoh.Locality.REMOTE,
         )
-        way.publishing = [self._token("pub", topic.name, type_name), listener, queryable, publisher]
+        way.publishing = [publisher, listener, queryable, self._token("pub", topic.name, type_name)]
         topic.remote = _matches(publisher)
 
     def _listen(self, topic: Topic) -> Any:
@@ -254,8 +254,10 @@ def _matches(publisher: Any) -> bool:
 
 
 def _undeclare(things: list[Any]) -> None:
+    """Take back what was declared, the last first."""
     while things:
-        things.pop().undeclare()
+        with contextlib.suppress(zenoh.ZError):
+            things.pop().undeclare()
 
 
 def _on_token(network: weakref.ref[Network], sample: Any) -> None:

@@ -251,6 +251,32 @@ def test_a_message_of_an_unknown_type_is_reported(uri, node, caplog):
         assert sub
 
 
+def test_a_hostile_client_does_no_harm(uri, node, caplog):
+    with serve():
+        got = []
+        sub = node.Subscribe("~/a", got.append)
+        pub = node.Advertise(msgs.Int, "~/a")
+        process = client(
+            """
+            session, topic = manager.remote._session, "%2Fgazebo%2Fw%2Fa"
+            keys = "libgz/pub", f"libgz/pub/{topic}/x/me", "libgz/a/b/c/e.f:g"
+            tokens = [session.liveliness().declare_token(key) for key in keys]
+            for attachment in (None, b"", b"a b c", b"\\xff 1 gazebo.msgs.Int", b"a 1 gazebo.msgs.Pose", b"a 1 os.sys"):
+                session.put(f"libgz/topic/{topic}", b"\\x08", attachment=attachment)
+            up = node.Advertise(msgs.Int, "~/a")
+            assert up.WaitForConnection(20)
+            up.Publish(msgs.Int(data=5))
+            """
+        )
+        finish(process)
+        wait(lambda: got)
+        assert [m.data for m in got] == [5]
+        assert caplog.text.count("a message that came was dropped: the message is damaged") == 1
+        assert caplog.text.count("that came was dropped") == 3
+        assert len(manager.TopicInfo("/gazebo/w/a").publisher) >= 1
+        assert all((sub, pub))
+
+
 def test_clients_pump_in_a_thread(uri, node):
     with serve():
         pub = node.Advertise(msgs.Int, "~/a")

@@ -17,6 +17,7 @@ import contextlib
 import functools
 import json
 import os
+import re
 import socket
 import threading
 import weakref
@@ -125,7 +126,9 @@ class Network:
         if len(parts) != 5 or parts[4].startswith(self._id + "."):
             return
         _, what, name, type_name, who = parts
-        self._tokens[key] = (what, name, type_name, who.partition(".")[2])
+        process = who.partition(".")[2]
+        if re.fullmatch(r".+:\d{1,9}", process):  # anybody may connect, and say anything
+            self._tokens[key] = (what, name, type_name, process)
 
     def _forget(self, key: str) -> None:
         self._tokens.pop(key, None)

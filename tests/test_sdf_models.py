@@ -502,3 +502,59 @@ def test_models_join_a_running_world_whole_or_not_at_all(load):
     with pytest.raises(WorldFileError, match="nowhere"):
         insert_sdf(made, SdfFile.from_string(bad))
     assert made.models == before
+
+
+def test_a_joint_outlives_the_model_it_held(load):
+    damped = "<dynamics><damping>1</damping></dynamics>"
+    holder = model("holder", link("l", inertial()), joint("j", "revolute", "other::l", "l", "0 1 0", inside=damped))
+    screwed = model("screwed", link("l", inertial()), joint("s", "screw", "other::l", "l", "0 0 1"))
+    made = load(world(model("other", link("l", inertial())), holder, screwed))
+    made.run(0.01)
+    made.DeleteModel("other")
+    made.run(0.01)
+    assert not made.model("holder").sdf_joints["j"].attached
+    assert not made.model("screwed").sdf_joints["s"].attached
+    assert made.model("holder").failed is None
+    assert made.model("screwed").failed is None
+
+
+def test_a_screw_is_moved_along_its_thread(load):
+    pitched = joint("s", "screw", "world", "l", "0 0 1", "<thread_pitch>2</thread_pitch>")
+    made = load(world(model("m", link("l", inertial()), pitched), gravity="0 0 0"))
+    screw = made.model("m").sdf_joints["s"]
+    screw.set_position(3.0)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.0, -1.5))
+    screw.set_velocity(1.0)
+    made.run(0.5)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.5, -1.75), abs=1e-3)
+    screw.set_velocity(1.0, 1)
+    assert screw.velocity(0) == pytest.approx(-2.0)
+    screw.set_param("thread_pitch", 4.0)
+    assert screw.get_param("thread_pitch") == 4.0
+
+
+def test_a_wheel_on_a_suspension(load):
+    """A sprung wheel gives way along the steering axis as ODE's suspension does: weight h erp / (h^2 k) at rest."""
+    spring = "<physics><ode><suspension><erp>0.5</erp><cfm>0.05</cfm></suspension></ode></physics>"
+    car = model(
+        "car",
+        link("body", inertial(10.0), pose="0 0 1 0 0 0"),
+        link("wheel", inertial(1.0), pose="0 0 0.5 0 0 0"),
+        joint("j", "revolute2", "body", "wheel", "0 0 1", f"<axis2><xyz>0 1 0</xyz></axis2>{spring}"),
+        joint("hold", "fixed", "world", "body", ""),
+    )
+    made = load(world(car))
+    made.run(2.0)
+    stiffness = 0.5 / (0.001 * 0.05)  # erp = h k / (h k + d), cfm = 1 / (h k + d)
+    assert 0.5 - made.body("car", "wheel").GetPosition().z == pytest.approx(9.8 / stiffness, rel=0.05)
+    made.model("car").sdf_joints["j"].set_velocity(2.0, 1)
+    made.run(0.2)
+    assert made.model("car").sdf_joints["j"].position(1) == pytest.approx(0.4, abs=0.02)
+
+
+def test_lights_of_links_go_with_them(load):
+    lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose><diffuse>1 0 0 1</diffuse></light>"
+    made = load(world(model("m", link("l", lamp), pose="2 0 0 0 0 0"), gravity="0 0 0"))
+    light = made.body("m").geoms[0]
+    assert tuple(light.GetPose().pos) == (2, 0, 1)
+    assert tuple(light.GetDiffuseColor())[:3] == (1, 0, 0)

@@ -93,6 +93,11 @@ class Joint:
         return f"<{type(self).__name__} {self.name or 'unnamed'}>"
 
     @property
+    def closed(self) -> bool:
+        """Whether it was destroyed, as joints are with a body that they hold."""
+        return self._id is None
+
+    @property
     def id(self) -> int:
         """The ODE handle.
 

@@ -206,7 +206,11 @@ class SdfJoint(JointLimits):
             return self._coupling.angles[self._column(index)]
         if not self.axes:
             return math.nan
-        return self.joint._value(self._column(index)) if self.joint is not None else 0.0
+        return self._sign(index) * self.joint._value(self._column(index)) if self.joint is not None else 0.0
+
+    def _sign(self, index: int) -> float:
+        """ODE measures the second angle of a Hinge2 against its own rate."""
+        return -1.0 if index == 1 and isinstance(self.joint, Hinge2Joint) else 1.0
 
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
@@ -293,7 +297,7 @@ class SdfJoint(JointLimits):
         change = target - self.position(index)
         turn, slide = self._motion(change, index)
         move_links(self._behind(), self.anchor(), turn, slide, preserve_world_velocity)
-        self.engine.joint_state[self.joint.row, column] = target  # turns are counted from here
+        self.engine.joint_state[self.joint.row, column] = self._sign(index) * target  # turns are counted from here
         self.engine.joint_moved(self.joint.row)
 
     def set_velocity(self, velocity: float, index: int = 0) -> None:

@@ -43,6 +43,16 @@ class JointLimits:
         """Push along an axis for one step."""
         raise NotImplementedError
 
+    def detach(self) -> None:
+        """Let both links go."""
+        raise NotImplementedError
+
+    @property
+    def broken(self) -> bool:
+        """Whether a link that it held was deleted."""
+        gone = self._coupling is not None and self._coupling.broken
+        return gone or (self.joint is not None and self.joint.closed)
+
     @property
     def dof(self) -> int:
         """How many positions there are."""
@@ -179,6 +189,8 @@ class JointLimits:
 
     def update(self) -> None:
         """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
+        if self.broken:
+            self.detach()
         if isinstance(self._coupling, Thread):
             self._coupling.update()
         elif self._coupling is not None:

@@ -15,6 +15,7 @@ from libgz.sdf.element import Element
 from libgz.simulation.model import Model
 from libgz.simulation.sdf_axis import Axis, JointPlan, read_joint
 from libgz.simulation.sdf_joint import SdfJoint
+from libgz.simulation.sdf_light import add_light
 from libgz.simulation.sdf_shapes import make_collision, make_visual
 from libgz.simulation.sdf_surface import set_body_surface, set_surface
 from libgz.simulation.world import World
@@ -120,6 +121,8 @@ class SdfModel(Model):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
+        for light in element.named("light"):
+            self._guard(light, add_light, body, light)
         if self.static:
             return
         inertial = element.child("inertial")
@@ -269,7 +272,7 @@ class SdfModel(Model):
 
     def Update(self, step: float) -> None:
         """Damping, springs, threads and gears of the joints."""
-        if step > 0.0:
+        if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
                     joint.update()

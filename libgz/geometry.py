@@ -76,15 +76,17 @@ class _Struct:
     """Iteration, indexing and numpy conversion for the structs below."""
 
     __slots__: tuple[str, ...] = ()
+    # The fields' names, as dataclasses give them; `__slots__` of a subclass would name only its own.
+    __match_args__: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[float]:
-        return (getattr(self, name) for name in self.__slots__)
+        return (getattr(self, name) for name in self.__match_args__)
 
     def __len__(self) -> int:
-        return len(self.__slots__)
+        return len(self.__match_args__)
 
     def __getitem__(self, index: int) -> float:
-        return float(getattr(self, self.__slots__[index]))
+        return float(getattr(self, self.__match_args__[index]))
 
     def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
         return np.array(tuple(self), dtype=np.float64)

@@ -125,7 +125,7 @@ def test_a_plugin_may_import_its_neighbours(tmp_path):
     [
         ("x = = 1", "SyntaxError"),
         ("import nothing_of_this_name", "No module named 'nothing_of_this_name'"),
-        ("x = 1", "registers no model"),
+        ("x = 1", "registers nothing"),
         ("def gazebo_plugin_init(): return 5", "returned 5"),
     ],
 )

@@ -10,7 +10,7 @@ from typing import NoReturn
 
 from libgz.errors import ParameterError
 
-__all__ = ["USAGE_ERROR", "Parser", "set_up_messages"]
+__all__ = ["USAGE_ERROR", "Parser", "set_up_classic_console", "set_up_messages"]
 
 USAGE_ERROR = 2
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
@@ -50,3 +50,13 @@ def set_up_messages(level: int, logfile: str | None) -> None:
         raise ParameterError(f"cannot write log file {logfile!r}: {fault.strerror}") from None
     file.setFormatter(_ConsoleFormatter("%(filename)s:%(lineno)d %(message)s"))
     root.addHandler(file)
+
+
+def set_up_classic_console(*, verbose: bool) -> None:
+    """Send errors and warnings to stderr, and with `verbose` messages to stdout, in Gazebo classic's form."""
+    from libgz.classic.common import ConsoleHandler
+
+    root = logging.getLogger("libgz")
+    root.setLevel(logging.DEBUG)
+    root.propagate = False
+    root.handlers[:] = [ConsoleHandler(verbose)]

@@ -89,6 +89,13 @@ class Element:
         """All children of one name, in order."""
         return (child for child in self.children if child.name == name)
 
+    def find(self, name: str) -> Iterator[Element]:
+        """All elements of one name in this one, however deep."""
+        for child in self.children:
+            if child.name == name:
+                yield child
+            yield from child.find(name)
+
     def HasElement(self, name: str) -> bool:
         """Whether there is a child of this name."""
         return any(True for _ in self.named(name))

@@ -7,7 +7,11 @@ from pathlib import Path
 
 from libgz.errors import NotFoundError
 
-__all__ = ["find_model", "find_uri", "model_directories", "resource_directories"]
+__all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
+
+# Folders that plugins add while they run; they come after those of the variables.
+added_models: list[Path] = []
+added_resources: list[Path] = []
 
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 MEDIA = ("", "models", "media/models", "Media/models")
@@ -18,13 +22,14 @@ def _listed(variable: str) -> list[Path]:
 
 
 def model_directories() -> list[Path]:
-    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, the models that come with libgz."""
-    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), BUILT_IN]
+    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those that come with libgz."""
+    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
 
 
 def resource_directories() -> list[Path]:
-    """Where files look: the current directory, then GAZEBO_RESOURCE_PATH and the usual folders below its parts."""
-    return [Path.cwd(), *(folder / sub for folder in _listed("GAZEBO_RESOURCE_PATH") for sub in MEDIA)]
+    """Where files look: the current directory, GAZEBO_RESOURCE_PATH and added ones, and the usual folders in these."""
+    folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources]
+    return [Path.cwd(), *(folder / sub for folder in folders for sub in MEDIA)]
 
 
 def find_uri(uri: str, beside: Path | None = None) -> Path:
@@ -52,6 +57,21 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     tried = ", ".join(dict.fromkeys(map(str, places)))
     advice = "; set GAZEBO_MODEL_PATH" if scheme == "model" else "; set GAZEBO_RESOURCE_PATH"
     raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+
+
+def find_world(name: str) -> Path:
+    """A world's file: as it stands, in GAZEBO_RESOURCE_PATH, or among the worlds that come with libgz.
+
+    Raises:
+        NotFoundError: it is nowhere; the message lists the places tried.
+    """
+    path = Path(name).expanduser()
+    places = [path] if path.is_absolute() else [folder / path for folder in (*resource_directories(), BUILT_IN.parent)]
+    for place in places:
+        if place.is_file():
+            return place
+    tried = ", ".join(dict.fromkeys(map(str, places)))
+    raise NotFoundError(f"there is no world {name!r}; looked for {tried}; set GAZEBO_RESOURCE_PATH")
 
 
 def find_model(uri: str, beside: Path | None = None) -> Path:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+from io import BytesIO
 from pathlib import Path
+from typing import IO
 
 from lxml import etree
 
@@ -14,7 +16,7 @@ from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
 from libgz.sdf.value import check
 
-__all__ = ["SdfFile", "is_sdf"]
+__all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes
 DEEPEST_INCLUDE = 20
@@ -103,7 +105,8 @@ class SdfFile:
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
-        element = Element(_local(xml), description, file=self._label, line=_line(xml))
+        name = _local(xml) if description is not None or not xml.prefix else f"{xml.prefix}:{_local(xml)}"
+        element = Element(name, description, file=self._label, line=_line(xml))
         self._read_attributes(xml, element)
         self._read_value(xml, element)
         for child in xml:
@@ -226,10 +229,22 @@ def is_sdf(filename: str | os.PathLike[str]) -> bool:
     """Whether the root element of a file is `<sdf>`; false for what cannot be read or is not XML."""
     try:
         with Path(filename).open("rb") as stream:
-            events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
-            _, root = next(iter(events))
-            return _local(root) == "sdf"
-    except (OSError, StopIteration, etree.XMLSyntaxError):
+            return _root_is_sdf(stream)
+    except OSError:
+        return False
+
+
+def is_sdf_text(text: str) -> bool:
+    """The same for a text."""
+    return _root_is_sdf(BytesIO(text.encode()))
+
+
+def _root_is_sdf(stream: IO[bytes]) -> bool:
+    try:
+        events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
+        _, root = next(iter(events))
+        return _local(root) == "sdf"
+    except (StopIteration, etree.XMLSyntaxError):
         return False
 
 

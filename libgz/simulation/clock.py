@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 import time
+from collections.abc import Callable
 
 from libgz.simulation.settings import GlobalAttributes
 
@@ -15,7 +17,10 @@ class Clock:
     settings: GlobalAttributes
 
     def __init__(self) -> None:
+        self.iterations = 0  # steps done, pauses excluded
         self._simTime = self._pauseTime = 0.0
+        # What callbacks of update events are given.
+        self.update_info: Callable[[], object] = self._first_update_info
         self._start: float | None = None  # on the monotonic clock; None while the world does not run
 
     def GetSimTime(self) -> float:
@@ -33,6 +38,20 @@ class Clock:
     def GetWallTime(self) -> float:
         """Unix time [s]."""
         return time.time()
+
+    def _first_update_info(self) -> object:
+        # By name, for classic stands above this package; it brings its own update_info.
+        importlib.import_module("libgz.classic.server").attach(self)
+        return self.update_info()
+
+    def reset_time(self) -> None:
+        """Set sim and pause time and the iterations to 0."""
+        self._simTime = self._pauseTime = 0.0
+        self.iterations = 0
+
+    def set_sim_time(self, seconds: float) -> None:
+        """Set the sim time [s]."""
+        self._simTime = float(seconds)
 
     def GetDayTime(self) -> float:
         """Time since midnight [s]: the world's dayTime plus real time, or the local clock's."""

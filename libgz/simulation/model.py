@@ -230,6 +230,10 @@ class Model:
             body.SetLinearVel((0.0, 0.0, 0.0))
             body.SetAngularVel((0.0, 0.0, 0.0))
 
+    def restore(self) -> None:
+        """Go back to the initial pose, at rest, with all that is attached."""
+        self.world.SetModelPose(self, self.initPose)
+
     # Parent ------------------------------------------------------------------------------------------------------
 
     def SetParent(self, parent: Model, body: Body) -> None:

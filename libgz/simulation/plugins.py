@@ -15,7 +15,7 @@ from typing import Any
 
 from libgz.errors import PluginError
 
-__all__ = ["Plugin", "collect", "find_plugin", "load_plugin", "plugin_directories"]
+__all__ = ["Plugin", "collect", "find_plugin", "load_plugin", "own_traceback", "plugin_directories", "search"]
 
 _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
 _loaded: dict[Path, Plugin] = {}
@@ -70,7 +70,7 @@ def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
 
 
 def find_plugin(name: str, worldfile: str | None) -> Path:
-    """The Python file of a plugin.
+    """The Python file of a plugin that a legacy worldfile names.
 
     An absolute name (or one that begins with `~`) means that file only; others are looked for in each directory of
     GAZEBOPATH, the worldfile's directory, the installed plugins, and the installed models.
@@ -81,12 +81,22 @@ def find_plugin(name: str, worldfile: str | None) -> Path:
     name = name.strip()
     if not name:
         raise PluginError("<plugin> is empty; it must name a Python file, such as ExampleModel.py")
+    tried: list[str] = []
+    found = search(name, plugin_directories(worldfile), tried)
+    if found is None:
+        raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
+    return found
+
+
+def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path | None:
+    """The Python file of a plugin in the first of several (why, directory) that has it; an absolute name means itself.
+
+    What was looked at in vain is added to `tried`, a line each.
+    """
+    names = _file_names(name)
     if name[0] in "/~":
         path = Path(name).expanduser()
         places, names = [("the absolute path", path.parent)], _file_names(path.name)
-    else:
-        places, names = plugin_directories(worldfile), _file_names(name)
-    tried = []
     for why, folder in places:
         found = next(_matches(folder, names), None)
         if found is not None:
@@ -100,7 +110,7 @@ def find_plugin(name: str, worldfile: str | None) -> Path:
             )
         else:
             tried.append(f"  {folder}/ ({why}): has no {names[0]}")
-    raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
+    return None
 
 
 def load_plugin(path: Path) -> Plugin:
@@ -137,7 +147,8 @@ def load_plugin(path: Path) -> Plugin:
         raise PluginError(f"plugin init failed: gazebo_plugin_init() of {path} returned {initialised}")
     if not plugin.registered:
         raise PluginError(
-            f'plugin {path} registers no model; it must end with a line like GZ_REGISTER_PLUGIN("MyModel", MyModel)'
+            f'plugin {path} registers nothing; it must end with a line like GZ_REGISTER_PLUGIN("MyModel", MyModel), or '
+            "GZ_REGISTER_WORLD_PLUGIN(MyPlugin) in worlds of Gazebo classic"
         )
     _loaded[path] = plugin
     return plugin

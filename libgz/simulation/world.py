@@ -2,43 +2,43 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 import os
 import time
 from collections.abc import Callable, Iterable
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from libgz.errors import GazeboError, NotFoundError, PluginError, WorldFileError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
+from libgz.errors import GazeboError, PluginError
+from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.engine import Engine
-from libgz.sdf.reader import SdfFile, is_sdf
+from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
+from libgz.simulation.companion import Companion
+from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.factory import ModelFactory
+from libgz.simulation.loader import Loader
 from libgz.simulation.lookup import Lookup
-from libgz.simulation.origin import to_file, to_world
-from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
+from libgz.simulation.plugins import own_traceback
 from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
-from libgz.worldfile.spelling import NAMES_ONLY
 
 if TYPE_CHECKING:
-    from libgz.physics.body import Body
     from libgz.simulation.model import Model
-    from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["World"]
 
 log = logging.getLogger("libgz.simulation")
 
 
-class World(Lookup, Clock):
+class World(Lookup, Loader, Clock):
     """A simulated world.
 
     In process, without the wire::
@@ -59,6 +59,8 @@ class World(Lookup, Clock):
         LibraryError: ODE is absent or unfit.
         ParameterError: there is no such solver or version.
     """
+
+    _all: ClassVar[list[World]] = []
 
     def __init__(
         self,
@@ -85,6 +87,14 @@ class World(Lookup, Clock):
         Clock.__init__(self)
         self._paused = self._closed = self._stepping = False
         self._afterwards: list[Callable[[], object]] = []
+        self.name = "default"
+        self.sdf: SdfFile | None = None
+        self.physics_enabled = True
+        self.events = WorldEvents(everywhere)
+        self.companions: list[Companion] = []
+        self._begin, self._contact, self._end = (
+            self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
+        )
         self._apply(GlobalAttributes(), False)
 
     def _apply(self, values: GlobalAttributes, fog: bool) -> None:
@@ -117,7 +127,9 @@ class World(Lookup, Clock):
 
     @classmethod
     def from_string(cls, text: str, **options: Any) -> World:
-        """The same from the text of a worldfile."""
+        """The same from the text of a legacy worldfile or an SDF document."""
+        if is_sdf_text(text):
+            return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
         file = WorldFile()
         file.LoadString(text)
         return cls._ready(lambda world: world.Load(file), options)
@@ -173,13 +185,35 @@ class World(Lookup, Clock):
         Raises:
             WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
         """
-        if not is_sdf(filename):
-            return self.Load(WorldFile.from_file(filename))
+        return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
+
+    def load_sdf(self, file: SdfFile) -> int:
+        """Build what an SDF document describes, and load Gazebo classic's part of it if it has any; 0.
+
+        Raises:
+            WorldFileError: it has errors; the message lists them all.
+        """
         from libgz.simulation.sdf_world import load_sdf
 
         self.engine.classic = True
-        load_sdf(self, SdfFile.load(filename))
+        self.sdf = file
+        named = next(file.root.named("world"), None)
+        self.name = named.Get(str, "name") if named is not None else self.name
+        load_sdf(self, file)
+        if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
+            # By name, for classic stands above this package.
+            importlib.import_module("libgz.classic.server").attach(self)
         return 0
+
+    @property
+    def running(self) -> bool:
+        """Whether Initialize was called, and Finalize not yet."""
+        return self._start is not None
+
+    @classmethod
+    def all_running(cls) -> list[World]:
+        """The worlds of this process that run, oldest first."""
+        return [world for world in cls._all if world.running]
 
     def adopt(self, model: Model) -> None:
         """Take a model in that is built: it is updated from the next step on."""
@@ -187,76 +221,8 @@ class World(Lookup, Clock):
         self._updating.append(model)
         if model.follows:
             self._followers.append(model)
-
-    def visit(self, node: WorldFileNode) -> None:
-        """Load the models of an element and of what is in it; a model inside a model is its child."""
-        if node.GetNSPrefix() == "model":
-            self.LoadModel(node)
-            return
-        for child in node.children:
-            self.visit(child)
-
-    def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
-        """Build the model of an element, and those inside it; None if there is none to build.
-
-        What is wrong becomes a fault of the worldfile: an unknown model a warning, anything else an error.
-        """
-        try:
-            model = self._new_model(node)
-            if model is not None:
-                self._load_model(model, node, parent)
-        except GazeboError as fault:
-            node.error(str(fault))
-            model = None
-        except Exception as fault:
-            log.debug("the Load that failed", exc_info=True)
-            node.error(f"Load failed with\n{own_traceback(fault)}")
-            model = None
-        if model is None:
-            _skip(node)
-            return None
-        for child in node.children:
-            if child.GetNSPrefix() == "model":
-                self.LoadModel(child, model)
-            else:
-                self.visit(child)
-        return model
-
-    def _new_model(self, node: WorldFileNode) -> Model | None:
-        """The model object of an element, its plugin loaded; None for an unknown class."""
-        plugin = node.GetString("plugin")
-        if plugin is not None:
-            filename = node.file.filename
-            path = find_plugin(plugin, filename)
-            log.info("loading %s...", path)
-            self.factory.register_plugin(load_plugin(path))
-        model = self.factory.NewModel(self, node.GetName())
-        if model is None:
-            hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
-            hint = hint or "; `libgz models` lists those there are"
-            node.warn(f"unknown model class, skipped with all that is in it{hint}")
-        return model
-
-    def _load_model(self, model: Model, node: WorldFileNode, parent: Model | None) -> None:
-        """Steps 3 to 7 of loading one model: id, parent, Load, pose, weld."""
-        model.node = node
-        model.SetName(node.GetName())
-        model.SetId((node.GetString("id", node.GetName()) or "").strip())
-        if parent is not None:
-            model.SetParent(parent, _parent_body(node, parent))
-        try:
-            model.MasterLoad(node.file, node)
-            model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
-            self.SetModelPose(model, model.initPose)
-            model.Attach()
-        except BaseException:
-            model.Detach()
-            model.close()
-            raise
-        if model.fixed:
-            model.modelSpaceId.set_fixed()
-        self.adopt(model)
-        log.debug("loaded %s %r", model.GetName(), model.GetId())
+        for companion in self.companions:
+            companion.model_added(model)
 
     # Start and end -----------------------------------------------------------------------------------------------
 
@@ -268,11 +234,14 @@ class World(Lookup, Clock):
             PluginError: a model's Init failed.
         """
         self._start = time.monotonic()
+        self._all.append(self)
         self.gz_server.start()
         file = self.file or WorldFile()
         self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
+        for companion in self.companions:
+            companion.start()
         self.gz_server.post()
         return 0
 
@@ -299,6 +268,9 @@ class World(Lookup, Clock):
         if self._start is None:
             return 0
         self._start = None
+        self._all.remove(self)
+        for companion in self.companions:
+            companion.close()
         for model in self.models:
             try:
                 model.Fini()
@@ -315,6 +287,7 @@ class World(Lookup, Clock):
         self._closed = True
         self.Finalize()
         self.gz_server.stop()
+        self.events.close()
         self.engine.close()
 
     # Step --------------------------------------------------------------------------------------------------------
@@ -330,30 +303,48 @@ class World(Lookup, Clock):
 
     def Step(self) -> int:
         """One step: buttons, models, physics, followers, clock, news to clients; 0."""
-        step = self.engine.step_time
         paused = self._read_buttons()
         self._stepping = True
-        # Classic counts a step when it begins, the legacy server when its models have been updated.
         if paused:
             self._update_models(0.0)
-            self._pauseTime += step
+            self._pauseTime += self.engine.step_time
         else:
-            early = self.engine.classic
-            self._simTime += step if early else 0.0
-            self._update_models(step)
-            self._simTime += 0.0 if early else step
-            self.engine.step()
-            for model in self._followers:
-                model.follow()
+            self._advance()
         self._stepping = False
         if self._afterwards:
             self._act()
+        for companion in self.companions:
+            companion.step(paused)
         if self.sim.lock():
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
             self.sim.unlock()
         self.gz_server.post()
         return 0
+
+    def _advance(self) -> None:
+        """Move everything by one step of sim time, and tell who listens."""
+        engine, step = self.engine, self.engine.step_time
+        self.iterations += 1
+        # Classic counts a step when it begins, the legacy server when its models have been updated.
+        early = engine.classic
+        self._simTime += step if early else 0.0
+        if self._begin:
+            self._begin(self.update_info())
+        self._update_models(step)
+        self._simTime += 0.0 if early else step
+        for companion in self.companions:
+            companion.update()
+        if self._contact and self.physics_enabled:
+            engine.collide()
+            self._contact(self.update_info())
+            engine.solve()
+        elif self.physics_enabled:
+            engine.step()
+        for model in self._followers:
+            model.follow()
+        if self._end:
+            self._end()
 
     def _read_buttons(self) -> bool:
         """Act on the sim interface's reset and save; whether the world is paused."""
@@ -365,7 +356,7 @@ class World(Lookup, Clock):
             data.reset = data.save = 0
         self.sim.unlock()
         if reset:
-            self.ResetModelPoses()
+            self.Reset()
         if save:
             self.Save()
         return self._paused
@@ -390,6 +381,41 @@ class World(Lookup, Clock):
             self._updating = [model for model in self._updating if model.failed is None]
 
     # Changes -----------------------------------------------------------------------------------------------------
+
+    @property
+    def paused(self) -> bool:
+        """Whether time stands still."""
+        return bool(self.sim.data.pause)
+
+    @paused.setter
+    def paused(self, value: bool) -> None:
+        if self.sim.lock():
+            changed = bool(self.sim.data.pause) != bool(value)
+            self._paused = bool(value)
+            self.sim.data.pause = int(value)
+            self.sim.unlock()
+            if changed:
+                self.events["Pause"](bool(value))
+
+    def Reset(self) -> None:
+        """Put everything back: in a legacy world the models' poses, in one of classic the clock and plugins, too.
+
+        During a step, after it.
+        """
+        self.after_step(self._reset if self.engine.classic else self.ResetModelPoses)
+
+    def _reset(self) -> None:
+        self.engine.seed = self.seed
+        self.reset_time()
+        for model in self.models:
+            if model.parent is None:
+                model.restore()
+        self.engine.wake()
+        for companion in self.companions:
+            companion.reset()
+        self.events["WorldReset"]()
+
+    reset = Reset
 
     def after_step(self, action: Callable[[], object]) -> None:
         """Call `action` at once, or if a step is running after it, before clients learn of the step."""
@@ -431,69 +457,6 @@ class World(Lookup, Clock):
         """Take models off the lists."""
         for kept in (self.models, self._updating, self._followers):
             kept[:] = [model for model in kept if model not in models]
-
-    # Poses -------------------------------------------------------------------------------------------------------
-
-    def SetModelPose(self, model: Model, pose: GzPose) -> None:
-        """Move a model, and all that is attached to it, to a pose relative to its parent body, or global [m].
-
-        All velocities become zero.
-        """
-        parent = model.parentBody
-        target = GzCoordPoseAdd(pose, parent.GetPose()) if parent is not None else pose
-        self._move(model, target)
-        if parent is not None:
-            model.relPose = pose
-            model.weld()
-
-    def _move(self, model: Model, target: GzPose) -> None:
-        """Move a model to a global pose; its children go rigidly with the bodies they are attached to."""
-        places = [
-            (child, GzCoordPoseSub(child.GetPose(), child.parentBody.GetPose()))
-            for child in model.children
-            if child.parentBody is not None
-        ]
-        model.SetPose(target)
-        for child, relative in places:
-            if child.parentBody is not None:
-                self._move(child, GzCoordPoseAdd(relative, child.parentBody.GetPose()))
-
-    def ResetModelPoses(self) -> None:
-        """Put all models back to their initial poses, at rest. The clock and the models' own memory stay."""
-        for model in self.models:
-            self.SetModelPose(model, model.initPose)
-
-    reset = ResetModelPoses
-
-    def Save(self) -> int:
-        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""
-        if self.file is None:
-            return -1
-        for model in self.models:
-            if model.parent is not None or model.node is None or model.node.file is not self.file:
-                continue
-            pose = to_file(model, model.GetPose())
-            model.initPose = model.GetPose()
-            model.node.SetPosition("xyz", pose.pos, add=True)
-            model.node.SetRotation("rpy", pose.rot, add=True)
-        try:
-            self.file.Save()
-        except WorldFileError as fault:
-            log.error("%s", fault)
-            return -1
-        return 0
-
-
-def _parent_body(node: WorldFileNode, parent: Model) -> Body:
-    """The body that an element names; if there is none, an error, and another body so that loading finds more."""
-    try:
-        return parent.GetBody((node.GetString("parentBody", "canonical") or "").strip())
-    except NotFoundError as fault:
-        node.error(str(fault))
-        return parent.GetBody()
-
-
-def _skip(node: WorldFileNode) -> None:
-    """Mark an element that is not built, and all in it, so that none of it is called unused."""
-    for inside in node.walk():
-        inside.used = True
+        for companion in self.companions:
+            for model in models:
+                companion.model_removed(model)

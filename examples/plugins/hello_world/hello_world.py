@@ -1,0 +1,15 @@
+"""The smallest plugin: it says hello when the world is loaded."""
+
+from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+
+
+class WorldPluginTutorial(WorldPlugin):
+    def __init__(self):
+        super().__init__()
+        print("Hello World!", flush=True)
+
+    def Load(self, world, sdf):
+        pass
+
+
+GZ_REGISTER_WORLD_PLUGIN(WorldPluginTutorial)

@@ -1,0 +1,249 @@
+"""gzserver: run a world as Gazebo classic's server did, with its options, messages and exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import logging
+import os
+import signal
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from libgz._version import __version__
+from libgz.apps.console import set_up_classic_console
+from libgz.classic.common import LogFormatter, gzlog
+from libgz.classic.loading import new_plugin
+from libgz.classic.physics.world import World as WorldView
+from libgz.classic.server import WorldServer, attach, system_plugins
+from libgz.classic.transport import publicized_address, serve
+from libgz.errors import GazeboError, NotFoundError
+from libgz.sdf.paths import find_world
+from libgz.simulation.pacing import Pacer
+from libgz.simulation.world import World
+
+__all__ = ["BANNER", "main", "system_options"]
+
+log = logging.getLogger("libgz.classic")
+
+FAILED = 255
+BANNER = f"""Gazebo multi-robot simulator, version {__version__} (libgz)
+Worlds and plugins of Gazebo classic, run from Python by libgz
+Released under the Apache 2 License
+"""
+# Options of Gazebo's that have nothing to act on here: they are taken, and one warning says so.
+WITHOUT_EFFECT = {
+    "--lockstep": "physics and sensors always keep step",
+    "--play": "log files are not played",
+    "--record": "log files are not recorded",
+    "--record_encoding": "log files are not recorded",
+    "--record_path": "log files are not recorded",
+    "--record_period": "log files are not recorded",
+    "--record_filter": "log files are not recorded",
+    "--record_resources": "log files are not recorded",
+    "--minimal_comms": "nothing is published that nobody listens to",
+    "--gui-plugin": "the server has no window; gzclient has",
+    "--gui-client-plugin": "the server has no window; gzclient has",
+}
+FLAGS = ("--lockstep", "--record", "--record_resources", "--minimal_comms")
+SHORT = {"--play": "-p", "--record": "-r", "--gui-plugin": "-g"}
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """Say that the arguments are wrong, in classic's words and in ours, and end with 255."""
+        self.exit(FAILED, f"Error. Invalid arguments\n{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
+
+
+class _Help(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
+        """Print the options on stderr, and end with 255."""
+        parser.print_help(sys.stderr)
+        parser.exit(FAILED)
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
+        """Print the banner on stdout, and end with 255."""
+        sys.stdout.write(BANNER + "\n")
+        parser.exit(FAILED)
+
+
+def _count(text: str) -> int:
+    number = int(text)
+    if number < 0:
+        raise ValueError
+    return number
+
+
+_count.__name__ = "number"
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The options of Gazebo 11's gzserver."""
+    parser = _Parser(prog="gzserver", description="gzserver -- Run the Gazebo server.", add_help=False)
+    add = parser.add_argument
+    add("world", nargs="?", default="worlds/empty.world", help="world to run (default worlds/empty.world)")
+    add("-v", "--version", action=_Version, nargs=0, help="print the version and end")
+    add("--verbose", action="store_true", help="show all messages; errors and warnings are always shown")
+    add("-h", "--help", action=_Help, nargs=0, help="print this and end")
+    add("-u", "--pause", action="store_true", help="start paused")
+    add("-e", "--physics", default="ode", help="physics engine; there is ode")
+    add("-o", "--profile", help="name of the <physics> element to use")
+    add("-s", "--server-plugin", action="append", default=[], help="System plugin to load; may be given several times")
+    add("--seed", type=int, help="seed of everything random (default: the process's number)")
+    add("--iters", type=_count, help="end after so many iterations")
+    add("--server-id", type=_count, help="serve the interfaces of old client programs under this id")
+    for option, why in WITHOUT_EFFECT.items():
+        names = [SHORT[option], option] if option in SHORT else [option]
+        if option in FLAGS:
+            add(*names, action="store_true", help=f"taken without effect: {why}")
+        else:
+            add(*names, action="append", help=f"taken without effect: {why}")
+    return parser
+
+
+def system_options(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
+    """Read the command line; what is unknown is left to System plugins."""
+    options, unknown = parser.parse_known_args(list(words))
+    if unknown:
+        log.info("left to System plugins: %s", " ".join(unknown))
+    for option, why in WITHOUT_EFFECT.items():
+        if getattr(options, option.lstrip("-").replace("-", "_"), None):
+            log.warning("%s has no effect: %s", option, why)
+    return options
+
+
+class Server:
+    """A run of gzserver."""
+
+    def __init__(self, options: argparse.Namespace, words: Sequence[str]) -> None:
+        self.options, self.words = options, ["gzserver", *words]
+        self._stopped = False
+
+    def load_system_plugins(self, filenames: Sequence[str], stage: str) -> None:
+        """Construct System plugins; later Load them, then Init them."""
+        if stage == "construct":
+            for filename in filter(None, filenames):
+                plugin = new_plugin("System", filename, filename, "System", None)
+                if plugin is not None:
+                    system_plugins.append(plugin)
+        for plugin in system_plugins:
+            if stage == "Load":
+                plugin.call("Load", len(self.words), self.words)
+            elif stage == "Init":
+                plugin.call("Init")
+
+    def run(self) -> int:
+        """Everything, in classic's order; the exit code."""
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._interrupted)
+        self.load_system_plugins(self.options.server_plugin, "construct")
+        try:
+            with serve() as link:
+                _open_log(link.address.port)
+                self.load_system_plugins((), "Load")
+                log.info("Waiting for master.")
+                log.info("Connected to gazebo master @ %s", link.address.uri)
+                log.info("Publicized address: %s", publicized_address())
+                self.load_system_plugins((), "Init")
+                with self._open_world() as core:
+                    self._loop(core)
+            return 0
+        finally:
+            for plugin in system_plugins:
+                plugin.drop()
+            system_plugins.clear()
+
+    def _interrupted(self, _number: int, _frame: object) -> None:
+        self._stopped = True
+
+    def _open_world(self) -> World:
+        options = self.options
+        path = _find_world(options.world)
+        if options.physics != "ode":
+            log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
+        seed = os.getpid() if options.seed is None else options.seed
+        gzlog(f"Loading world file [{path}]")
+        core = World(options.server_id, seed=seed)
+        try:
+            core.LoadFile(path)
+            if options.pause:
+                core.settings = dataclasses.replace(core.settings, pause=True)
+            if core.engine.classic:
+                self._choose_profile(attach(core).world)
+            core.Initialize()
+        except BaseException:
+            core.close()
+            raise
+        return core
+
+    def _choose_profile(self, world: WorldView) -> None:
+        name = self.options.profile
+        if name is None:
+            return
+        try:
+            world.PresetMgr().CurrentProfile(name)
+            log.info("Setting physics profile to [%s].", name)
+        except NotFoundError as fault:
+            log.error("%s", fault)
+
+    def _loop(self, core: World) -> None:
+        """Step until a signal, World.Stop, or the number of iterations ends it."""
+        server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
+        pacer, done = Pacer(core.simSpeed), 0
+        while not self._over(server, done):
+            core.Step()
+            done += 0 if core.paused else 1
+            if pacer.speed != core.simSpeed:
+                pacer = Pacer(core.simSpeed)
+            while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
+                pass
+        core.events["Stop"]()
+        if self._stopped:
+            core.events["SigInt"]()
+
+    def _over(self, server: WorldServer | None, done: int) -> bool:
+        limit = self.options.iters
+        return self._stopped or (server is not None and server.stopped) or (limit is not None and done >= limit)
+
+
+def _open_log(port: int) -> None:
+    """Write all messages to ``server-<port>/default.log`` in GAZEBO_LOG_PATH or ~/.gazebo, too."""
+    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"server-{port}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handler = logging.FileHandler(folder / "default.log", mode="w")
+    except OSError as fault:
+        log.warning("no log file in %s: %s", folder, fault.strerror)
+        return
+    handler.setFormatter(LogFormatter())
+    logging.getLogger("libgz").addHandler(handler)
+
+
+def _find_world(name: str) -> Path:
+    try:
+        return find_world(name)
+    except NotFoundError as fault:
+        raise NotFoundError(f"Could not open file[{name}]: {fault}") from None
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    parser = make_parser()
+    set_up_classic_console(verbose="--verbose" in words)
+    options = system_options(parser, words)
+    if options.verbose:
+        sys.stderr.write(BANNER + "\n")
+    try:
+        return Server(options, words).run()
+    except GazeboError as fault:
+        log.error("%s", fault)
+        return FAILED
+
+
+if __name__ == "__main__":
+    sys.exit(main())

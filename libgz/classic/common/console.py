@@ -1,0 +1,147 @@
+"""The messages of plugins: gzmsg, gzdbg, gzwarn, gzerr, gzlog.
+
+They go through `logging`, with the caller's file and line. The commands install `ConsoleHandler`, which prints them in
+the form that users of Gazebo know; a program of one's own may treat them like any other log records.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from types import FrameType
+from typing import NoReturn, TextIO
+
+from libgz.errors import GazeboError
+
+__all__ = [
+    "Console",
+    "ConsoleFormatter",
+    "ConsoleHandler",
+    "LogFormatter",
+    "endl",
+    "gzdbg",
+    "gzerr",
+    "gzlog",
+    "gzmsg",
+    "gzthrow",
+    "gzwarn",
+]
+
+endl = "\n"
+
+_NAME = "libgz.classic.console"
+_FILE_ONLY = f"{_NAME}.log"
+
+
+class _Line:
+    """What follows `gzmsg <<` in one statement; it becomes a record where a piece ends a line, or at the end."""
+
+    __slots__ = ("_console", "_frame", "_text")
+
+    def __init__(self, console: Console, frame: FrameType) -> None:
+        self._console = console
+        self._frame = (frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+        self._text = ""
+
+    def __lshift__(self, piece: object) -> _Line:
+        self._text += str(piece)
+        if self._text.endswith("\n"):
+            text, self._text = self._text[:-1], ""
+            self._console.emit(text, *self._frame)
+        return self
+
+    def __del__(self) -> None:
+        if self._text:
+            self._console.emit(self._text, *self._frame)
+
+
+class Console:
+    """A kind of message. `gzmsg("text")` and `gzmsg << "x is " << 3 << "\\n"` do the same."""
+
+    def __init__(self, logger: str, level: int) -> None:
+        self._logger = logging.getLogger(logger)
+        self._level = level
+
+    def __call__(self, *pieces: object) -> None:
+        """Send a message: the pieces joined by blanks, as `print` does."""
+        if self._logger.isEnabledFor(self._level):
+            frame = sys._getframe(1)
+            text = " ".join(map(str, pieces)).removesuffix("\n")
+            self.emit(text, frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+
+    def __lshift__(self, piece: object) -> _Line:
+        return _Line(self, sys._getframe(1)) << piece
+
+    def emit(self, text: str, file: str, line: int, function: str) -> None:
+        """Send a message on behalf of a place in a file."""
+        if self._logger.isEnabledFor(self._level):
+            logger = self._logger
+            logger.handle(logger.makeRecord(logger.name, self._level, file, line, text, (), None, function))
+
+
+gzmsg = Console(_NAME, logging.INFO)
+gzdbg = Console(_NAME, logging.DEBUG)
+gzwarn = Console(_NAME, logging.WARNING)
+gzerr = Console(_NAME, logging.ERROR)
+gzlog = Console(_FILE_ONLY, logging.INFO)
+
+
+def gzthrow(text: object) -> NoReturn:
+    """Send an error message and raise it.
+
+    Raises:
+        GazeboError: always, with the text.
+    """
+    frame = sys._getframe(1)
+    gzerr.emit(str(text), frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
+    raise GazeboError(str(text))
+
+
+class ConsoleFormatter(logging.Formatter):
+    """Records as `[Msg] text` and `[Err] [file.py:12] text`, in classic's colours if wanted."""
+
+    KINDS = ((logging.ERROR, "Err", 31), (logging.WARNING, "Wrn", 33), (logging.INFO, "Msg", 32), (0, "Dbg", 36))
+
+    def __init__(self, color: bool = False) -> None:
+        super().__init__("%(message)s")
+        self.color = color
+
+    def format(self, record: logging.LogRecord) -> str:
+        """One record, without the line's end."""
+        kind, number = next((name, number) for level, name, number in self.KINDS if record.levelno >= level)
+        where = "" if kind == "Msg" else f" [{record.filename}:{record.lineno}]"
+        text = f"[{kind}]{where} {super().format(record)}"
+        return f"\x1b[1;{number}m{text}\x1b[0m" if self.color else text
+
+
+class LogFormatter(logging.Formatter):
+    """Records for a log file: `(sec nsec) text`, in wall time; errors, warnings and debug messages with their place."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """One record, without the line's end."""
+        where = "" if record.levelno == logging.INFO else f"[{record.filename}:{record.lineno}] "
+        sec = int(record.created)
+        return f"({sec} {int((record.created - sec) * 1e9)}) {where}{super().format(record)}"
+
+
+class ConsoleHandler(logging.Handler):
+    """Prints records as gzserver does: errors and warnings on stderr, always; the rest on stdout, if `verbose`.
+
+    Colours are used on terminals only. `gzlog` is never printed: it is for log files.
+    """
+
+    def __init__(self, verbose: bool = False) -> None:
+        super().__init__(logging.DEBUG if verbose else logging.WARNING)
+        self._plain, self._colored = ConsoleFormatter(False), ConsoleFormatter(True)
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one record."""
+        if record.name == _FILE_ONLY:
+            return
+        stream: TextIO = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
+        try:
+            formatter = self._colored if stream.isatty() else self._plain
+            stream.write(formatter.format(record) + "\n")
+            stream.flush()
+        except (OSError, ValueError):  # a pipe whose reader has left, a stream that is closed
+            self.handleError(record)

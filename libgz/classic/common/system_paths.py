@@ -1,0 +1,112 @@
+"""Where plugins, models and other files are looked for."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from libgz.classic.common.console import gzwarn
+from libgz.errors import NotFoundError
+from libgz.sdf import paths
+
+__all__ = ["SystemPaths"]
+
+
+def _parts(text: str) -> list[Path]:
+    return [Path(part).expanduser() for part in text.split(":") if part]
+
+
+def _append(added: list[Path], text: str) -> None:
+    added.extend(path for path in dict.fromkeys(_parts(text)) if path not in added)
+
+
+def _texts(folders: list[Path]) -> list[str]:
+    return list(dict.fromkeys(map(str, folders)))
+
+
+class SystemPaths:
+    """The search paths of the process; `SystemPaths.Instance()` is the one there is.
+
+    The variables GAZEBO_PLUGIN_PATH, GAZEBO_MODEL_PATH and GAZEBO_RESOURCE_PATH are read anew at each call. What is
+    added comes after what they name, and stays for the life of the process; SDF files find added models and resources
+    too.
+    """
+
+    _instance: SystemPaths | None = None
+
+    def __init__(self) -> None:
+        self._plugins: list[Path] = []
+
+    @classmethod
+    def Instance(cls) -> SystemPaths:
+        """The search paths of the process."""
+        if cls._instance is None:
+            cls._instance = cls()
+        return cls._instance
+
+    def GetPluginPaths(self) -> list[str]:
+        """The folders where plugins are looked for, in order."""
+        return _texts([*_parts(os.environ.get("GAZEBO_PLUGIN_PATH", "")), *self._plugins])
+
+    def GetModelPaths(self) -> list[str]:
+        """The folders where `model://` looks, in order; the last holds the models that come with libgz."""
+        return _texts(paths.model_directories())
+
+    def GetGazeboPaths(self) -> list[str]:
+        """The folders where `file://` and plain names look, in order, after the current one."""
+        return _texts([*_parts(os.environ.get("GAZEBO_RESOURCE_PATH", "")), *paths.added_resources])
+
+    def AddPluginPaths(self, path: str) -> None:
+        """Add folders for plugins, colons between them."""
+        _append(self._plugins, path)
+
+    def AddModelPaths(self, path: str) -> None:
+        """Add folders for models, colons between them."""
+        _append(paths.added_models, path)
+
+    def AddGazeboPaths(self, path: str) -> None:
+        """Add folders for other files, colons between them."""
+        _append(paths.added_resources, path)
+
+    def ClearPluginPaths(self) -> None:
+        """Forget added folders for plugins."""
+        self._plugins.clear()
+
+    def ClearModelPaths(self) -> None:
+        """Forget added folders for models."""
+        paths.added_models.clear()
+
+    def ClearGazeboPaths(self) -> None:
+        """Forget added folders for other files."""
+        paths.added_resources.clear()
+
+    def GetLogPath(self) -> str:
+        """The folder of log files: GAZEBO_LOG_PATH, or ~/.gazebo. It need not exist."""
+        return str(Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser())
+
+    def GetWorldPathExtension(self) -> str:
+        """The folder of worlds in a resource folder."""
+        return "/worlds"
+
+    def FindFile(self, filename: str, searchLocalPath: bool = True) -> str:
+        """The path of a file or folder; an empty string and a warning if it is nowhere.
+
+        Args:
+            filename: an absolute path; a name, looked for in the current folder and in the resource folders; or a URI.
+            searchLocalPath: whether the current folder counts.
+        """
+        try:
+            if searchLocalPath or "://" in filename or Path(filename).is_absolute():
+                return str(paths.find_uri(filename)) if filename else ""
+            places = (folder / filename for folder in paths.resource_directories()[1:])
+            found = next((place for place in places if place.exists()), None)
+        except NotFoundError as fault:
+            gzwarn(fault)
+            return ""
+        if found is None:
+            gzwarn(f'File or path does not exist [""] [{filename}]')
+        return str(found or "")
+
+    def FindFileURI(self, uri: str) -> str:
+        """The path of a URI, `model://name/...` or `file://path`; an empty string and a warning if it is nowhere."""
+        return self.FindFile(uri)

@@ -1,0 +1,21 @@
+"""What the callbacks of a step are told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from libgz.classic.common.time import Time
+
+__all__ = ["UpdateInfo"]
+
+
+@dataclass(slots=True)
+class UpdateInfo:
+    """The name of the world, its sim time and its real time at this step.
+
+    One object may serve all steps: a callback that wants to keep a time keeps `info.simTime`, and not `info`.
+    """
+
+    worldName: str = ""
+    simTime: Time = field(default_factory=Time)
+    realTime: Time = field(default_factory=Time)

@@ -1,0 +1,133 @@
+"""Colours."""
+
+from __future__ import annotations
+
+import colorsys
+import math
+from numbers import Real
+
+from libgz.classic.math.constant import Constant
+from libgz.classic.math.number import text_of
+from libgz.classic.math.vector3 import Vector3d
+from libgz.geometry import GzColor
+from libgz.sdf.value import parse
+
+__all__ = ["Color"]
+
+
+class Color(GzColor):
+    """Red, green, blue and alpha, ordinarily 0 to 1. It is a `GzColor`. `==` is exact; `Equal` takes a tolerance."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+    __array_priority__ = 1000.0
+
+    White = Constant(lambda: Color(1.0, 1.0, 1.0))
+    Black = Constant(lambda: Color(0.0, 0.0, 0.0))
+    Red = Constant(lambda: Color(1.0, 0.0, 0.0))
+    Green = Constant(lambda: Color(0.0, 1.0, 0.0))
+    Blue = Constant(lambda: Color(0.0, 0.0, 1.0))
+    Yellow = Constant(lambda: Color(1.0, 1.0, 0.0))
+    Magenta = Constant(lambda: Color(1.0, 0.0, 1.0))
+    Cyan = Constant(lambda: Color(0.0, 1.0, 1.0))
+
+    def __init__(self, r: float | GzColor = 0.0, g: float = 0.0, b: float = 0.0, a: float = 1.0) -> None:
+        """From red, green, blue and alpha, as they are, or from another colour."""
+        if isinstance(r, GzColor):
+            r, g, b, a = r
+        self.r, self.g, self.b, self.a = r, g, b, a
+
+    @classmethod
+    def from_sdf(cls, text: str) -> Color:
+        """From the text of an SDF element.
+
+        Raises:
+            ParameterError: there are neither three numbers nor four.
+        """
+        return cls(parse(GzColor, text))
+
+    def R(self, value: float | None = None) -> float:
+        """Red; an argument sets it first."""
+        if value is not None:
+            self.r = value
+        return self.r
+
+    def G(self, value: float | None = None) -> float:
+        """Green; an argument sets it first."""
+        if value is not None:
+            self.g = value
+        return self.g
+
+    def B(self, value: float | None = None) -> float:
+        """Blue; an argument sets it first."""
+        if value is not None:
+            self.b = value
+        return self.b
+
+    def A(self, value: float | None = None) -> float:
+        """Alpha; an argument sets it first."""
+        if value is not None:
+            self.a = value
+        return self.a
+
+    def Set(self, r: float = 1.0, g: float = 1.0, b: float = 1.0, a: float = 1.0) -> None:
+        """Set all of it."""
+        self.r, self.g, self.b, self.a = r, g, b, a
+
+    def Reset(self) -> None:
+        """Set it to opaque black."""
+        self.Set(0.0, 0.0, 0.0, 1.0)
+
+    def Clamp(self) -> None:
+        """Bring all of it into 0 to 1, as classic did: what is above 1 is taken to count to 255."""
+        self.Set(*(max(0.0, c / 255.0 if c > 1.0 else c) if math.isfinite(c) else 0.0 for c in self))
+
+    def HSV(self) -> Vector3d:
+        """Hue [degrees], saturation and value (0 to 1)."""
+        h, s, v = colorsys.rgb_to_hsv(self.r, self.g, self.b)
+        return Vector3d(h * 360.0, s, v)
+
+    def SetFromHSV(self, h: float, s: float, v: float) -> None:
+        """Set it from hue [degrees], saturation and value (0 to 1); alpha stays."""
+        self.r, self.g, self.b = colorsys.hsv_to_rgb(h % 360.0 / 360.0, s, v)
+
+    def __repr__(self) -> str:
+        return f"Color({self.r!r}, {self.g!r}, {self.b!r}, {self.a!r})"
+
+    def __str__(self) -> str:
+        return text_of(self.r, self.g, self.b, self.a)
+
+    def __eq__(self, other: object) -> bool:
+        return tuple(self) == tuple(other) if isinstance(other, GzColor) else NotImplemented
+
+    def Equal(self, other: GzColor, tolerance: float = 1e-3) -> bool:
+        """Whether no part of it differs by more than `tolerance`."""
+        return all(abs(a - b) <= tolerance for a, b in zip(self, other, strict=True))
+
+    @staticmethod
+    def _spread(value: object) -> tuple[float, ...] | None:
+        if isinstance(value, Real):
+            return (float(value),) * 4
+        return tuple(value) if isinstance(value, GzColor) else None
+
+    def __add__(self, other: object) -> Color:
+        o = self._spread(other)
+        return NotImplemented if o is None else Color(*(a + b for a, b in zip(self, o, strict=True)))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> Color:
+        o = self._spread(other)
+        return NotImplemented if o is None else Color(*(a - b for a, b in zip(self, o, strict=True)))
+
+    def __mul__(self, other: object) -> Color:
+        o = self._spread(other)
+        return NotImplemented if o is None else Color(*(a * b for a, b in zip(self, o, strict=True)))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: object) -> Color:
+        o = self._spread(other)
+        return NotImplemented if o is None else Color(*(a / b for a, b in zip(self, o, strict=True)))
+
+    GetAsHSV = HSV

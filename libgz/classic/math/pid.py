@@ -1,0 +1,178 @@
+"""PID controllers."""
+
+from __future__ import annotations
+
+import math
+from typing import SupportsFloat
+
+from libgz.classic.math.number import clamp
+
+__all__ = ["PID"]
+
+
+class PID:
+    """A proportional, integral and derivative controller with the signs of Gazebo classic.
+
+    The error is measured minus wanted, and the command is -(p error + i integral + d rate): a positive error gives a
+    negative command. The integral term (not the error) is held between `imin` and `imax`. **Their defaults of 0 switch
+    it off**; give limits, or `imax` below `imin`, which means none. The command is held between `cmdMin` and `cmdMax`;
+    `cmdMax` below `cmdMin`, as by default, means no limits.
+    """
+
+    __slots__ = (
+        "cmd",
+        "cmdMax",
+        "cmdMin",
+        "dErr",
+        "dGain",
+        "iErr",
+        "iGain",
+        "iMax",
+        "iMin",
+        "pErr",
+        "pErrLast",
+        "pGain",
+    )
+
+    def __init__(
+        self,
+        p: float = 0.0,
+        i: float = 0.0,
+        d: float = 0.0,
+        imax: float = 0.0,
+        imin: float = 0.0,
+        cmdMax: float = -1.0,
+        cmdMin: float = 0.0,
+    ) -> None:
+        self.Init(p, i, d, imax, imin, cmdMax, cmdMin)
+
+    def Init(
+        self,
+        p: float = 0.0,
+        i: float = 0.0,
+        d: float = 0.0,
+        imax: float = 0.0,
+        imin: float = 0.0,
+        cmdMax: float = -1.0,
+        cmdMin: float = 0.0,
+    ) -> None:
+        """Set gains and limits, and forget the past.
+
+        Args:
+            p: command per error.
+            i: command per error and second.
+            d: command per error per second.
+            imax, imin: limits of the integral term, in units of the command.
+            cmdMax, cmdMin: limits of the command.
+        """
+        self.pGain, self.iGain, self.dGain = p, i, d
+        self.iMax, self.iMin = imax, imin
+        self.cmdMax, self.cmdMin = cmdMax, cmdMin
+        self.Reset()
+
+    def Reset(self) -> None:
+        """Forget past errors and the command."""
+        self.pErr = self.pErrLast = self.iErr = self.dErr = self.cmd = 0.0
+
+    def Update(self, error: float, dt: SupportsFloat) -> float:
+        """The next command.
+
+        Args:
+            error: measured minus wanted.
+            dt: time since the last update [s], a number or a `common.Time`. At 0 nothing happens and the command is 0;
+                so also for an error that is infinite or NaN.
+        """
+        step = float(dt)
+        self.pErr = error
+        if step == 0.0 or not math.isfinite(error):
+            return 0.0
+        self.iErr += step * error
+        iTerm = self.iGain * self.iErr
+        if self.iMax >= self.iMin and not self.iMin <= iTerm <= self.iMax:
+            iTerm = clamp(iTerm, self.iMin, self.iMax)
+            if self.iGain:
+                self.iErr = iTerm / self.iGain  # or it would wind up behind the limit
+        self.dErr = (error - self.pErrLast) / step
+        self.pErrLast = error
+        command = -self.pGain * error - iTerm - self.dGain * self.dErr
+        if self.cmdMax >= self.cmdMin:
+            command = clamp(command, self.cmdMin, self.cmdMax)
+        self.cmd = command
+        return command
+
+    def GetErrors(self) -> tuple[float, float, float]:
+        """The error, its integral [s] and its rate [1/s], as of the last update."""
+        return self.pErr, self.iErr, self.dErr
+
+    def GetCmd(self) -> float:
+        """The last command."""
+        return self.cmd
+
+    def SetCmd(self, cmd: float) -> None:
+        """Set the last command."""
+        self.cmd = cmd
+
+    def GetPGain(self) -> float:
+        """The proportional gain."""
+        return self.pGain
+
+    def GetIGain(self) -> float:
+        """The integral gain."""
+        return self.iGain
+
+    def GetDGain(self) -> float:
+        """The derivative gain."""
+        return self.dGain
+
+    def GetIMax(self) -> float:
+        """The upper limit of the integral term."""
+        return self.iMax
+
+    def GetIMin(self) -> float:
+        """The lower limit of the integral term."""
+        return self.iMin
+
+    def GetCmdMax(self) -> float:
+        """The upper limit of the command."""
+        return self.cmdMax
+
+    def GetCmdMin(self) -> float:
+        """The lower limit of the command."""
+        return self.cmdMin
+
+    def SetPGain(self, p: float) -> None:
+        """Set the proportional gain."""
+        self.pGain = p
+
+    def SetIGain(self, i: float) -> None:
+        """Set the integral gain."""
+        self.iGain = i
+
+    def SetDGain(self, d: float) -> None:
+        """Set the derivative gain."""
+        self.dGain = d
+
+    def SetIMax(self, i: float) -> None:
+        """Set the upper limit of the integral term."""
+        self.iMax = i
+
+    def SetIMin(self, i: float) -> None:
+        """Set the lower limit of the integral term."""
+        self.iMin = i
+
+    def SetCmdMax(self, c: float) -> None:
+        """Set the upper limit of the command."""
+        self.cmdMax = c
+
+    def SetCmdMin(self, c: float) -> None:
+        """Set the lower limit of the command."""
+        self.cmdMin = c
+
+    def __repr__(self) -> str:
+        gains = f"p={self.pGain!r}, i={self.iGain!r}, d={self.dGain!r}"
+        limits = f"imax={self.iMax!r}, imin={self.iMin!r}, cmdMax={self.cmdMax!r}, cmdMin={self.cmdMin!r}"
+        return f"PID({gains}, {limits})"
+
+    PGain, IGain, DGain = GetPGain, GetIGain, GetDGain
+    IMax, IMin, CmdMax, CmdMin = GetIMax, GetIMin, GetCmdMax, GetCmdMin
+    Cmd, Errors = GetCmd, GetErrors

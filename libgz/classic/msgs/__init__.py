@@ -1,0 +1,47 @@
+"""Messages: `msgs.Vector3d(x=1)`, `msgs.Pose()`, and all others of gazebo.msgs, each made when it is first asked for.
+
+Fields are attributes (see `libgz.classic.msgs.message.Message`); the declarations stand in
+`libgz/classic/msgs/table.py`, and `declare` adds one's own.
+"""
+
+from __future__ import annotations
+
+import typing as _typing
+
+from libgz.classic.msgs.convert import Convert, ConvertIgn, CreateRequest, Init, Set, Stamp
+from libgz.classic.msgs.declare import declare, known_types, message_type
+from libgz.classic.msgs.fields import Repeated
+from libgz.classic.msgs.message import Message
+from libgz.classic.msgs.table import MESSAGES as _MESSAGES
+from libgz.classic.msgs.text import Parse
+from libgz.errors import NotFoundError as _NotFoundError
+
+__all__ = [
+    "Convert",
+    "ConvertIgn",
+    "CreateRequest",
+    "Init",
+    "Message",
+    "Parse",
+    "Repeated",
+    "Set",
+    "Stamp",
+    "declare",
+    "known_types",
+    "message_type",
+]
+
+
+def __getattr__(name: str) -> _typing.Any:
+    if name.startswith("_"):
+        raise AttributeError(name)
+    try:
+        found = message_type(name)
+    except _NotFoundError as fault:
+        raise AttributeError(str(fault)) from None
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *(name for name in _MESSAGES if "." not in name)})

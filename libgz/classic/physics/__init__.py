@@ -1,0 +1,47 @@
+"""Gazebo classic's `physics` names: views on the objects of the engine."""
+
+from libgz.classic.physics.base import Base, Entity
+from libgz.classic.physics.collision import Collision, FrictionPyramid, SurfaceParams
+from libgz.classic.physics.contact import Contact, ContactManager, JointWrench
+from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.inertial import Inertial
+from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.joint_controller import JointController
+from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
+from libgz.classic.physics.model import Model
+from libgz.classic.physics.preset import PresetManager
+from libgz.classic.physics.registry import get_world, has_world, worlds
+from libgz.classic.physics.shape import BoxShape, CylinderShape, MeshShape, PlaneShape, Shape, SphereShape
+from libgz.classic.physics.state import WorldState
+from libgz.classic.physics.world import World
+
+__all__ = [
+    "Base",
+    "BoxShape",
+    "Collision",
+    "Contact",
+    "ContactManager",
+    "CylinderShape",
+    "Entity",
+    "FrictionPyramid",
+    "Inertial",
+    "Joint",
+    "JointController",
+    "JointWrench",
+    "Light",
+    "Link",
+    "MeshShape",
+    "Model",
+    "PhysicsEngine",
+    "PlaneShape",
+    "PresetManager",
+    "Shape",
+    "SphereShape",
+    "SurfaceParams",
+    "World",
+    "WorldState",
+    "get_world",
+    "has_world",
+    "worlds",
+]

@@ -1,0 +1,113 @@
+"""Contacts of the last step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from libgz.classic.common import Time
+from libgz.classic.math import Vector3d
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.collision import Collision
+    from libgz.classic.physics.world import World
+
+__all__ = ["Contact", "ContactManager", "JointWrench"]
+
+
+@dataclass
+class JointWrench:
+    """Forces [N] and torques [N m] on two bodies."""
+
+    body1Force: Vector3d = field(default_factory=Vector3d)
+    body1Torque: Vector3d = field(default_factory=Vector3d)
+    body2Force: Vector3d = field(default_factory=Vector3d)
+    body2Torque: Vector3d = field(default_factory=Vector3d)
+
+
+@dataclass
+class Contact:
+    """All points at which two collisions touch: global positions [m] and normals, depths [m], wrenches on the links."""
+
+    world: World
+    collision1: Collision
+    collision2: Collision
+    time: Time
+    positions: list[Vector3d] = field(default_factory=list)
+    normals: list[Vector3d] = field(default_factory=list)
+    depths: list[float] = field(default_factory=list)
+    wrench: list[JointWrench] = field(default_factory=list)
+
+    @property
+    def count(self) -> int:
+        """How many points there are."""
+        return len(self.positions)
+
+
+class ContactManager:
+    """The contacts of the last step; the first question begins their recording."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._iteration = -1
+        self._contacts: list[Contact] = []
+        self._never_drop = False
+
+    def want(self) -> None:
+        """Begin to record contacts, so that the next step's are there."""
+        self._world.core.engine.record_contacts = True
+
+    def SetNeverDropContacts(self, neverDrop: bool) -> None:
+        """Record contacts even if nobody has asked yet."""
+        self._never_drop = bool(neverDrop)
+        if neverDrop:
+            self.want()
+
+    def NeverDropContacts(self) -> bool:
+        """Whether contacts are recorded even if nobody has asked."""
+        return self._never_drop
+
+    def GetContactCount(self) -> int:
+        """How many pairs of collisions touch."""
+        return len(self.GetContacts())
+
+    def GetContact(self, index: int) -> Contact | None:
+        """A contact by number; None if there is none."""
+        found = self.GetContacts()
+        return found[index] if 0 <= index < len(found) else None
+
+    def GetContacts(self) -> list[Contact]:
+        """The contacts of the last step, a pair of collisions each."""
+        self.want()
+        core = self._world.core
+        if self._iteration != core.iterations:
+            self._iteration = core.iterations
+            self._contacts = self._read()
+        return self._contacts
+
+    def _read(self) -> list[Contact]:
+        engine, now = self._world.core.engine, self._world.SimTime()
+        pairs: dict[tuple[int, int], Contact] = {}
+        for point in engine.contacts:
+            rows = int(point["geom1"]), int(point["geom2"])
+            if rows not in pairs:
+                touching = [self._world.collision_of(engine.geoms[row]) for row in rows if row in engine.geoms]
+                if len(touching) < 2 or None in touching:
+                    continue
+                pairs[rows] = Contact(self._world, touching[0], touching[1], now)
+            contact = pairs[rows]
+            contact.positions.append(Vector3d(*point["position"].tolist()))
+            contact.normals.append(Vector3d(*point["normal"].tolist()))
+            contact.depths.append(float(point["depth"]))
+            contact.wrench.append(self._wrench(contact, point))
+        return list(pairs.values())
+
+    @staticmethod
+    def _wrench(contact: Contact, point: object) -> JointWrench:
+        """Forces and torques in the axes of the two links, as in Gazebo."""
+        values = []
+        for number, collision in ((1, contact.collision1), (2, contact.collision2)):
+            turn = collision.link.WorldPose().rot
+            for word in ("force", "torque"):
+                values.append(turn.RotateVectorReverse(Vector3d(*point[f"{word}{number}"].tolist())))  # type: ignore[index]
+        return JointWrench(*values)

@@ -1,0 +1,289 @@
+"""Joint: what holds two links together, with its motion, forces and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic.math import Vector3d
+from libgz.classic.physics.base import Base
+from libgz.classic.physics.contact import JointWrench
+from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.simulation.sdf_model import SdfModel
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.link import Link
+    from libgz.classic.physics.model import Model
+    from libgz.classic.physics.world import World
+    from libgz.physics.body import Body
+    from libgz.simulation.event import Connection
+    from libgz.simulation.sdf_joint import SdfJoint
+
+__all__ = ["AXES", "Joint"]
+
+AXES = {"ball": 0, "fixed": 0, "universal": 2, "revolute2": 2, "gearbox": 2}  # of kinds that have not one
+
+
+class Joint(Base):
+    """A view on a joint of the engine. Angles in [rad], positions in [m], efforts in [N m] or [N]."""
+
+    entity_type = Base.JOINT
+
+    def __init__(self, world: World, model: Model | None, core: SdfJoint) -> None:
+        super().__init__(world, core.name, model, core.plan.element)
+        self.core = core
+
+    def GetMsgType(self) -> str:
+        """revolute, prismatic, ball, universal, revolute2, screw, gearbox or fixed."""
+        return self.core.kind
+
+    def DOF(self) -> int:
+        """How many axes it has."""
+        return self.core.dof
+
+    GetAngleCount = DOF
+
+    # Motion ------------------------------------------------------------------------------------------------------
+
+    def Position(self, index: int = 0) -> float:
+        """Where it stands."""
+        return self.core.position(index)
+
+    GetAngle = Position
+
+    def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
+        """Bring it there at once: the child, and all that hangs on it, moves. Whether that was possible."""
+        if not 0 <= index < self.core.dof or not self.core.attached:
+            return False
+        self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
+        return True
+
+    SetAngle = SetPosition
+
+    def GetVelocity(self, index: int) -> float:
+        """How fast it moves [rad/s] or [m/s]."""
+        return self.core.velocity(index)
+
+    def SetVelocity(self, index: int, vel: float) -> None:
+        """Give the child this velocity relative to the parent [rad/s] or [m/s]."""
+        self.core.set_velocity(vel, index)
+
+    # Forces ------------------------------------------------------------------------------------------------------
+
+    def SetForce(self, index: int, effort: float) -> None:
+        """Push for this step, no more than the effort limit; several pushes add up."""
+        self.core.add_force(effort, index)
+
+    def GetForce(self, index: int) -> float:
+        """What SetForce has gathered for this step."""
+        return self.core.force(index)
+
+    def GetForceTorque(self, index: int = 0) -> JointWrench:
+        """What the joint did to the links in the last step: 1 the parent, 2 the child, in the links' axes."""
+        return self._wrench()
+
+    def SetProvideFeedback(self, enable: bool) -> None:
+        """Record what the joint does to the links."""
+        self.core.provide_feedback(enable)
+
+    def _wrench(self) -> JointWrench:
+        values = []
+        force1, torque1, force2, torque2 = self.core.wrench
+        for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
+            turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
+            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
+        return JointWrench(*values)
+
+    def LinkForce(self, index: int) -> Vector3d:
+        """What it did to the parent (0) or child (1) [N], global."""
+        return Vector3d(*self.core.wrench[2 * index])
+
+    def LinkTorque(self, index: int) -> Vector3d:
+        """What it did to the parent (0) or child (1) about the anchor [N m], global."""
+        return Vector3d(*self.core.wrench[2 * index + 1])
+
+    GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
+
+    # Limits ------------------------------------------------------------------------------------------------------
+
+    def LowerLimit(self, index: int = 0) -> float:
+        """The lower stop; -1e16: none."""
+        return self.core.axes[index].lower
+
+    def UpperLimit(self, index: int = 0) -> float:
+        """The upper stop; 1e16: none."""
+        return self.core.axes[index].upper
+
+    def SetLowerLimit(self, index: int, limit: float) -> None:
+        """Set the lower stop."""
+        self.core.set_param("lo_stop", limit, index)
+
+    def SetUpperLimit(self, index: int, limit: float) -> None:
+        """Set the upper stop."""
+        self.core.set_param("hi_stop", limit, index)
+
+    GetLowStop = GetLowerLimit = LowerLimit
+    GetHighStop = GetUpperLimit = UpperLimit
+    SetLowStop, SetHighStop = SetLowerLimit, SetUpperLimit
+
+    def GetEffortLimit(self, index: int) -> float:
+        """The most that SetForce does; negative: no limit."""
+        return self.core.axes[index].effort
+
+    def SetEffortLimit(self, index: int, effort: float) -> None:
+        """Set the most that SetForce does; negative: no limit."""
+        self.core.axes[index].effort = float(effort)
+
+    def GetVelocityLimit(self, index: int) -> float:
+        """The speed from which SetForce pushes no more; negative: no limit."""
+        return self.core.axes[index].velocity
+
+    def SetVelocityLimit(self, index: int, velocity: float) -> None:
+        """Set the speed from which SetForce pushes no more; negative: no limit."""
+        self.core.axes[index].velocity = float(velocity)
+
+    # Damping and springs -----------------------------------------------------------------------------------------
+
+    def GetDamping(self, index: int) -> float:
+        """[N m s/rad] or [N s/m]."""
+        return self.core.axes[index].damping
+
+    GetDampingCoefficient = GetDamping
+
+    def SetDamping(self, index: int, damping: float) -> None:
+        """Set the damping [N m s/rad] or [N s/m]."""
+        axis = self.core.axes[index]
+        self.core.set_spring(index, axis.stiffness, damping, axis.reference)
+
+    def GetStiffness(self, index: int) -> float:
+        """[N m/rad] or [N/m]."""
+        return self.core.axes[index].stiffness
+
+    def SetStiffness(self, index: int, stiffness: float) -> None:
+        """Set the spring's stiffness [N m/rad] or [N/m]."""
+        axis = self.core.axes[index]
+        self.core.set_spring(index, stiffness, axis.damping, axis.reference)
+
+    def SetStiffnessDamping(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
+        """Set stiffness, damping, and the position at which the spring is at rest."""
+        self.core.set_spring(index, stiffness, damping, reference)
+
+    def GetSpringReferencePosition(self, index: int) -> float:
+        """The position at which the spring is at rest."""
+        return self.core.axes[index].reference
+
+    # Parameters --------------------------------------------------------------------------------------------------
+
+    def SetParam(self, key: str, index: int, value: Any) -> bool:
+        """Set a parameter such as ``"fmax"``, ``"vel"``, ``"friction"``, ``"hi_stop"``, ``"stop_erp"``; true.
+
+        Raises:
+            ParameterError: there is no such parameter.
+        """
+        self.core.set_param(key, float(value), index)
+        return True
+
+    def GetParam(self, key: str, index: int) -> float:
+        """A parameter.
+
+        Raises:
+            ParameterError: there is no such parameter.
+        """
+        return self.core.get_param(key, index)
+
+    SetAttribute, GetAttribute = SetParam, GetParam
+
+    # Geometry ----------------------------------------------------------------------------------------------------
+
+    def Anchor(self, index: int = 0) -> Vector3d:
+        """Where it holds [m], global."""
+        return Vector3d(*self.core.anchor())
+
+    def SetAnchor(self, index: int, anchor: VectorLike) -> None:
+        """Set where it holds [m], global."""
+        self.core.set_anchor(anchor)
+
+    def GlobalAxis(self, index: int) -> Vector3d:
+        """An axis, global."""
+        return Vector3d(*self.core.axis(index))
+
+    def LocalAxis(self, index: int) -> Vector3d:
+        """An axis in the joint's frame, as the file has it."""
+        return Vector3d(*self.core.local_axis(index))
+
+    def SetAxis(self, index: int, axis: VectorLike) -> None:
+        """Set an axis, global."""
+        self.core.set_axis(index, axis)
+
+    GetAnchor, GetGlobalAxis, GetLocalAxis = Anchor, GlobalAxis, LocalAxis
+
+    def InertiaRatio(self, axis: VectorLike | int) -> float:
+        """Parent's over child's moment of inertia about a global axis, or about axis number `axis`."""
+        direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
+        moments = []
+        for link in (self.GetParent(), self.GetChild()):
+            rows = link.WorldInertiaMatrix().m if link is not None else []
+            moments.append(sum(a * GzVectorDot(row, direction) for a, row in zip(direction, rows, strict=False)))
+        return moments[0] / moments[1] if moments[1] else 0.0
+
+    # Links -------------------------------------------------------------------------------------------------------
+
+    def GetParent(self) -> Link | None:
+        """The parent link; None for the world."""
+        return self._link(self.core.parent)
+
+    def GetChild(self, which: int | str | None = None) -> Link | None:
+        """The child link; None for the world."""
+        return self._link(self.core.child)
+
+    def _link(self, body: Body | None) -> Link | None:
+        found: Link | None = self._world.link_of(body) if body is not None else None
+        return found
+
+    def Attach(self, parent: Link | None, child: Link | None) -> None:
+        """Join two links; None for the world."""
+        self.core.attach(parent.body if parent is not None else None, child.body if child is not None else None)
+
+    def Detach(self) -> None:
+        """Let both links go."""
+        self.core.detach()
+
+    def AreConnected(self, one: Link, two: Link) -> bool:
+        """Whether it joins these two links."""
+        return {one, two} == {self.GetParent(), self.GetChild()}
+
+    def Load(self, parent: Link | None, child: Link | None, pose: GzPose | None = None) -> None:
+        """Join two links, None for the world, with the joint's frame at a pose in the child [m]."""
+        if pose is not None:
+            self.core.set_frame(pose)
+        self.Attach(parent, child)
+        if self._parent is None and (child or parent) is not None:
+            self.SetModel((child or parent).model)  # type: ignore[union-attr]
+
+    def SetModel(self, model: Model) -> None:
+        """Make it a part of a model, so that it acts by itself and goes when the model goes."""
+        if self._parent is not model and isinstance(model.core, SdfModel):
+            self._parent = model
+            model.core.sdf_joints.setdefault(self.core.name, self.core)
+
+    def Init(self) -> None:
+        """Nothing to do: a joint acts as soon as it joins links."""
+
+    def Fini(self) -> None:
+        """Take it out of its model."""
+        self.remove()
+
+    def remove(self) -> None:
+        """Take it out of its model and destroy it."""
+        model = self.GetParentModel()
+        if model is not None and isinstance(model.core, SdfModel):
+            model.core.remove_joint(self.core.name)
+        self.core.close()
+
+    def Reset(self) -> None:
+        """Count turns from zero again; the model's reset brings its links back."""
+        self.core.restore()
+
+    def ConnectJointUpdate(self, callback: Callable[[], object]) -> Connection:
+        """Call `callback` in each iteration, before physics."""
+        return self._world.joint_event.Connect(callback)

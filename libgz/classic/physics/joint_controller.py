@@ -1,0 +1,143 @@
+"""JointController: holds joints at positions and velocities."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.common import PID, Time
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.joint import Joint
+    from libgz.classic.physics.model import Model
+
+__all__ = ["JointController"]
+
+DEFAULT_GAINS = (1.0, 0.1, 0.01, 1.0, -1.0, 1000.0, -1000.0)  # p, i, d, imax, imin, cmdMax, cmdMin; Gazebo's
+
+
+class JointController:
+    """Pushes joints of a model with PIDs in every iteration. Joints go by scoped name, ``model::joint``, or name."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._joints: dict[str, Joint] = {}
+        self._position_pids: dict[str, PID] = {}
+        self._velocity_pids: dict[str, PID] = {}
+        self._forces: dict[str, float] = {}
+        self._positions: dict[str, float] = {}
+        self._velocities: dict[str, float] = {}
+        self._last = model.GetWorld().SimTime()
+        for joint in model.all_joints():
+            self.AddJoint(joint)
+
+    def AddJoint(self, joint: Joint) -> None:
+        """Take a joint in."""
+        name = joint.GetScopedName()
+        self._joints[name] = joint
+        self._position_pids[name], self._velocity_pids[name] = PID(*DEFAULT_GAINS), PID(*DEFAULT_GAINS)
+
+    def RemoveJoint(self, joint: Joint) -> None:
+        """Let a joint go."""
+        name = joint.GetScopedName()
+        for rows in (self._joints, self._position_pids, self._velocity_pids):
+            rows.pop(name, None)
+        for targets in (self._forces, self._positions, self._velocities):
+            targets.pop(name, None)
+
+    def _name(self, name: str) -> str | None:
+        """The scoped name of a joint; None if there is none."""
+        if name in self._joints:
+            return name
+        return next((full for full in self._joints if full.endswith(f"::{name}")), None)
+
+    def _set(self, targets: dict[str, float], name: str, value: float) -> bool:
+        found = self._name(name)
+        if found is not None:
+            targets[found] = float(value)
+        return found is not None
+
+    def SetForce(self, jointName: str, force: float) -> bool:
+        """Push a joint from now on [N m] or [N]; whether there is such a joint."""
+        return self._set(self._forces, jointName, force)
+
+    def SetPositionTarget(self, jointName: str, target: float) -> bool:
+        """Hold a joint at a position from now on [rad] or [m]; whether there is such a joint."""
+        return self._set(self._positions, jointName, target)
+
+    def SetVelocityTarget(self, jointName: str, target: float) -> bool:
+        """Hold a joint at a velocity from now on [rad/s] or [m/s]; whether there is such a joint."""
+        return self._set(self._velocities, jointName, target)
+
+    def SetPositionPID(self, jointName: str, pid: PID) -> None:
+        """Set the gains that hold positions."""
+        name = self._name(jointName)
+        if name is not None:
+            self._position_pids[name] = pid
+
+    def SetVelocityPID(self, jointName: str, pid: PID) -> None:
+        """Set the gains that hold velocities."""
+        name = self._name(jointName)
+        if name is not None:
+            self._velocity_pids[name] = pid
+
+    def GetJoints(self) -> dict[str, Joint]:
+        """The joints by scoped name."""
+        return dict(self._joints)
+
+    def GetPositionPIDs(self) -> dict[str, PID]:
+        """The gains that hold positions, by scoped name."""
+        return dict(self._position_pids)
+
+    def GetVelocityPIDs(self) -> dict[str, PID]:
+        """The gains that hold velocities, by scoped name."""
+        return dict(self._velocity_pids)
+
+    def GetForces(self) -> dict[str, float]:
+        """The forces that were set."""
+        return dict(self._forces)
+
+    def GetPositions(self) -> dict[str, float]:
+        """The positions that are held."""
+        return dict(self._positions)
+
+    def GetVelocities(self) -> dict[str, float]:
+        """The velocities that are held."""
+        return dict(self._velocities)
+
+    def SetJointPosition(self, joint: str | Joint, position: float, index: int = 0) -> None:
+        """Bring a joint to a position [rad] or [m] at once."""
+        name = self._name(joint) if isinstance(joint, str) else joint.GetScopedName()
+        if name in self._joints:
+            self._joints[name].SetPosition(index, position)
+
+    def SetJointPositions(self, jointPositions: dict[str, float]) -> None:
+        """Bring several joints to positions at once."""
+        for name, position in jointPositions.items():
+            self.SetJointPosition(name, position)
+
+    def GetLastUpdateTime(self) -> Time:
+        """When it pushed last."""
+        return self._last
+
+    def Reset(self) -> None:
+        """Forget all targets and what the PIDs have gathered."""
+        for targets in (self._forces, self._positions, self._velocities):
+            targets.clear()
+        for pid in (*self._position_pids.values(), *self._velocity_pids.values()):
+            pid.Reset()
+        self._last = self._model.GetWorld().SimTime()
+
+    def Update(self) -> None:
+        """Push; the world calls this in every iteration."""
+        now = self._model.GetWorld().SimTime()
+        passed, self._last = now - self._last, now
+        if not float(passed) > 0.0:
+            return
+        for name, force in self._forces.items():
+            self._joints[name].SetForce(0, force)
+        for name, target in self._positions.items():
+            joint = self._joints[name]
+            joint.SetForce(0, self._position_pids[name].Update(joint.Position(0) - target, passed))
+        for name, target in self._velocities.items():
+            joint = self._joints[name]
+            joint.SetForce(0, self._velocity_pids[name].Update(joint.GetVelocity(0) - target, passed))

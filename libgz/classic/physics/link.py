@@ -1,0 +1,345 @@
+"""Link: a rigid body of a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from libgz.classic.math import Matrix3d, Pose3d, Vector3d
+from libgz.classic.physics.base import Base, Entity, view_of
+from libgz.classic.physics.collision import Collision
+from libgz.classic.physics.inertial import Inertial
+from libgz.geometry import (
+    GzCoordPoseAdd,
+    GzPose,
+    GzVectorAdd,
+    GzVectorCross,
+    GzVectorDot,
+    GzVectorSub,
+    VectorLike,
+    rotate,
+)
+from libgz.physics.geom import Geom
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.joint import Joint
+    from libgz.classic.physics.model import Model
+    from libgz.physics.body import Body
+    from libgz.sdf.element import Element
+
+__all__ = ["Link"]
+
+
+class Link(Entity):
+    """A view on a Body. Forces act for one step; velocities and poses are global unless they say otherwise."""
+
+    entity_type = Base.ENTITY | Base.LINK
+
+    def __init__(self, model: Model, name: str, body: Body, sdf: Element | None) -> None:
+        super().__init__(model.GetWorld(), name, model, sdf)
+        self.model, self.body = model, body
+        self._kinematic = bool(sdf is not None and sdf.Get(bool, "kinematic"))
+
+    def children(self) -> list[Base]:
+        """Its collisions."""
+        return list(self.GetCollisions())
+
+    # Pose and motion ---------------------------------------------------------------------------------------------
+
+    def pose(self) -> GzPose:
+        """Global pose [m]."""
+        return self.body.GetPose()
+
+    def move(self, pose: GzPose) -> None:
+        """Put it to a global pose [m]."""
+        self.body.SetPose(pose)
+        self.body.Enable(True)
+
+    def WorldCoGPose(self) -> Pose3d:
+        """Global pose of the centre of mass [m], with the link's rotation."""
+        return Pose3d(self.body.GetCoMPose())
+
+    GetWorldCoGPose = WorldCoGPose
+    WorldInertialPose = WorldCoGPose
+    GetWorldInertialPose = WorldCoGPose
+
+    def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
+        """Velocity [m/s] of the link's origin, or of a point given in the link's frame [m]."""
+        pose = self.body.GetPose()
+        point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(pose.rot, offset))
+        arm = GzVectorSub(point, self.body.GetCoMPose().pos)
+        return Vector3d(*GzVectorAdd(self.body.GetLinearVel(), GzVectorCross(self.body.GetAngularRate(), arm)))
+
+    def WorldCoGLinearVel(self) -> Vector3d:
+        """Velocity of the centre of mass [m/s]."""
+        return Vector3d(*self.body.GetLinearVel())
+
+    GetWorldCoGLinearVel = WorldCoGLinearVel
+
+    def WorldAngularVel(self) -> Vector3d:
+        """Angular velocity [rad/s]."""
+        return Vector3d(*self.body.GetAngularRate())
+
+    def SetLinearVel(self, vel: VectorLike) -> None:
+        """Set the velocity of the centre of mass [m/s]."""
+        self.body.SetLinearVel(vel)
+        self.body.Enable(True)
+
+    def SetAngularVel(self, vel: VectorLike) -> None:
+        """Set the angular velocity [rad/s]."""
+        self.body.SetAngularVel(vel)
+        self.body.Enable(True)
+
+    def SetWorldTwist(self, linear: VectorLike, angular: VectorLike, updateChildren: bool = True) -> None:
+        """Set both velocities [m/s], [rad/s]."""
+        self.SetLinearVel(linear)
+        self.SetAngularVel(angular)
+
+    def WorldLinearAccel(self) -> Vector3d:
+        """Acceleration of the centre of mass in the last step [m/s^2], from its change of velocity."""
+        return self._world.accelerations.linear(self.body)
+
+    def WorldAngularAccel(self) -> Vector3d:
+        """Angular acceleration in the last step [rad/s^2], from the change of angular velocity."""
+        return self._world.accelerations.angular(self.body)
+
+    # Forces ------------------------------------------------------------------------------------------------------
+
+    def AddForce(self, force: VectorLike) -> None:
+        """Add a force at the centre of mass [N], global."""
+        self._wake()
+        self.body.AddForce(*force)
+
+    def AddRelativeForce(self, force: VectorLike) -> None:
+        """Add a force at the centre of mass [N], along the link's axes."""
+        self._wake()
+        self.body.AddRelForce(*force)
+
+    def AddForceAtWorldPosition(self, force: VectorLike, pos: VectorLike) -> None:
+        """Add a global force [N] at a global point [m]."""
+        self._wake()
+        self.body.AddForceAtPos(*force, *pos)
+
+    def AddForceAtRelativePosition(self, force: VectorLike, relPos: VectorLike) -> None:
+        """Add a global force [N] at a point given from the centre of mass, in the link's axes [m]."""
+        self._wake()
+        self.body.AddForceAtRelPos(*force, *relPos)
+
+    def AddLinkForce(self, force: VectorLike, offset: VectorLike = (0.0, 0.0, 0.0)) -> None:
+        """Add a force in the link's axes [N] at a point in the link's frame [m]."""
+        self._wake()
+        pose = self.body.GetPose()
+        point = GzVectorAdd(pose.pos, rotate(pose.rot, offset))
+        self.body.AddForceAtPos(*rotate(pose.rot, force), *point)
+
+    def AddTorque(self, torque: VectorLike) -> None:
+        """Add a torque [N m], global."""
+        self._wake()
+        self.body.AddTorque(*torque)
+
+    def AddRelativeTorque(self, torque: VectorLike) -> None:
+        """Add a torque about the link's axes [N m]."""
+        self._wake()
+        self.body.AddRelTorque(*torque)
+
+    def SetForce(self, force: VectorLike) -> None:
+        """Replace the force of this step [N]."""
+        self._wake()
+        self.body.SetForce(force)
+
+    def SetTorque(self, torque: VectorLike) -> None:
+        """Replace the torque of this step [N m]."""
+        self._wake()
+        self.body.SetTorque(*torque)
+
+    def WorldForce(self) -> Vector3d:
+        """The force gathered for the next step [N]."""
+        return Vector3d(*self.body.GetForce())
+
+    def WorldTorque(self) -> Vector3d:
+        """The torque gathered for the next step [N m]."""
+        return Vector3d(*self.body.GetTorque())
+
+    def RelativeForce(self) -> Vector3d:
+        """The same force along the link's axes [N]."""
+        return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldForce()))
+
+    def RelativeTorque(self) -> Vector3d:
+        """The same torque about the link's axes [N m]."""
+        return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldTorque()))
+
+    GetWorldForce = WorldForce
+    GetWorldTorque = WorldTorque
+    GetRelativeForce = RelativeForce
+    GetRelativeTorque = RelativeTorque
+
+    def _wake(self) -> None:
+        self.body.Enable(True)
+
+    def ResetPhysicsStates(self) -> None:
+        """Stop it: no velocity, no force."""
+        for setter in (self.body.SetLinearVel, self.body.SetAngularVel, self.body.SetForce):
+            setter((0.0, 0.0, 0.0))
+        self.body.SetTorque(0.0, 0.0, 0.0)
+
+    # Mass --------------------------------------------------------------------------------------------------------
+
+    def GetInertial(self) -> Inertial:
+        """Mass and inertia; changing them changes the link."""
+        return Inertial(self.body)
+
+    def SetInertial(self, inertial: Inertial) -> None:
+        """Take on another's mass and inertia."""
+        self.body.SetMassMatrix(inertial.matrix())
+
+    def UpdateMass(self) -> None:
+        """Nothing to do: a change of GetInertial() acts at once."""
+
+    def WorldInertiaMatrix(self) -> Matrix3d:
+        """Moments of inertia about the centre of mass in the world's axes [kg m^2]."""
+        turn = np.array([rotate(self.body.GetRotation(), axis) for axis in np.eye(3)]).T
+        inertia = np.array(self.GetInertial().rows())
+        return Matrix3d(*(turn @ inertia @ turn.T).ravel().tolist())
+
+    GetWorldInertiaMatrix = WorldInertiaMatrix
+
+    def GetWorldEnergyPotential(self) -> float:
+        """Potential energy above z = 0 of the gravity field [J]."""
+        gravity = self._world.core.engine.gravity
+        return -self.body.mass * GzVectorDot(gravity, self.body.GetCoMPose().pos)
+
+    def GetWorldEnergyKinetic(self) -> float:
+        """Energy of motion [J]."""
+        v, w = self.body.GetLinearVel(), self.body.GetAngularRate()
+        spin = np.array(self.WorldInertiaMatrix().m) @ np.array(w)
+        return 0.5 * self.body.mass * GzVectorDot(v, v) + 0.5 * float(np.dot(w, spin))
+
+    def GetWorldEnergy(self) -> float:
+        """Potential and kinetic energy [J]."""
+        return self.GetWorldEnergyPotential() + self.GetWorldEnergyKinetic()
+
+    # Switches ----------------------------------------------------------------------------------------------------
+
+    def IsStatic(self) -> bool:
+        """Whether its model is static."""
+        return self.body.dummy
+
+    def SetLinkStatic(self, static: bool) -> None:
+        """Hold it where it is, or let it go."""
+        self.SetKinematic(static)
+        if static:
+            self.ResetPhysicsStates()
+
+    def SetGravityMode(self, mode: bool) -> None:
+        """Whether gravity acts on it."""
+        self.body.SetGravityMode(mode)
+
+    def GetGravityMode(self) -> bool:
+        """Whether gravity acts on it."""
+        return bool(self.body.GetGravityMode())
+
+    def SetKinematic(self, kinematic: bool) -> None:
+        """Whether it moves by its velocity only."""
+        self._kinematic = bool(kinematic)
+        self.body.set_kinematic(kinematic)
+
+    def GetKinematic(self) -> bool:
+        """Whether it moves by its velocity only."""
+        return self._kinematic
+
+    def SetEnabled(self, enable: bool) -> None:
+        """Wake it, or put it to sleep."""
+        self.body.Enable(enable)
+
+    def GetEnabled(self) -> bool:
+        """Whether it is awake."""
+        return self.body.IsEnabled()
+
+    def SetLinearDamping(self, damping: float) -> None:
+        """Share of velocity lost in each step."""
+        self.body.set_damping(damping, self.body.damping[1])
+
+    def SetAngularDamping(self, damping: float) -> None:
+        """Share of angular velocity lost in each step."""
+        self.body.set_damping(self.body.damping[0], damping)
+
+    def SetAutoDisable(self, disable: bool) -> None:
+        """Whether it may fall asleep at rest."""
+        self.body.set_auto_disable(disable)
+
+    def SetSelfCollide(self, collide: bool) -> None:
+        """Whether it touches other links of its model."""
+        self.model.core.set_self_collide(self.body, collide)  # type: ignore[attr-defined]
+
+    def SetCollideMode(self, mode: str) -> None:
+        """What it touches: ``all``, ``none``, ``sensors`` or ``ghost``."""
+        for collision in self.GetCollisions():
+            collision.SetCollideMode(mode)
+
+    def SetLaserRetro(self, retro: float) -> None:
+        """How much its collisions reflect of a laser."""
+        for collision in self.GetCollisions():
+            collision.SetLaserRetro(retro)
+
+    # Parts -------------------------------------------------------------------------------------------------------
+
+    def GetModel(self) -> Model:
+        """The model."""
+        return self.model
+
+    def GetCollisions(self) -> list[Collision]:
+        """Its collisions in order."""
+        found = []
+        for geom in self.body.geoms:
+            if geom.space is not None:
+                found.append(self._collision(geom))
+        return found
+
+    def _collision(self, geom: Geom) -> Collision:
+        return view_of(geom, lambda: Collision(self, geom))
+
+    def GetCollision(self, which: str | int) -> Collision | None:
+        """A collision by name or index; None if there is none."""
+        found = self.GetChild(which)
+        return found if isinstance(found, Collision) else None
+
+    def visuals(self) -> list[Geom]:
+        """The geoms that are drawn and touch nothing."""
+        return [geom for geom in self.body.geoms if geom.space is None]
+
+    def GetParentJoints(self) -> list[Joint]:
+        """The joints whose child it is."""
+        return [joint for joint in self._all_joints() if joint.GetChild() is self]
+
+    def GetChildJoints(self) -> list[Joint]:
+        """The joints whose parent it is."""
+        return [joint for joint in self._all_joints() if joint.GetParent() is self]
+
+    def GetParentJointsLinks(self) -> list[Link]:
+        """The parents in those joints."""
+        return [link for joint in self.GetParentJoints() if (link := joint.GetParent()) is not None]
+
+    def GetChildJointsLinks(self) -> list[Link]:
+        """The children in those joints."""
+        return [link for joint in self.GetChildJoints() if (link := joint.GetChild()) is not None]
+
+    def _all_joints(self) -> list[Joint]:
+        return [joint for model in self._world.Models() for joint in model.all_joints()]
+
+    def GetSensorCount(self) -> int:
+        """How many sensors it carries."""
+        return len(self._sensor_names())
+
+    def GetSensorName(self, index: int) -> str:
+        """Scoped name of a sensor; an empty string if there is none."""
+        names = self._sensor_names()
+        return names[index] if 0 <= index < len(names) else ""
+
+    def _sensor_names(self) -> list[str]:
+        prefix = f"{self.GetScopedName(True)}::"
+        return [name for name in self._world.sensor_names() if name.startswith(prefix)]
+
+    def world_point(self, offset: VectorLike) -> GzPose:
+        """Global pose of a point given in the link's frame [m]."""
+        return GzCoordPoseAdd(GzPose(Vector3d(*offset)), self.pose())

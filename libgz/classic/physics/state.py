@@ -1,0 +1,96 @@
+"""WorldState: where everything is and how it moves; and the world written back to a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from libgz.classic.common import Time
+from libgz.errors import WorldFileError
+from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
+from libgz.sdf.element import Element
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+
+__all__ = ["WorldState", "save_world", "world_text"]
+
+
+class WorldState:
+    """Poses [m] and velocities [m/s], [rad/s] of all links of a world at one moment, by scoped name."""
+
+    def __init__(self, world: World) -> None:
+        self.name = world.Name()
+        self._time = world.SimTime()
+        self._links: dict[str, tuple[GzPose, GzVector, GzVector]] = {}
+        for model in world.all_models():
+            for link in model.GetLinks():
+                body = link.body
+                self._links[link.GetScopedName()] = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
+
+    def GetSimTime(self) -> Time:
+        """When it was."""
+        return self._time
+
+    SimTime = GetSimTime
+
+    def GetModelStateCount(self) -> int:
+        """How many models it knows."""
+        return len({name.partition("::")[0] for name in self._links})
+
+    def LinkPose(self, name: str) -> GzPose:
+        """Global pose of a link by scoped name [m]."""
+        return self._links[name][0]
+
+    def apply(self, world: World) -> None:
+        """Bring the links of a world to it; links that it does not know stay."""
+        for model in world.all_models():
+            for link in model.GetLinks():
+                known = self._links.get(link.GetScopedName())
+                if known is not None:
+                    link.body.SetPose(known[0])
+                    link.body.SetLinearVel(known[1])
+                    link.body.SetAngularVel(known[2])
+
+
+def world_text(world: World) -> str:
+    """A world as SDF with the present poses.
+
+    Raises:
+        WorldFileError: the world was not made from SDF.
+    """
+    sdf = world.SDF()
+    if sdf is None:
+        raise WorldFileError(f"world {world.Name()!r} was not made from SDF")
+    copy = sdf.Clone()
+    for element in [child for child in copy.children if child.name in ("model", "light", "state")]:
+        copy.RemoveChild(element)
+    for part in (*world.Models(), *world.Lights()):
+        own = part.GetSDF()
+        if own is not None:
+            copy.InsertElement(_placed(own.Clone(), part.pose()))
+    for model in world.Models():
+        placed = next((e for e in copy.named("model") if e.Get(str, "name") == model.GetName()), Element("model"))
+        for link in model.GetLinks():
+            for inner in placed.named("link"):
+                if inner.Get(str, "name") == link.GetName():
+                    _placed(inner, GzCoordPoseSub(link.pose(), model.pose()))
+    version = world.core.sdf.version if world.core.sdf is not None else "1.6"
+    return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{copy.ToString("  ")}</sdf>\n'
+
+
+def save_world(world: World, path: Path) -> None:
+    """Write a world as SDF with the present poses.
+
+    Raises:
+        WorldFileError: the file cannot be written, or the world was not made from SDF.
+    """
+    try:
+        path.write_text(world_text(world))
+    except OSError as fault:
+        raise WorldFileError(f"{path}: cannot be written: {fault.strerror}") from None
+
+
+def _placed(element: Element, pose: GzPose) -> Element:
+    (next(element.named("pose"), None) or element.AddElement("pose")).Set(pose)
+    return element

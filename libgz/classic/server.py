@@ -1,0 +1,283 @@
+"""WorldServer: what makes an SDF world one of Gazebo classic: its sensors, its plugins, its topics."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from libgz.classic.common import SphericalCoordinates
+from libgz.classic.loading import LoadedPlugin, new_plugin
+from libgz.classic.math import Vector3d
+from libgz.classic.physics.model import Model
+from libgz.classic.physics.world import World
+from libgz.classic.topics import WorldTopics
+from libgz.errors import NotFoundError, nearest
+from libgz.sdf.element import Element
+from libgz.simulation.changes import delete_models
+from libgz.simulation.sdf_settings import settings_of
+from libgz.simulation.sdf_world import SdfLight, WorldJoints
+from libgz.simulation.world import World as CoreWorld
+
+if TYPE_CHECKING:
+    from libgz.classic.rendering.plugins import VisualPlugins
+    from libgz.classic.sensors.manager import WorldSensors
+    from libgz.simulation.model import Model as CoreModel
+
+__all__ = ["WorldServer", "attach", "system_plugins"]
+
+log = logging.getLogger("libgz.classic")
+
+MAGNETIC_FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # [T], SDF's default
+
+system_plugins: list[LoadedPlugin] = []  # of this process
+
+
+def attach(core: CoreWorld) -> WorldServer:
+    """Make a world one of Gazebo classic; the same again for one that is."""
+    for companion in core.companions:
+        if isinstance(companion, WorldServer):
+            return companion
+    server = WorldServer(core)
+    core.companions.append(server)
+    core.update_info = server.world.update_info
+    if core.running:
+        server.start()
+    return server
+
+
+class WorldServer:
+    """Loads what a world names, in classic's order, and goes along with it.
+
+    Everything of a world happens in one thread and in one order, so that the same world runs the same each time.
+    """
+
+    def __init__(self, core: CoreWorld) -> None:
+        self.core = core
+        root = core.sdf.root if core.sdf is not None else None
+        self.element = next(root.named("world"), root) if root is not None else None
+        self.world = World(core, self)
+        self.world_plugins: dict[str, LoadedPlugin] = {}
+        self.sensors: WorldSensors | None = None
+        self.topics = WorldTopics(self)
+        self.visuals: VisualPlugins | None = None
+        self.stopped = False
+        self._to_step, self._stepping = 0, False
+        self._new: list[CoreModel] = list(core.models)
+        self._started = False
+
+    @property
+    def filename(self) -> str | None:
+        """The world's file."""
+        return self.element.file if self.element is not None and self.element.file else None
+
+    # Start -------------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Sensors and their plugins, then World plugins in the order of the file, then Model plugins."""
+        self._started = True
+        self.core.events["WorldCreated"](self.world.Name())
+        added, self._new = self._new, []
+        self._add_sensors(added)
+        for element in self._plugins_of(self.element):
+            self.load_world_plugin(*_names(element), element)
+        self._load_model_plugins(added)
+
+    @staticmethod
+    def _plugins_of(element: Element | None) -> Iterator[Element]:
+        return element.named("plugin") if element is not None else iter(())
+
+    def finish_added(self) -> None:
+        """Give models that joined a running world their sensors and plugins."""
+        while self._new and self._started:
+            added, self._new = self._new, []
+            self._add_sensors(added)
+            self._load_model_plugins(added)
+            for model in self._models(added):
+                self.topics.model_added(model)
+
+    def _add_sensors(self, added: list[CoreModel]) -> None:
+        for core in added:
+            for part in self._models([core]):
+                for link in part.GetLinks():
+                    for element in _named(link.GetSDF(), "sensor"):
+                        self._sensors().create(link, element)
+                for joint in part.GetJoints():
+                    for element in _named(joint.GetSDF(), "sensor"):
+                        self._sensors().create(joint, element)
+        if self.sensors is not None:
+            self.sensors.start_new()
+            if self.sensors.draws:
+                self._visuals().add(added)
+
+    def _sensors(self) -> WorldSensors:
+        if self.sensors is None:
+            from libgz.classic.sensors.manager import WorldSensors
+
+            self.sensors = WorldSensors(self.world)
+        return self.sensors
+
+    def _visuals(self) -> VisualPlugins:
+        if self.visuals is None:
+            from libgz.classic.rendering.plugins import VisualPlugins
+
+            self.visuals = VisualPlugins(self.world)
+        return self.visuals
+
+    def _models(self, cores: list[CoreModel]) -> list[Model]:
+        return [self.world.view(core) for core in cores if not isinstance(core, SdfLight | WorldJoints)]
+
+    def _load_model_plugins(self, added: list[CoreModel]) -> None:
+        for model in self._models(added):
+            for element in self._plugins_of(model.GetSDF()):
+                self.load_model_plugin(model, *_names(element), element)
+
+    # Plugins -----------------------------------------------------------------------------------------------------
+
+    def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a World plugin; whether it runs."""
+        plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
+        if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
+            self.world_plugins[name] = plugin
+            return True
+        return False
+
+    def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a Model plugin; whether it runs."""
+        plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
+        if plugin is not None and plugin.start(model, sdf or Element("plugin")):
+            model.plugins.append(plugin)
+            return True
+        return False
+
+    def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
+        """A plugin of this world, constructed; None after telling why."""
+        return new_plugin(kind, filename, name, holder, self.core.events, self.filename)
+
+    def remove_world_plugin(self, name: str) -> None:
+        """Let a World plugin go.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        plugin = self.world_plugins.pop(name, None)
+        if plugin is None:
+            known = self.world_plugins
+            raise NotFoundError(f"world {self.world.Name()!r} has no plugin {name!r}{nearest(name, known)}")
+        plugin.drop()
+
+    def plugins(self) -> Iterator[LoadedPlugin]:
+        """All plugins of this world that run, in the order in which they are reset."""
+        for model in self.world.all_models():
+            yield from model.plugins
+        yield from self.world_plugins.values()
+        if self.sensors is not None:
+            yield from self.sensors.plugins()
+        if self.visuals is not None:
+            yield from self.visuals.plugins()
+
+    # Companion of the world --------------------------------------------------------------------------------------
+
+    def model_added(self, model: CoreModel) -> None:
+        """A model was built; its sensors and plugins come when all that come with it are there."""
+        self._new.append(model)
+        self.core.events["AddEntity"](model.GetId())
+
+    def model_removed(self, model: CoreModel) -> None:
+        """Let its plugins, sensors and controllers go."""
+        self._new = [new for new in self._new if new is not model]
+        self.core.events["DeleteEntity"](model.GetId())
+        if isinstance(model, SdfLight | WorldJoints):
+            return
+        view = self.world.view(model)
+        for plugin in view.plugins:
+            plugin.drop()
+        view.plugins.clear()
+        if self.sensors is not None:
+            self.sensors.remove_of(view)
+        if self.visuals is not None:
+            self.visuals.remove_of(view)
+        self.world.forget(view)
+
+    def step_paused(self, count: int) -> None:
+        """Run so many iterations although the world is paused, after this one."""
+        self._to_step += count
+
+    def remove(self, family: list[CoreModel]) -> None:
+        """Take models out, those first that are inside others."""
+        delete_models(self.core, list(reversed(family)))
+
+    def update(self) -> None:
+        """Joint controllers and animations."""
+        self.world.before_physics()
+
+    def step(self, paused: bool) -> None:
+        """Models that joined, then sensors, then messages."""
+        if self._new:
+            self.finish_added()
+        if self.sensors is not None:
+            self.sensors.update()
+        self.topics.update()
+        if self._to_step and not self._stepping:
+            steps, self._to_step = self._to_step, 0
+            self._stepping = True
+            self.world.Step(steps)
+            self._stepping = False
+
+    def time_was_reset(self) -> None:
+        """The clock was set back."""
+        if self.sensors is not None:
+            self.sensors.reset()
+
+    def reset(self) -> None:
+        """Clock and models were put back: so are controllers, sensors and plugins."""
+        self.time_was_reset()
+        for model in self.world.all_models():
+            model.after_reset()
+        for plugin in self.world_plugins.values():
+            plugin.call("Reset")
+        inner = [*(self.sensors.plugins() if self.sensors else ()), *(self.visuals.plugins() if self.visuals else ())]
+        for plugin in (*inner, *system_plugins):
+            plugin.call("Reset")
+
+    def close(self) -> None:
+        """The world ends."""
+        for plugin in list(self.plugins()):
+            plugin.drop()
+        for part in (self.visuals, self.sensors, self.topics):
+            if part is not None:
+                part.close()
+        self.world.close()
+
+    # What the world tells ----------------------------------------------------------------------------------------
+
+    def sensor_names(self) -> list[str]:
+        """Full names of all sensors."""
+        return self.sensors.names() if self.sensors is not None else []
+
+    def magnetic_field(self) -> Vector3d:
+        """The file's field [T]; SDF's default where it names none."""
+        settings = settings_of(self.core)
+        return Vector3d(*settings.magnetic_field) if settings is not None else Vector3d(*MAGNETIC_FIELD)
+
+    def spherical_coordinates(self) -> SphericalCoordinates:
+        """Where the file says the world lies."""
+        settings = settings_of(self.core)
+        place = settings.spherical_coordinates if settings is not None else None
+        if place is None:
+            return SphericalCoordinates()
+        latitude, longitude, heading = (
+            math.radians(place.Get(float, key)) for key in ("latitude_deg", "longitude_deg", "heading_deg")
+        )
+        surface = SphericalCoordinates.EARTH_WGS84  # the only one SDF knows
+        return SphericalCoordinates(surface, latitude, longitude, place.Get(float, "elevation"), heading)
+
+
+def _names(element: Element) -> tuple[str, str]:
+    """(filename, name) of a `<plugin>`."""
+    return element.Get(str, "filename"), element.Get(str, "name")
+
+
+def _named(element: Element | None, name: str) -> Iterator[Element]:
+    return element.named(name) if element is not None else iter(())

@@ -1,0 +1,82 @@
+"""The end of a topic that listens."""
+
+from __future__ import annotations
+
+import time as clock
+import types
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+from libgz.classic.msgs.message import Message
+from libgz.classic.transport.manager import TopicManager
+from libgz.classic.transport.topic import Topic, log, sequence
+from libgz.simulation.plugins import own_traceback
+
+__all__ = ["Subscriber"]
+
+HASTE = 0.001  # [s]: a subscription dropped sooner was never kept
+
+
+class Subscriber:
+    """A subscription, as Node.Subscribe returns it; it ends when it is dropped.
+
+    A bound method is held weakly: with ``self.sub = self.node.Subscribe("~/topic", self.OnMsg)`` the subscription ends
+    with the object it belongs to. Functions and everything else are held.
+    """
+
+    def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
+        self._topic = topic
+        self._callback: Callable[[], Callable[[Any], Any] | None]
+        if isinstance(callback, types.MethodType):
+            self._callback = weakref.WeakMethod(callback)
+        else:
+            self._callback = lambda: callback
+        self._what = getattr(callback, "__qualname__", repr(callback))
+        self.latching = latching
+        self.since = next(sequence)
+        self._born = clock.monotonic()
+        topic.subscribers[id(self)] = weakref.ref(self)
+        manager = TopicManager.Instance()
+        manager.refresh(topic)
+        if latching:
+            manager.latch(topic, self)
+
+    def GetTopic(self) -> str:
+        """The full name of the topic."""
+        return self._topic.name
+
+    def Unsubscribe(self) -> None:
+        """Hear no more. Allowed at any time, also in the callback."""
+        if self._topic.subscribers.pop(id(self), None) is not None:
+            TopicManager.Instance().refresh(self._topic)
+
+    Fini = Unsubscribe
+
+    def __del__(self) -> None:
+        topic = getattr(self, "_topic", None)
+        if topic is not None and topic.subscribers.pop(id(self), None) is not None:
+            TopicManager.Instance().refresh_later(topic)
+            if clock.monotonic() - self._born < HASTE:
+                log.warning(
+                    "the subscription to %s ended right after it began: keep what Subscribe returns", topic.name
+                )
+
+    def take(self, message: Message) -> None:
+        """Call back. A callback that raises is reported, and its subscription ends."""
+        if id(self) not in self._topic.subscribers:
+            return
+        callback = self._callback()
+        if callback is None:
+            self.Unsubscribe()
+            return
+        try:
+            callback(message)
+        except Exception as fault:  # noqa: BLE001 - a plugin's; the simulation goes on
+            self.Unsubscribe()
+            log.error(
+                "the callback %s of topic %s failed and is called no more:\n%s",
+                self._what,
+                self._topic.name,
+                own_traceback(fault),
+            )

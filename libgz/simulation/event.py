@@ -1,0 +1,207 @@
+"""Event: callbacks that are called together; a connection ends when it is dropped."""
+
+from __future__ import annotations
+
+import inspect
+import logging
+import time
+from collections.abc import Callable
+from contextvars import ContextVar
+from typing import Any, Protocol
+from weakref import WeakSet
+
+from libgz.simulation.plugins import own_traceback
+
+__all__ = ["Connection", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
+
+log = logging.getLogger("libgz.simulation")
+
+HASTE = 1e-3  # [s] a connection dropped within this was not kept by mistake
+
+
+class Owner(Protocol):
+    """Who connects callbacks: a plugin. It is told when one of them raises."""
+
+    events: WorldEvents | None  # of its world; None for all worlds'
+    connections: WeakSet[Connection]
+
+    def stop(self, where: str, fault: BaseException) -> None:
+        """One of its callbacks raised."""
+
+
+owner: ContextVar[Owner | None] = ContextVar("owner", default=None)  # whose code is running
+
+
+class _Entry:
+    """One callback of an event."""
+
+    __slots__ = ("callback", "owner", "parameters")
+
+    def __init__(self, callback: Callable[..., object], parameters: int, by: Owner | None) -> None:
+        self.callback, self.parameters, self.owner = callback, parameters, by
+
+
+class Connection:
+    """A callback's place at an event. `Disconnect` ends it, and so does dropping the last reference to it."""
+
+    def __init__(self, event: Event, entry: _Entry) -> None:
+        self._event, self._entry = event, entry
+        self._made = time.monotonic()
+
+    def Disconnect(self) -> None:
+        """Take the callback off the event. Can be called twice."""
+        self._event.remove(self._entry)
+
+    disconnect = Disconnect
+
+    @property
+    def connected(self) -> bool:
+        """Whether the callback is still called."""
+        return self._event.has(self._entry)
+
+    def __del__(self) -> None:
+        if self._event.has(self._entry):
+            self.Disconnect()
+            if time.monotonic() - self._made < HASTE:
+                log.warning(
+                    "Warning: Deleting a connection right after creation. "
+                    "Make sure to save the ConnectionPtr from a Connect call"
+                )
+
+
+class Event:
+    """Something that happens, and who wants to know.
+
+    A callback may take fewer arguments than the event has. One that raises is reported with its traceback, and its
+    plugin is stopped; outside plugins only that callback is.
+
+    Args:
+        name: for messages.
+        above: an event whose callbacks are called, too, before this one's own.
+    """
+
+    def __init__(self, name: str, above: Event | None = None) -> None:
+        self.name = name
+        self._above = above
+        self._own: tuple[_Entry, ...] = ()
+        self._all: tuple[_Entry, ...] | None = None
+        self._seen: tuple[_Entry, ...] = ()  # of the event above, when _all was put together
+
+    def __bool__(self) -> bool:
+        return bool(self._own or (self._above is not None and self._above._own))
+
+    def Connect(self, callback: Callable[..., object]) -> Connection:
+        """Call `callback` whenever this happens, as long as the connection is kept."""
+        by = owner.get()
+        entry = _Entry(callback, _parameters(callback), by)
+        self._own += (entry,)
+        self._all = None
+        connection = Connection(self, entry)
+        if by is not None:
+            by.connections.add(connection)
+        return connection
+
+    def Disconnect(self, connection: Connection) -> None:
+        """End a connection."""
+        connection.Disconnect()
+
+    def ConnectionCount(self) -> int:
+        """How many callbacks there are."""
+        return len(self._calls())
+
+    def has(self, entry: _Entry) -> bool:
+        """Whether a callback is connected."""
+        return entry in self._own
+
+    def remove(self, entry: _Entry) -> None:
+        """Take a callback off."""
+        self._own = tuple(kept for kept in self._own if kept is not entry)
+        self._all = None
+
+    def clear(self) -> None:
+        """Take all callbacks off."""
+        self._own, self._all = (), None
+
+    def _calls(self) -> tuple[_Entry, ...]:
+        above = self._above._own if self._above is not None else ()
+        if self._all is None or above is not self._seen:
+            self._seen, self._all = above, above + self._own
+        return self._all
+
+    def Signal(self, *values: Any) -> None:
+        """Call all callbacks, in the order of connection."""
+        before = current = owner.get()
+        for entry in self._calls():
+            if entry.owner is not current:
+                current = entry.owner
+                owner.set(current)
+            try:
+                entry.callback(*values[: entry.parameters])
+            except Exception as fault:  # noqa: BLE001 - a plugin's
+                self._failed(entry, fault)
+        if current is not before:
+            owner.set(before)
+
+    __call__ = Signal
+
+    def _failed(self, entry: _Entry, fault: Exception) -> None:
+        if entry.owner is not None:
+            entry.owner.stop(f"a callback of event {self.name}", fault)
+        else:
+            log.error("a callback of event %s failed and is disconnected:\n%s", self.name, own_traceback(fault))
+        self.remove(entry)
+        if self._above is not None:
+            self._above.remove(entry)
+
+
+def _parameters(callback: Callable[..., object]) -> int:
+    """How many positional arguments a callback takes."""
+    try:
+        found = inspect.signature(callback).parameters.values()
+    except (TypeError, ValueError):  # some built-in functions do not tell
+        return 0
+    if any(p.kind is p.VAR_POSITIONAL for p in found):
+        return 9
+    return sum(p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in found)
+
+
+NAMES = (
+    "WorldUpdateStart",
+    "WorldUpdateBegin",
+    "BeforePhysicsUpdate",
+    "WorldUpdateEnd",
+    "WorldCreated",
+    "WorldReset",
+    "TimeReset",
+    "Pause",
+    "Step",
+    "Stop",
+    "SigInt",
+    "CreateEntity",
+    "AddEntity",
+    "DeleteEntity",
+    "SetSelectedEntity",
+    "CreateSensor",
+    "RemoveSensor",
+    "PreRender",
+    "Render",
+    "PostRender",
+    "PreRenderEnded",
+    "DiagTimerStart",
+    "DiagTimerStop",
+)
+
+
+class WorldEvents(dict[str, Event]):
+    """The events of one world, by Gazebo's names; `everywhere` are those of all worlds."""
+
+    def __init__(self, above: WorldEvents | None = None) -> None:
+        super().__init__((name, Event(name, above[name] if above is not None else None)) for name in NAMES)
+
+    def close(self) -> None:
+        """Take all callbacks off."""
+        for event in self.values():
+            event.clear()
+
+
+everywhere = WorldEvents()

@@ -1,0 +1,549 @@
+"""What plugins share: times, stopwatches, animations, messages, search paths, the globe."""
+
+import copy
+import io
+import logging
+import math
+import pickle
+import sys
+from datetime import datetime
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from libgz.classic.common import (
+    PID,
+    ConsoleFormatter,
+    ConsoleHandler,
+    LogFormatter,
+    NumericAnimation,
+    NumericKeyFrame,
+    PoseAnimation,
+    SphericalCoordinates,
+    SystemPaths,
+    Time,
+    Timer,
+    UpdateInfo,
+    endl,
+    gzdbg,
+    gzerr,
+    gzlog,
+    gzmsg,
+    gzthrow,
+    gzwarn,
+)
+from libgz.classic.math import PID as MATH_PID
+from libgz.classic.math import Angle, Quaterniond, Vector3d
+from libgz.errors import GazeboError, NotFoundError, ParameterError
+from libgz.sdf.paths import find_uri
+from libgz.sdf.value import parse
+
+# Times
+
+
+def test_a_time_is_normalised_with_one_sign():
+    assert (Time(1, 2_500_000_000).sec, Time(1, 2_500_000_000).nsec) == (3, 500_000_000)
+    assert (Time(-0.5).sec, Time(-0.5).nsec) == (0, -500_000_000)
+    assert (Time(1, -1).sec, Time(1, -1).nsec) == (0, 999_999_999)
+    assert (Time(-1.25).sec, Time(-1.25).nsec) == (-1, -250_000_000)
+    assert Time(1.5) == Time(1, 500_000_000) == Time(Time(1.5))
+    assert Time() == Time.Zero == 0
+    for wrong in (math.nan, math.inf):
+        with pytest.raises(ParameterError, match="finite"):
+            Time(wrong)
+
+
+def test_a_time_as_numbers_and_texts():
+    t = Time(3, 250_000_000)
+    assert t.Double() == t.Float() == float(t) == 3.25
+    assert str(t) == "3 250000000"
+    assert repr(t) == "Time(3, 250000000)"
+    assert parse(Time, "3 250000000") == parse(Time, "3.25") == t
+    with pytest.raises(ParameterError, match="Time"):
+        parse(Time, "1 2 3")
+    t.sec = 5
+    t.nsec = 1
+    assert t == Time(5, 1)
+    t.Set(2.0)
+    assert t == 2
+    assert not Time.Zero
+    assert copy.copy(t) == pickle.loads(pickle.dumps(t)) == t
+
+
+def test_times_add_up_exactly():
+    step, now = Time(0.001), Time()
+    for _ in range(10_000):
+        now += step
+    assert now == 10
+    assert now.Double() == 10.0
+    held = now
+    now -= 0.5
+    assert (held, now) == (Time(10), Time(9.5))
+    assert 10.0 - now == 0.5 + Time.Zero
+    assert -now == Time(-9.5)
+    assert (Time(3) / Time(2)).Double() == 1.5
+    assert Time(3) * 2 == 2 * Time(3) == 6
+    assert 3.0 / Time(2) == 1.5
+    assert np.float64(2.0) * Time(3) == 6
+    assert type(np.float64(2.0) + Time(3)) is Time
+    assert Time.Hour == 60 * Time.Minute == 3600 * Time.Second
+
+
+def test_times_compare_with_numbers():
+    t = Time(0.3)
+    assert t == 0.1 + 0.2  # to the nanosecond
+    assert 0.2 < t <= 0.3
+    assert t > Time(0.2)
+    assert t < math.inf
+    assert t > -math.inf
+    assert t != math.nan
+    assert not t < math.nan
+    assert t != "0.3"
+    with pytest.raises(TypeError):
+        _ = t < "1"
+
+
+nanoseconds = st.integers(-(10**18), 10**18)
+
+
+@given(nanoseconds, nanoseconds)
+def test_times_are_whole_nanoseconds(a, b):
+    s, t = Time.from_nanoseconds(a), Time.from_nanoseconds(b)
+    assert (s + t).nanoseconds == a + b
+    assert (s - t).nanoseconds == a - b
+    assert (s < t, s == t, s >= t) == (a < b, a == b, a >= b)
+    assert s.sec * 10**9 + s.nsec == a
+    assert abs(s.nsec) < 10**9
+    assert s.sec * s.nsec >= 0
+    assert Time(s.sec, s.nsec) == s
+
+
+@given(st.floats(-1e6, 1e6))
+def test_seconds_come_back_to_half_a_nanosecond(seconds):
+    assert abs(Time(seconds).Double() - seconds) <= 0.5e-9 + 1e-15 * abs(seconds)
+
+
+def test_formatted_times():
+    t = Time(2 * 86400 + 3 * 3600 + 4 * 60 + 5, 67_000_000)
+    assert t.FormattedString() == "02 03:04:05.067"
+    assert t.FormattedString(Time.HOURS, Time.SECONDS) == "51:04:05"
+    assert t.FormattedString(Time.SECONDS) == "183845.067"
+    with pytest.raises(ParameterError, match="FormattedString"):
+        t.FormattedString(Time.SECONDS, Time.HOURS)
+
+
+def test_the_clock_on_the_wall():
+    before = Time.GetWallTime()
+    later = Time()
+    later.SetToWallTime()
+    assert 0 <= later - before < 3600
+    assert datetime.fromisoformat(Time.GetWallTimeAsISOString()[:26]).year >= 2024
+    assert Time.NSleep(1000) == Time.MSleep(1) == Time.Sleep(Time(0.0005)) == 0
+    assert (Time.SecToNano(2), Time.MilToNano(2), Time.MicToNano(2)) == (2e9, 2e6, 2e3)
+
+
+def test_a_stopwatch():
+    timer = Timer()
+    assert not timer.GetRunning()
+    assert timer.GetElapsed() == 0
+    timer.Start()
+    assert timer.Running()
+    Time.MSleep(2)
+    timer.Stop()
+    halted = timer.GetElapsed()
+    assert halted >= 0.002
+    assert timer.GetElapsed() == halted
+    timer.Start()
+    assert timer.GetElapsed() >= halted
+    timer.Reset()
+    assert timer.GetElapsed() == 0
+
+
+def test_what_a_callback_is_told():
+    info = UpdateInfo("default", Time(1.0), Time(2.0))
+    assert (info.worldName, info.simTime.Double(), info.realTime.sec) == ("default", 1.0, 2)
+    assert UpdateInfo() == UpdateInfo("", Time.Zero, Time.Zero)
+
+
+def test_a_pid_takes_a_time():
+    assert PID is MATH_PID
+    assert PID(1.0, 1.0, 0.0, 10.0, -10.0).Update(2.0, Time(0.5)) == -3.0
+
+
+# Animations
+
+
+def pose_keys(anim, *keys):
+    for time, pos, rpy in keys:
+        key = anim.CreateKeyFrame(time)
+        key.Translation(Vector3d(*pos))
+        key.SetRotation(Quaterniond(*rpy))
+
+
+def at(anim, time):
+    anim.SetTime(time)
+    return anim.GetInterpolatedKeyFrame()
+
+
+def test_the_time_of_an_animation_wraps_or_stops():
+    looping, once = PoseAnimation("test", 1.0, True), PoseAnimation("test", 1.0, False)
+    looping.SetTime(-0.5)
+    once.SetTime(-0.5)
+    assert (looping.GetTime(), once.GetTime()) == (0.5, 0.0)
+    looping.AddTime(0.75)
+    once.AddTime(1.5)
+    assert (looping.GetTime(), once.GetTime()) == (0.25, 1.0)
+    once.SetLength(10.0)
+    assert once.GetLength() == 10.0
+    for wrong in (0.0, -1.0, math.inf, math.nan):
+        with pytest.raises(ParameterError, match="length"):
+            once.SetLength(wrong)
+
+
+def test_key_frames_are_kept_in_the_order_of_their_times():
+    anim = NumericAnimation("n", 10.0, False)
+    with pytest.raises(NotFoundError, match="no key frames"):
+        anim.GetInterpolatedKeyFrame()
+    for time in (5.0, 0.0, 10.0):
+        anim.CreateKeyFrame(time).SetValue(time * time)
+    assert [anim.GetKeyFrame(i).GetTime() for i in range(anim.GetKeyFrameCount())] == [0.0, 5.0, 10.0]
+    again = anim.CreateKeyFrame(5.0)
+    assert anim.KeyFrame(1) is again
+    assert anim.KeyFrameCount() == 3
+    for wrong in (-1, 3):
+        with pytest.raises(NotFoundError, match="has 3 key frames"):
+            anim.GetKeyFrame(wrong)
+    with pytest.raises(ParameterError, match="0 s or later"):
+        anim.CreateKeyFrame(-1.0)
+
+
+def test_numbers_change_in_straight_lines():
+    anim = NumericAnimation("numeric_test", 10, False)
+    anim.CreateKeyFrame(2.0).SetValue(10.0)
+    anim.CreateKeyFrame(10.0).SetValue(30.0)
+    assert at(anim, 4.0).GetValue() == 15.0
+    assert at(anim, 0.0).Value() == 10.0
+    assert at(anim, 10.0).Value() == 30.0
+    key = NumericKeyFrame(0.0)
+    assert anim.GetInterpolatedKeyFrame(key) is key
+    assert (key.GetTime(), key.GetValue()) == (10.0, 30.0)
+
+
+def test_a_pose_between_two_key_frames_is_classics():
+    """The figures are those that Gazebo 11's own test of its animations expects."""
+    anim = PoseAnimation("pose_test", 10.0, False)
+    pose_keys(anim, (0.0, (0, 0, 0), (0, 0, 0)), (10.0, (10, 20, 30), (0.1, 0.2, 0.3)))
+    key = at(anim, 4.0)
+    assert key.GetTranslation().Equal((3.76, 7.52, 11.28), 1e-9)
+    assert key.GetRotation().Equal(Quaterniond(0.0302776, 0.0785971, 0.109824), 1e-6)
+
+
+WAY = (
+    (1.0, (0, 0, 0), (0, 0, 0)),
+    (2.0, (1, 2, 0), (0.5, 0, 1.5)),
+    (5.0, (3, 1, 1), (0.5, 1, 3.0)),
+    (5.5, (2, 0, 1), (0, 0, -2.5)),
+    (9.0, (0, -1, 0), (-1, 0.5, -1.0)),
+)
+
+
+def test_key_frames_are_hit_exactly_and_held_at_the_ends():
+    anim = PoseAnimation("way", 10.0, False)
+    pose_keys(anim, *WAY)
+    for time, pos, rpy in WAY:
+        for near in (time, time - 1e-9, time + 1e-9):
+            key = at(anim, near)
+            assert key.Translation().Equal(pos, 1e-7)
+            assert abs(key.Rotation().Dot(Quaterniond(*rpy))) == pytest.approx(1.0, abs=1e-12)
+    assert at(anim, 0.0).Translation() == Vector3d(0, 0, 0)
+    assert at(anim, 10.0).Translation() == Vector3d(0, -1, 0)
+    at(anim, 2.0).Translation().X(50.0)  # a copy
+    assert anim.GetKeyFrame(1).Translation().x == 1.0
+
+
+def velocities(anim, time, h=1e-5):
+    """Velocity and angular velocity at a time, by central differences."""
+    before, after = at(anim, time - h), at(anim, time + h)
+    turn = before.rotation.Inverse() * after.rotation
+    turn = -turn if turn.w < 0 else turn
+    log = turn.Log()
+    return np.array([*(after.translation - before.translation), 2 * log.x, 2 * log.y, 2 * log.z]) / (2 * h)
+
+
+def test_the_way_is_smooth_even_where_key_frames_are_uneven():
+    anim = PoseAnimation("way", 10.0, False)
+    pose_keys(anim, *WAY)
+    for time, *_ in WAY[1:-1]:
+        before, after = velocities(anim, time - 1e-4), velocities(anim, time + 1e-4)
+        assert np.abs(before - after).max() < 0.02
+        assert np.abs(before).max() > 0.1
+
+
+def test_a_closed_way_goes_round_smoothly():
+    anim = PoseAnimation("round", 4.0, True)
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 0)]
+    pose_keys(anim, *((float(i), corner, (0, 0, 0)) for i, corner in enumerate(corners)))
+    assert np.abs(velocities(anim, 1e-4) - velocities(anim, 4.0 - 1e-4)).max() < 0.01
+    assert velocities(anim, 1e-4)[:2] == pytest.approx([0.5, -0.5], abs=0.01)
+    anim.SetTime(3.5)
+    anim.AddTime(1.0)
+    assert anim.GetTime() == 0.5
+
+
+@given(st.floats(0.0, 10.0), st.floats(-3.0, 3.0))
+def test_a_single_key_frame_is_everywhere(time, x):
+    anim = PoseAnimation("one", 10.0, False)
+    pose_keys(anim, (5.0, (x, 0, 0), (0, 0, x)))
+    assert at(anim, time).Translation() == Vector3d(x, 0, 0)
+
+
+# Messages
+
+
+@pytest.fixture
+def records():
+    gathered = []
+
+    class Gather(logging.Handler):
+        def emit(self, record):
+            gathered.append(record)
+
+    logger, handler = logging.getLogger("libgz.classic.console"), Gather()
+    level, propagate = logger.level, logger.propagate
+    logger.addHandler(handler)
+    logger.setLevel(logging.DEBUG)
+    logger.propagate = False
+    yield gathered
+    logger.removeHandler(handler)
+    logger.setLevel(level)
+    logger.propagate = propagate
+
+
+def test_messages_know_their_level_and_who_sent_them(records):
+    gzmsg("one", 1)
+    gzdbg("two")
+    gzwarn("three\n")
+    gzerr("100 % sure")
+    gzlog("five")
+    levels = [logging.INFO, logging.DEBUG, logging.WARNING, logging.ERROR, logging.INFO]
+    assert [record.levelno for record in records] == levels
+    assert [record.getMessage() for record in records] == ["one 1", "two", "three", "100 % sure", "five"]
+    assert {record.filename for record in records} == {"test_classic_common.py"}
+    assert {record.funcName for record in records} == {"test_messages_know_their_level_and_who_sent_them"}
+    assert [record.lineno - records[0].lineno for record in records] == [0, 1, 2, 3, 4]
+
+
+def test_messages_as_streams(records):
+    gzmsg << "x is " << 3 << "\n"
+    gzerr << "no end of line"
+    gzwarn << "two\nlines" << endl << "and a third" << endl
+    texts = [record.getMessage() for record in records]
+    assert texts == ["x is 3", "no end of line", "two\nlines", "and a third"]
+    assert records[0].filename == "test_classic_common.py"
+    assert records[1].lineno == records[0].lineno + 1
+    assert records[1].levelno == logging.ERROR
+
+
+def test_an_error_that_is_thrown_is_told_as_well(records):
+    with pytest.raises(GazeboError, match="out of range"):
+        gzthrow("index out of range")
+    assert records[0].getMessage() == "index out of range"
+    assert records[0].filename == "test_classic_common.py"
+
+
+def record_of(level, name="libgz.classic.console"):
+    return logging.LogRecord(name, level, "/somewhere/plugin.py", 12, "text", (), None)
+
+
+def test_the_form_of_messages():
+    plain, colored = ConsoleFormatter(), ConsoleFormatter(color=True)
+    assert plain.format(record_of(logging.INFO)) == "[Msg] text"
+    assert plain.format(record_of(logging.DEBUG)) == "[Dbg] [plugin.py:12] text"
+    assert plain.format(record_of(logging.WARNING)) == "[Wrn] [plugin.py:12] text"
+    assert plain.format(record_of(logging.CRITICAL)) == "[Err] [plugin.py:12] text"
+    assert colored.format(record_of(logging.ERROR)) == "\x1b[1;31m[Err] [plugin.py:12] text\x1b[0m"
+    assert [colored.format(record_of(level))[4:6] for level in (10, 20, 30)] == ["36", "32", "33"]
+    record = record_of(logging.ERROR)
+    record.created = 12.5
+    assert LogFormatter().format(record) == "(12 500000000) [plugin.py:12] text"
+    record.levelno = logging.INFO
+    assert LogFormatter().format(record) == "(12 500000000) text"
+
+
+def test_errors_always_show_and_the_rest_when_verbose(capsys):
+    for verbose in (False, True):
+        handler = ConsoleHandler(verbose)
+        for level in (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR):
+            if level >= handler.level:
+                handler.handle(record_of(level))
+        handler.handle(record_of(logging.ERROR, "libgz.classic.console.log"))
+        shown = capsys.readouterr()
+        assert shown.err == "[Wrn] [plugin.py:12] text\n[Err] [plugin.py:12] text\n"
+        assert shown.out == ("[Dbg] [plugin.py:12] text\n[Msg] text\n" if verbose else "")
+
+
+def test_colours_are_for_terminals(monkeypatch):
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    ConsoleHandler().handle(record_of(logging.ERROR))
+    assert sys.stderr.getvalue() == "\x1b[1;31m[Err] [plugin.py:12] text\x1b[0m\n"
+
+
+# Search paths
+
+
+@pytest.fixture
+def system_paths(tmp_path, monkeypatch):
+    for name in ("GAZEBO_PLUGIN_PATH", "GAZEBO_MODEL_PATH", "GAZEBO_RESOURCE_PATH", "GAZEBO_LOG_PATH"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    found = SystemPaths.Instance()
+    yield found
+    found.ClearPluginPaths()
+    found.ClearModelPaths()
+    found.ClearGazeboPaths()
+
+
+def test_plugin_paths_are_read_anew_and_added_to(system_paths, monkeypatch):
+    assert system_paths is SystemPaths.Instance()
+    assert system_paths.GetPluginPaths() == []
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", "/a::/b")
+    assert system_paths.GetPluginPaths() == ["/a", "/b"]
+    system_paths.AddPluginPaths("/c:/a")
+    system_paths.AddPluginPaths("/c")
+    assert system_paths.GetPluginPaths() == ["/a", "/b", "/c"]
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", "")
+    assert system_paths.GetPluginPaths() == ["/c", "/a"]
+
+
+def test_files_and_models_are_found(system_paths, monkeypatch, tmp_path, records):
+    models, resources = tmp_path / "m", tmp_path / "r"
+    (models / "robot").mkdir(parents=True)
+    (resources / "media" / "models").mkdir(parents=True)
+    (resources / "arena.world").touch()
+    (resources / "media" / "models" / "mesh.stl").touch()
+    assert system_paths.FindFileURI("model://robot") == ""
+    system_paths.AddModelPaths(str(models))
+    assert system_paths.FindFileURI("model://robot") == str(models / "robot")
+    assert find_uri("model://robot") == models / "robot"  # what <include> uses
+    assert system_paths.GetModelPaths()[0] == str(tmp_path / "home" / ".gazebo" / "models")
+    assert system_paths.FindFile("arena.world") == ""
+    monkeypatch.setenv("GAZEBO_RESOURCE_PATH", str(resources))
+    assert system_paths.FindFile("arena.world") == str(resources / "arena.world")
+    assert system_paths.FindFileURI("file://mesh.stl") == str(resources / "media" / "models" / "mesh.stl")
+    assert system_paths.GetGazeboPaths() == [str(resources)]
+    monkeypatch.chdir(models)
+    assert system_paths.FindFile("robot") == str(models / "robot")
+    assert system_paths.FindFile("robot", False) == system_paths.FindFile("") == ""
+    assert system_paths.FindFile(str(models), False) == str(models)
+    warned = [record.getMessage() for record in records]
+    assert "Unable to find uri[model://robot]" in warned[0]
+    assert warned[-1] == 'File or path does not exist [""] [robot]'
+
+
+def test_the_folder_of_logs(system_paths, monkeypatch, tmp_path):
+    assert system_paths.GetLogPath() == str(tmp_path / "home" / ".gazebo")
+    monkeypatch.setenv("GAZEBO_LOG_PATH", "/var/log/gazebo")
+    assert system_paths.GetLogPath() == "/var/log/gazebo"
+
+
+# The globe
+
+ECEF, GLOBAL, LOCAL, SPHERICAL = (
+    SphericalCoordinates.ECEF,
+    SphericalCoordinates.GLOBAL,
+    SphericalCoordinates.LOCAL,
+    SphericalCoordinates.SPHERICAL,
+)
+
+
+def test_known_points_of_the_globe():
+    """Two points of California; their earth-centred coordinates are as gdaltransform (EPSG:4978) gives them."""
+    osrf = (math.radians(37.3877349), math.radians(-122.0651166), 32.0)
+    sc = SphericalCoordinates(SphericalCoordinates.EARTH_WGS84, osrf[0], osrf[1], osrf[2])
+    ecef = sc.PositionTransform(osrf, SPHERICAL, ECEF)
+    assert ecef.Equal((-2693701.91434394, -4299942.14687992, 3851691.0393571), 1e-3)
+    assert sc.PositionTransform(ecef, ECEF, SPHERICAL).Equal(osrf, 1e-8)
+    other = sc.LocalFromSpherical((37.4216719, -122.0821853, 30.0))
+    assert other.Equal((-1510.88, 3766.64, -3.29), 0.1)  # by transverse Mercator, which is no tangent plane
+    assert sc.SphericalFromLocal(other).Equal((37.4216719, -122.0821853, 30.0), 1e-6)
+    equator = SphericalCoordinates()
+    assert equator.PositionTransform((0, 0, 0), LOCAL, ECEF) == Vector3d(6378137.0, 0, 0)
+    pole = equator.PositionTransform((0, 0, 6356752.3142 + 100.0), ECEF, SPHERICAL)
+    assert pole.Equal((math.pi / 2, 0, 100.0), 1e-3)
+
+
+def test_the_heading_turns_the_world_from_east_towards_north():
+    sc = SphericalCoordinates(1, Angle(0.3), Angle(-1.2), 354.1, Angle.HalfPi)
+    assert sc.GlobalFromLocal((1, 0, 0)).Equal((0, 1, 0), 1e-12)
+    assert sc.GlobalFromLocal((2243.5, 556.35, 435.7)).Equal((-556.35, 2243.5, 435.7), 1e-9)
+    assert sc.LocalFromGlobal((0, 1, 0)).Equal((1, 0, 0), 1e-12)
+    assert sc.SphericalFromLocal((0, 0, 0)).Equal((math.degrees(0.3), math.degrees(-1.2), 354.1), 1e-6)
+    north = sc.SphericalFromLocal((2e5, 0, 0))  # on a flat plane, so 3 km higher
+    assert north.x == pytest.approx(math.degrees(0.3) + 1.8, abs=0.01)
+    assert north.y == pytest.approx(math.degrees(-1.2), abs=1e-9)
+    assert north.z == pytest.approx(354.1 + 4e10 / (2 * 6.35e6), rel=0.01)
+    assert sc.LocalFromSpherical(north).Equal((2e5, 0, 0), 1e-3)
+    up = sc.VelocityTransform((0, 0, 1), LOCAL, ECEF)
+    assert up.Equal((math.cos(0.3) * math.cos(-1.2), math.cos(0.3) * math.sin(-1.2), math.sin(0.3)), 1e-12)
+
+
+latitudes, longitudes = st.floats(-1.57, 1.57), st.floats(-3.14, 3.14)
+frames = st.sampled_from([ECEF, GLOBAL, LOCAL])
+
+
+@given(latitudes, longitudes, st.floats(-100.0, 9000.0), longitudes, frames, frames)
+def test_positions_and_velocities_come_back(latitude, longitude, elevation, heading, a, b):
+    sc = SphericalCoordinates(1, latitude, longitude, elevation, heading)
+    at_ecef = sc.PositionTransform((120.0, -40.0, 7.0), LOCAL, ECEF)
+    in_a = sc.PositionTransform(at_ecef, ECEF, a)
+    assert sc.PositionTransform(sc.PositionTransform(in_a, a, b), b, a).Equal(in_a, 1e-6)
+    in_degrees = sc.SphericalFromLocal((120.0, -40.0, 7.0))
+    assert sc.LocalFromSpherical(in_degrees).Equal((120.0, -40.0, 7.0), 1e-4)
+    v = sc.VelocityTransform((1.0, 2.0, 3.0), a, b)
+    assert v.Length() == pytest.approx(math.sqrt(14.0))
+    assert sc.VelocityTransform(v, b, a).Equal((1.0, 2.0, 3.0), 1e-9)
+
+
+def test_metres_on_the_ground_are_those_of_the_ellipsoids_radii():
+    """Radii of curvature from south to north and from west to east, by their definition."""
+    latitude, e2 = 0.8, 0.00669437999014
+    w = math.sqrt(1 - e2 * math.sin(latitude) ** 2)
+    meridian, normal = 6378137.0 * (1 - e2) / w**3, 6378137.0 / w
+    sc = SphericalCoordinates(1, latitude, 0.5)
+    moved = sc.PositionTransform((10.0, 10.0, 0.0), LOCAL, SPHERICAL)
+    assert (moved.x - latitude) * meridian == pytest.approx(10.0, abs=1e-4)
+    assert (moved.y - 0.5) * normal * math.cos(latitude) == pytest.approx(10.0, abs=1e-4)
+
+
+def test_distances_on_the_globe():
+    angles = [Angle(math.radians(a)) for a in (46.250944, -122.249972, 46.124953, -122.251683)]
+    assert SphericalCoordinates.Distance(*angles) == pytest.approx(14002, abs=20)
+    assert SphericalCoordinates.Distance(0.0, 0.0, 0.0, math.pi) == pytest.approx(math.pi * 6371000)
+
+
+def test_the_reference_of_the_globe_can_be_set():
+    sc = SphericalCoordinates()
+    sc.SetLatitudeReference(Angle(0.3))
+    sc.SetLongitudeReference(-1.2)
+    sc.SetElevationReference(354.1)
+    sc.SetHeadingOffset(0.5)
+    assert sc == SphericalCoordinates(1, 0.3, -1.2, 354.1, 0.5)
+    assert (sc.LatitudeReference(), sc.GetLongitudeReference(), sc.GetElevationReference()) == (0.3, -1.2, 354.1)
+    assert sc.HeadingOffset() == 0.5
+    assert sc.GetSurfaceType() == SphericalCoordinates.Convert("EARTH_WGS84") == SphericalCoordinates.EARTH_WGS84
+    assert SphericalCoordinates.Convert(1) == "EARTH_WGS84"
+    assert sc.SphericalFromLocal((0, 0, 0)).Equal((math.degrees(0.3), math.degrees(-1.2), 354.1), 1e-6)
+    with pytest.raises(ParameterError, match="EARTH_WGS84"):
+        SphericalCoordinates.Convert("MOON")
+    with pytest.raises(ParameterError, match="surface 7"):
+        SphericalCoordinates(7)
+    with pytest.raises(ParameterError, match="frame 9"):
+        sc.PositionTransform((0, 0, 0), 9, ECEF)
+    with pytest.raises(ParameterError, match="no velocities"):
+        sc.VelocityTransform((0, 0, 0), SPHERICAL, ECEF)

@@ -102,31 +102,6 @@ class EngineSettings:
         self._ode.dWorldSetQuickStepNumIterations(self.world, self.iterations)
         self._ode.dWorldSetQuickStepW(self.world, self.over_relaxation)
 
-    @property
-    def iterations(self) -> int:
-        """Iterations of the quick solver."""
-        return int(self._ode.dWorldGetQuickStepNumIterations(self.world))
-
-    @property
-    def over_relaxation(self) -> float:
-        """Over-relaxation of the quick solver."""
-        return float(self._ode.dWorldGetQuickStepW(self.world))
-
-    @property
-    def erp(self) -> float:
-        """Share of joints' errors that is mended in a step."""
-        return float(self._ode.dWorldGetERP(self.world))
-
-    @property
-    def cfm(self) -> float:
-        """Softness of joints."""
-        return float(self._ode.dWorldGetCFM(self.world))
-
-    @property
-    def correcting_velocity(self) -> float:
-        """The fastest a contact pushes out [m/s]."""
-        return float(self._ode.dWorldGetContactMaxCorrectingVel(self.world))
-
     def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
         """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
         self.erp = not_negative(erp, "erp")

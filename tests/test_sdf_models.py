@@ -450,7 +450,7 @@ def test_more_contacts_than_ten_on_request(load, tmp_path):
 def test_a_state_moves_inserts_and_deletes(load):
     inserted = model("late", link("l"), pose="7 0 0 0 0 0")
     state = (
-        "<state world_name='default'><sim_time>3 0</sim_time>"
+        "<state world_name='default'><sim_time>3 500000000</sim_time>"
         "<model name='m'><pose>1 2 3 0 0 0</pose><link name='link'><pose>1 2 3 0 0 0.5</pose>"
         "<velocity>0 0 1 0 0 2</velocity></link></model><model name='nobody'/>"
         "<light name='lamp'><pose>0 0 9 0 0 0</pose></light>"
@@ -459,6 +459,7 @@ def test_a_state_moves_inserts_and_deletes(load):
     lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose></light>"
     made = load(world(model("m", link("link")), model("gone", link("l")), lamp, state, gravity="0 0 0"))
     body = made.body("m")
+    assert made.GetSimTime() == 3.5
     assert place(body) == (1, 2, 3)
     assert GzQuaternToEuler(body.GetRotation()).z == pytest.approx(0.5)
     assert (tuple(body.GetLinearVel()), tuple(body.GetAngularRate())) == ((0, 0, 1), (0, 0, 2))

@@ -129,6 +129,7 @@ class Engine(EngineSettings):
         self.top = Space(self, top)
         self.quirks: frozenset[str] = frozenset()
         self.bodies: dict[int, Body] = {}
+        self.sleepers: set[Body] = set()  # bodies that may fall asleep
         self.joints: dict[int, Joint] = {}
         self.geoms: dict[int, Geom] = {}
         self.spaces: dict[Space, None] = {}
@@ -310,9 +311,8 @@ class Engine(EngineSettings):
 
     def wake(self) -> None:
         """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
-        for body in self.bodies.values():
-            if body.sleepy:
-                body.Enable(True)
+        for body in self.sleepers:
+            body.Enable(True)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
@@ -163,7 +164,8 @@ _TURN = 6.2831853071795862  # 2 pi
 
 def _unwind(before: float, angle: float) -> float:
     """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
-    return angle + _TURN * round((before - angle) / _TURN)
+    turns = (before - angle) / _TURN
+    return angle + _TURN * round(turns) if math.isfinite(turns) else angle
 
 
 def watch_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:

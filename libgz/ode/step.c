@@ -567,7 +567,8 @@ static void watch_bodies(context *c)
 /* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
-    return c->classic ? angle + TURN * rint((before - angle) / TURN) : angle;
+    double turns = (before - angle) / TURN;
+    return c->classic && isfinite(turns) ? angle + TURN * rint(turns) : angle;
 }
 
 static void read_joints(context *c)

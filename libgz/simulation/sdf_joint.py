@@ -76,6 +76,7 @@ class SdfJoint(JointLimits):
         self.joint: Joint | None = None
         self._coupling: Thread | Gears | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1
+        self._laid: dict[int, float] = {}
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
@@ -182,6 +183,7 @@ class SdfJoint(JointLimits):
     def restore(self) -> None:
         """Count turns from zero again, after links were put back where they began."""
         self._held.clear()
+        self._laid.clear()
         if self.joint is not None:
             self.engine.join(self.joint.row, self.joint.id)
         if isinstance(self._coupling, Gears):

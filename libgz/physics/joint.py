@@ -215,6 +215,18 @@ class Joint:
         """ODE's number of the joint's kind."""
         return int(self.kind)
 
+    def set_spring(self, stiffness: float, damping: float, reference: float = 0.0) -> None:
+        """A spring and a damper that push in every step: stiffness (reference - position) - damping rate.
+
+        Hinges and sliders only; [N m/rad, N m s/rad, rad] or [N/m, N s/m, m].
+
+        Raises:
+            ParameterError: it is another kind of joint, or a number is not finite.
+        """
+        if self.kind not in (JointType.HINGE, JointType.SLIDER):
+            raise ParameterError(f"{self!r} has no spring; hinges and sliders have")
+        self.engine.springs[self.row] = finite_tuple((stiffness, damping, reference), 3, "spring")
+
     # Parameters --------------------------------------------------------------------------------------------------
 
     def SetAnchor(self, anchor: VectorLike) -> None:

@@ -21,7 +21,10 @@ FindLink = Callable[[str], Body]  # a link by its name in a file
 
 @dataclass
 class Axis:
-    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N]."""
+    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N].
+
+    Springs and stops of a joint that is made are changed through it: `set_spring`, `set_param`.
+    """
 
     direction: GzVector  # global, when the joint was made
     lower: float = -UNLIMITED

@@ -78,6 +78,7 @@ class SdfJoint(JointLimits):
         self._applied, self._applied_at = [0.0, 0.0], -1
         self._laid: dict[int, float] = {}
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
+        self.acts = self._engine_pushes = False
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
@@ -111,6 +112,7 @@ class SdfJoint(JointLimits):
             return
         if self.kind == "gearbox":
             self._attach_gears()
+            self._refresh()
             return
         kind = UniversalJoint if self.kind == "revolute2" and not self._needs_hinge2() else KINDS[self.kind]
         self.joint = kind(self.engine, name=self.name)
@@ -119,6 +121,7 @@ class SdfJoint(JointLimits):
         if isinstance(self.joint, PistonJoint):
             self._coupling = Thread(self.joint, self.plan.pitch)
         self.provide_feedback(self.plan.feedback)
+        self._refresh()
 
     def _needs_hinge2(self) -> bool:
         """Whether two axes are ODE's Hinge2: it has a suspension, and its axes may meet at any angle.
@@ -176,6 +179,7 @@ class SdfJoint(JointLimits):
         if self.joint is not None:
             self.joint.close()
         self.joint = self._coupling = None
+        self.acts = False
         self._held.clear()
 
     close = detach
@@ -191,7 +195,9 @@ class SdfJoint(JointLimits):
 
     @property
     def attached(self) -> bool:
-        """Whether it holds links together."""
+        """Whether it holds links together; not any more when one of them was deleted."""
+        if self.broken:
+            self.detach()
         return self.joint is not None or self._coupling is not None
 
     # Motion ------------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite
 from libgz.physics.couplings import Gears, Thread
 from libgz.physics.engine import Engine
-from libgz.physics.joint import Joint, SliderJoint
+from libgz.physics.joint import HingeJoint, Joint, SliderJoint
 from libgz.simulation.sdf_axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
 
@@ -28,6 +28,8 @@ class JointLimits:
     implicit: bool
     joint: Joint | None
     _coupling: Thread | Gears | None
+    acts: bool  # whether `update` has anything to do
+    _engine_pushes: bool  # whether the engine does what its springs do
     _laid: dict[int, float]  # axis -> turns [rad] that its stops were laid for
     _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
 
@@ -109,6 +111,7 @@ class JointLimits:
         if key in ("hi_stop", "lo_stop"):
             setattr(self._axis(index), "upper" if key == "hi_stop" else "lower", number)
             self._set_stops(index)
+            self._refresh()
         elif key == "friction":
             # Friction is a motor that wants to stand still.
             self._axis(index).friction = number
@@ -175,11 +178,18 @@ class JointLimits:
         axis.reference = finite(reference, "reference")
         if self.joint is not None:
             self._set_stops(index)
+        self._refresh()
 
-    @property
-    def acts(self) -> bool:
-        """Whether `update` has anything to do."""
-        return self._coupling is not None or any(axis.springs or axis.wide for axis in self.axes)
+    def _refresh(self) -> None:
+        """Note who pushes: the engine for the explicit springs of hinges and sliders, for all else `update`."""
+        self._engine_pushes = False
+        if isinstance(self.joint, HingeJoint | SliderJoint):
+            axis, self._engine_pushes = self.axes[0], not self.implicit
+            share = float(self._engine_pushes)
+            self.joint.set_spring(share * axis.stiffness, share * abs(axis.damping), axis.reference)
+        turning = not isinstance(self.joint, SliderJoint)
+        springs = any(axis.springs for axis in self.axes) and not self._engine_pushes
+        self.acts = self._coupling is not None or springs or (turning and any(axis.wide for axis in self.axes))
 
     def update(self) -> None:
         """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
@@ -192,7 +202,7 @@ class JointLimits:
         if self.joint is None:
             return
         for index, axis in enumerate(self.axes):
-            if axis.springs and not (self.implicit and self._hold(index, axis)):
+            if axis.springs and not self._engine_pushes and not (self.implicit and self._hold(index, axis)):
                 spring = axis.stiffness * (axis.reference - self.position(index))
                 self._push(spring - abs(axis.damping) * self.velocity(index), index)
             if axis.wide and not self._held.get(index) and self._turns(index) != self._laid.get(index):

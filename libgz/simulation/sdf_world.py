@@ -9,6 +9,7 @@ from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault, Faults
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
+from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.simulation.changes import delete_models

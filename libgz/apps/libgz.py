@@ -22,11 +22,15 @@ COMMANDS = {
     "doctor": "show what this machine has of what libgz needs",
     "echo": "print what an interface of a running server says, live",
     "interfaces": "list what a running server offers",
+    "joint": "push and steer joints of a running SDF world",
+    "model": "look at, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
     "picture": "save what a camera of a world sees",
     "schema": "print a grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
     "set": "write fields of an interface of a running server",
+    "stats": "print how fast a running SDF world goes",
+    "topic": "list, print, measure and publish the topics of a running server of SDF worlds",
     "upgrade": "rewrite a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7",
 }
 

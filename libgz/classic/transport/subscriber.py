@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 import types
 import weakref
 from collections.abc import Callable
@@ -10,9 +11,12 @@ from typing import Any
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
+from libgz.simulation.event import owner
 from libgz.simulation.plugins import own_traceback
 
 __all__ = ["Subscriber"]
+
+HASTE = 0.001  # [s]: a subscription dropped sooner was never kept
 
 
 class Subscriber:
@@ -24,6 +28,7 @@ class Subscriber:
 
     def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
         self._topic = topic
+        self._owner = owner.get()  # the plugin whose code subscribes: it is stopped when the callback raises
         self._callback: Callable[[], Callable[[Any], Any] | None]
         if isinstance(callback, types.MethodType):
             self._callback = weakref.WeakMethod(callback)
@@ -32,7 +37,10 @@ class Subscriber:
         self._what = getattr(callback, "__qualname__", repr(callback))
         self.latching = latching
         self.since = next(sequence)
+        self._born = clock.monotonic()
         topic.subscribers[id(self)] = weakref.ref(self)
+        if self._owner is not None:
+            self._owner.connections.add(self)
         manager = TopicManager.Instance()
         manager.refresh(topic)
         if latching:
@@ -47,28 +55,41 @@ class Subscriber:
         if self._topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh(self._topic)
 
-    Fini = Unsubscribe
+    Fini = disconnect = Unsubscribe
 
     def __del__(self) -> None:
         topic = getattr(self, "_topic", None)
         if topic is not None and topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh_later(topic)
+            if clock.monotonic() - self._born < HASTE:
+                log.warning(
+                    "the subscription to %s ended right after it began: keep what Subscribe returns", topic.name
+                )
 
     def take(self, message: Message) -> None:
-        """Call back. A callback that raises is reported, and its subscription ends."""
+        """Call back. A callback that raises is reported; its subscription ends, and its plugin is stopped."""
         if id(self) not in self._topic.subscribers:
             return
         callback = self._callback()
         if callback is None:
             self.Unsubscribe()
             return
+        token = owner.set(self._owner)
         try:
             callback(message)
         except Exception as fault:  # noqa: BLE001 - a plugin's; the simulation goes on
-            self.Unsubscribe()
-            log.error(
-                "the callback %s of topic %s failed and is called no more:\n%s",
-                self._what,
-                self._topic.name,
-                own_traceback(fault),
-            )
+            self._failed(fault)
+        finally:
+            owner.reset(token)
+
+    def _failed(self, fault: Exception) -> None:
+        self.Unsubscribe()
+        if self._owner is not None:
+            self._owner.stop(f"the callback {self._what} of topic {self._topic.name}", fault)
+            return
+        log.error(
+            "the callback %s of topic %s failed and is called no more:\n%s",
+            self._what,
+            self._topic.name,
+            own_traceback(fault),
+        )

@@ -89,6 +89,8 @@ class StepContext(ctypes.Structure):
         ("joint_types", c_void_p),
         ("joint_state", c_void_p),
         ("springs", c_void_p),
+        ("gave_up", c_int64),
+        ("lost", c_int64),
     ]
 
 

@@ -6,7 +6,7 @@ import ctypes
 import itertools
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import ClosedError
+from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import (
     GzCoordPoseAdd,
     GzPose,
@@ -58,6 +58,7 @@ class Body:
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
         self.model: Any = None  # that it was added to
+        self.ran_away = False  # whether it was told that it did
         self.kinematic = False  # whether it moves by its velocity only
         self.sleepy = False  # whether it falls asleep when it rests
         self.geoms: list[Geom] = []
@@ -400,16 +401,30 @@ class Body:
         self._take_mass(mass_.sum_masses(masses))
 
     def SetMassMatrix(self, mass: mass_.Mass) -> None:
-        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh."""
-        self._given_mass = mass
-        self.UpdateCoM()
+        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh.
+
+        Raises:
+            ParameterError: it is not that of any body; the body keeps the one it has.
+        """
+        before, self._given_mass = self._given_mass, mass
+        try:
+            self.UpdateCoM()
+        except ParameterError:
+            self._given_mass = before
+            raise
 
     def _take_mass(self, total: mass_.Mass) -> None:
         """Hand a mass matrix to ODE; the body frame stays where it is."""
         pose = self.GetPose()
-        self.engine.com[self.row] = total.c[:3]
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
+        if not ode().dMassCheck(ctypes.addressof(final)):
+            centre = ", ".join(f"{length:g}" for length in total.c[:3])
+            raise ParameterError(
+                f"body {self.bodyName!r}: {total.mass:g} kg at ({centre}) m with those moments of inertia is no mass "
+                "that ODE can reckon with"
+            )
+        self.engine.com[self.row] = total.c[:3]
         ode().dBodySetMass(self.id, ctypes.addressof(final))
         if self.kinematic:
             self.set_kinematic(True)  # for ODE forgets it with a new mass

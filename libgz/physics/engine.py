@@ -19,6 +19,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
+from libgz.physics.runaway import mend
 from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:
@@ -349,6 +350,8 @@ class Engine(EngineSettings):
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints
             self._touched = not self.step_form.reads_all
+        if self._context.lost or self._context.gave_up:
+            mend(self.bodies.values(), bool(self._context.gave_up))
         if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
 

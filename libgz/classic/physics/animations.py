@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
 
 from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
+from libgz.errors import GazeboError, ParameterError
+from libgz.simulation.event import Callback
 
 if TYPE_CHECKING:
     from libgz.classic.physics.base import Entity
@@ -15,7 +19,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Animations"]
 
-Done = Callable[[], object] | None
+log = logging.getLogger("libgz.classic")
+
+A = TypeVar("A", PoseAnimation, NumericAnimation)
 
 
 class Animations:
@@ -23,49 +29,77 @@ class Animations:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._poses: dict[Entity, tuple[PoseAnimation, Done]] = {}
-        self._joints: dict[Model, tuple[dict[str, NumericAnimation], Done]] = {}
+        # What goes on by some seconds and tells whether it is over, and what is called then.
+        self._runs: dict[tuple[Entity, str], tuple[Callable[[float], bool], Callback | None]] = {}
         self._last = 0.0
 
-    def start(self, entity: Entity, animation: PoseAnimation, done: Done) -> None:
-        """Move an entity along poses in what it is a part of."""
-        self._poses[entity] = animation, done
-        self._last = self._world.core.GetSimTime()
+    def start(self, entity: Entity, animation: PoseAnimation, done: Callable[[], object] | None) -> None:
+        """Move an entity along poses in what it is a part of.
 
-    def start_joints(self, model: Model, animations: dict[str, NumericAnimation], done: Done) -> None:
-        """Move joints of a model, by name."""
-        self._joints[model] = animations, done
+        Raises:
+            ParameterError: it is no PoseAnimation, or `done` cannot be called.
+        """
+        self._start(entity, "pose", partial(_move, entity, _checked(animation, PoseAnimation)), done)
+
+    def start_joints(
+        self, model: Model, animations: dict[str, NumericAnimation], done: Callable[[], object] | None
+    ) -> None:
+        """Move joints of a model, by name.
+
+        Raises:
+            ParameterError: one is no NumericAnimation, or `done` cannot be called.
+        """
+        rows = {name: _checked(animation, NumericAnimation) for name, animation in dict(animations).items()}
+        self._start(model, "joints", partial(_move_joints, model, rows), done)
+
+    def _start(self, entity: Entity, what: str, play: Callable[[float], bool], done: Callable[[], object] | None) -> None:
+        call = Callback(f"the end of the animation of {entity.GetScopedName()}", done) if done is not None else None
+        self._runs[entity, what] = play, call
         self._last = self._world.core.GetSimTime()
 
     def stop(self, entity: Entity) -> None:
         """Leave an entity and its joints where they are."""
-        self._poses.pop(entity, None)
-        self._joints.pop(entity, None)  # type: ignore[call-overload]
+        for what in ("pose", "joints"):
+            self._runs.pop((entity, what), None)
 
     def update(self) -> None:
-        """Move everything on to the present sim time."""
-        if not self._poses and not self._joints:
+        """Move everything on to the present sim time; an animation that leads nowhere is told of, and ends."""
+        if not self._runs:
             return
         now = self._world.core.GetSimTime()
         passed, self._last = max(0.0, now - self._last), now
-        for entity, (animation, done) in list(self._poses.items()):
-            ended = _advance(animation, passed)
-            frame = animation.GetInterpolatedKeyFrame()
-            entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
-            if ended:
-                del self._poses[entity]
-                if done is not None:
-                    done()
-        for model, (animations, done) in list(self._joints.items()):
-            over = [_advance(animation, passed) for animation in animations.values()]
-            places = {}
-            for name, numeric in animations.items():
-                places[name] = numeric.GetInterpolatedKeyFrame().Value()
-            model.SetJointPositions(places)
-            if all(over):
-                del self._joints[model]
-                if done is not None:
-                    done()
+        for key, run in list(self._runs.items()):
+            if self._runs.get(key) is not run:  # the end of another has stopped or replaced it
+                continue
+            play, done = run
+            try:
+                over = play(passed)
+            except GazeboError as fault:
+                log.error("the animation of %s ends: %s", key[0].GetScopedName(), fault)
+                over, done = True, None
+            if over:
+                del self._runs[key]
+            if over and done is not None:
+                done()
+
+
+def _checked(animation: A, kind: type[A]) -> A:
+    if not isinstance(animation, kind):
+        raise ParameterError(f"{animation!r} is no {kind.__name__}")
+    return animation
+
+
+def _move(entity: Entity, animation: PoseAnimation, seconds: float) -> bool:
+    over = _advance(animation, seconds)
+    frame = animation.GetInterpolatedKeyFrame()
+    entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
+    return over
+
+
+def _move_joints(model: Model, animations: dict[str, NumericAnimation], seconds: float) -> bool:
+    over = [_advance(animation, seconds) for animation in animations.values()]
+    model.SetJointPositions({name: one.GetInterpolatedKeyFrame().Value() for name, one in animations.items()})
+    return all(over)
 
 
 def _advance(animation: PoseAnimation | NumericAnimation, seconds: float) -> bool:

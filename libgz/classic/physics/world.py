@@ -21,6 +21,7 @@ from libgz.classic.physics.registry import enter, leave
 from libgz.classic.physics.state import WorldState, save_world
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
+from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
@@ -288,9 +289,13 @@ class World(Base):
         return next((c for c in link.GetCollisions() if c.geom is geom), None) if link is not None else None
 
     def ray_down(self, start: VectorLike, above: Base | None = None) -> tuple[float, str]:
-        """(distance [m], scoped name) of the collision below a point; those of `above` are not seen."""
+        """(distance [m], scoped name) of the collision below a point; those of `above` are not seen.
+
+        Raises:
+            ParameterError: the point is not finite, or absurdly far away.
+        """
         engine = self.core.engine
-        frame = np.array((*start, 1.0, 0.0, 0.0, 0.0))
+        frame = np.array((*finite_tuple(start, 3, "point [m]", LARGEST), 1.0, 0.0, 0.0, 0.0))
         rays = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, -1.0, NOWHERE]])
         ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
         owner = getattr(getattr(above, "body", None), "number", 0)

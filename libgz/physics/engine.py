@@ -148,6 +148,7 @@ class Engine(EngineSettings):
         self.step_form: Step = choose_step(self._context, self)
         self._step = self.step_form.step
         self._thread = 0  # that stepped last
+        self.collisions = 0  # how often `collide` was called
         self._publish_tables()
         shapes = (probe, ray, stand_in)
         self._destroy = weakref.finalize(
@@ -338,6 +339,7 @@ class Engine(EngineSettings):
     def collide(self) -> None:
         """The first half of a step, for those who want to act between contacts and motion; `solve` follows."""
         self._enter_thread()
+        self.collisions += 1
         self.step_form.collide()
 
     def solve(self) -> None:

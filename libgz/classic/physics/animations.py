@@ -52,7 +52,9 @@ class Animations:
         rows = {name: _checked(animation, NumericAnimation) for name, animation in dict(animations).items()}
         self._start(model, "joints", partial(_move_joints, model, rows), done)
 
-    def _start(self, entity: Entity, what: str, play: Callable[[float], bool], done: Callable[[], object] | None) -> None:
+    def _start(
+        self, entity: Entity, what: str, play: Callable[[float], bool], done: Callable[[], object] | None
+    ) -> None:
         call = Callback(f"the end of the animation of {entity.GetScopedName()}", done) if done is not None else None
         self._runs[entity, what] = play, call
         self._last = self._world.core.GetSimTime()

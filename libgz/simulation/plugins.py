@@ -156,6 +156,8 @@ def load_plugin(path: Path) -> Plugin:
 
 def own_traceback(fault: BaseException, path: Path | None = None) -> str:
     """The traceback of a fault from the user's own code on: without the frames of libgz and importlib above it."""
+    if isinstance(fault, SyntaxError):  # it names the place itself
+        return "".join(traceback.format_exception_only(fault)).rstrip()
     frames = traceback.extract_tb(fault.__traceback__)
     package = Path(__file__).parent.parent
     above = (str(package), str(package.resolve()), "<frozen importlib")

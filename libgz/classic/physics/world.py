@@ -133,9 +133,11 @@ class World(Base):
         """Run so many iterations, paused or not; a paused world is paused again after them."""
         paused = self.core.paused
         self.core.paused = False
-        self.core.step(steps)
-        if paused:
-            self.core.paused = True
+        try:
+            self.core.step(steps)
+        finally:
+            if paused:
+                self.core.paused = True
         self.core.events["Step"]()
 
     StepWorld = Step

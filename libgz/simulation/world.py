@@ -333,11 +333,13 @@ class World(Lookup, Loader, Clock):
             self._pauseTime += self.engine.step_time
         else:
             self._advance()
-        self._stepping = False
         if self._afterwards:
             self._act()
+        self._stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
+        if self._afterwards:
+            self._act()
         if self.sim.lock():
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
@@ -447,7 +449,7 @@ class World(Lookup, Loader, Clock):
             action()
 
     def _act(self) -> None:
-        actions, self._afterwards = self._afterwards, []
+        actions, self._afterwards, self._stepping = self._afterwards, [], False
         for by, action in actions:
             try:
                 action()

@@ -37,7 +37,7 @@ class ContactSensor(Sensor):
         super().__init__(sensors, parent, sdf)
         self.link = parent
         self._prefix = f"{parent.GetScopedName()}::"
-        names = [element.Get(str).strip() for element in sdf.child("contact").named("collision")]
+        names = [element.Get(str) for element in sdf.child("contact").named("collision")]
         self._collisions = [self._prefix + name.removeprefix(self._prefix) for name in names]
         self._waiting: deque[list[Contact]] = deque(maxlen=MOST_ITERATIONS)
         self._contacts: list[Contact] = []

@@ -314,6 +314,10 @@ class Engine(EngineSettings):
         view.flags.writeable = False
         return view
 
+    def _begin_watch(self) -> None:
+        self.body_start[: self.bodies_used] = 0.0
+        self.body_start[: self.bodies_used, :6] = self.states[:, 10:16]
+
     def wake(self) -> None:
         """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
         for body in self.sleepers:

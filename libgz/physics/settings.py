@@ -172,7 +172,13 @@ class EngineSettings:
 
     @watch_motion.setter
     def watch_motion(self, value: bool) -> None:
+        if value and not self._context.watch:
+            self._begin_watch()
         self._context.watch = int(value)
+
+    def _begin_watch(self) -> None:
+        """There was no step yet that could have changed anything."""
+        raise NotImplementedError
 
     @property
     def contacts(self) -> NDArray[np.void]:

@@ -99,12 +99,14 @@ class Link(Entity):
         self.SetAngularVel(angular)
 
     def WorldLinearAccel(self) -> Vector3d:
-        """Acceleration of the centre of mass in the last step [m/s^2], from its change of velocity."""
-        return self._world.accelerations.linear(self.body)
+        """Acceleration of the centre of mass in the last step [m/s^2]; zero at the first question of a world."""
+        self.body.engine.watch_motion = True
+        return Vector3d(*self.body.GetLinearAccel())
 
     def WorldAngularAccel(self) -> Vector3d:
-        """Angular acceleration in the last step [rad/s^2], from the change of angular velocity."""
-        return self._world.accelerations.angular(self.body)
+        """Angular acceleration in the last step [rad/s^2]; zero at the first question of a world."""
+        self.body.engine.watch_motion = True
+        return Vector3d(*self.body.GetAngularAccel())
 
     # Forces ------------------------------------------------------------------------------------------------------
 
@@ -213,9 +215,7 @@ class Link(Entity):
 
     def GetWorldEnergyKinetic(self) -> float:
         """Energy of motion [J]."""
-        v, w = self.body.GetLinearVel(), self.body.GetAngularRate()
-        spin = np.array(self.WorldInertiaMatrix().m) @ np.array(w)
-        return 0.5 * self.body.mass * GzVectorDot(v, v) + 0.5 * float(np.dot(w, spin))
+        return self.body.GetKineticEnergy()
 
     def GetWorldEnergy(self) -> float:
         """Potential and kinetic energy [J]."""

@@ -67,6 +67,7 @@ class WorldServer:
         self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
+        self._magnetic_field: tuple[float, ...] | None = None
         self._to_step, self._lent = 0, False  # iterations that a pause is lifted for, and whether it is lifted
         self._new: list[CoreModel] = list(core.models)
         self._started = False
@@ -280,9 +281,14 @@ class WorldServer:
         return self.sensors.names() if self.sensors is not None else []
 
     def magnetic_field(self) -> Vector3d:
-        """The file's field [T]; SDF's default where it names none."""
+        """The field [T]: what was set, the file's, or SDF's default."""
         settings = settings_of(self.core)
-        return Vector3d(*settings.magnetic_field) if settings is not None else Vector3d(*MAGNETIC_FIELD)
+        of_file = settings.magnetic_field if settings is not None else MAGNETIC_FIELD
+        return Vector3d(*(self._magnetic_field or of_file))
+
+    def set_magnetic_field(self, field: tuple[float, ...]) -> None:
+        """Replace the field [T]."""
+        self._magnetic_field = field
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""

@@ -323,6 +323,15 @@ class Engine(EngineSettings):
         for body in self.sleepers:
             body.Enable(True)
 
+    def sort_geoms(self) -> None:
+        """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
+
+        A run that begins with it is the same to the bit, whatever was before.
+        """
+        self._ode.dSpaceClean(self.top.id)
+        for body in self.bodies.values():
+            self._ode.dBodySetPosition(body.id, *body.GetCoMPose().pos)
+
     # Step and scan -----------------------------------------------------------------------------------------------
 
     def step(self) -> None:

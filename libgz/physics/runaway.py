@@ -62,6 +62,6 @@ def _tell(body: Body, place: GzVector, speeds: tuple[float, ...]) -> None:
     log.error(
         "body %s ran away and is stopped: at (%s) m with (%s) m/s and (%s) rad/s; a force or a gain is too large, or "
         "joints and contacts contradict each other",
-        "::".join((*names, body.bodyName)),
+        "::".join((*names, body.bodyName or "unnamed")),
         *numbers,
     )

@@ -243,6 +243,8 @@ class World(Lookup, Loader, Clock):
         self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
+        if self.engine.classic:
+            self.engine.sort_geoms()
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
@@ -434,6 +436,7 @@ class World(Lookup, Loader, Clock):
         for model in self.models:
             if model.parent is None:
                 model.restore()
+        self.engine.sort_geoms()
         self.engine.wake()
         for companion in self.companions:
             companion.reset()

@@ -418,6 +418,14 @@ class World(Base):
         """[T]."""
         return self.server.magnetic_field()
 
+    def SetMagneticField(self, field: VectorLike) -> None:
+        """Set it [T].
+
+        Raises:
+            ParameterError: it is not three finite numbers.
+        """
+        self.server.set_magnetic_field(finite_tuple(field, 3, "magnetic field [T]"))
+
     def SphericalCoords(self) -> SphericalCoordinates:
         """Where on Earth the world lies."""
         return self.server.spherical_coordinates()

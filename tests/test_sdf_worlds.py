@@ -255,7 +255,7 @@ def test_models_alone_in_a_file(load):
 def test_all_faults_at_once(load):
     bad = (
         "<model name='m'><link name='a'><inertial><mass>-1</mass></inertial></link><link name='a'/>"
-        "<joint name='j' type='gearbox'><parent>a</parent><child>a</child><axis><xyz>0 0 1</xyz></axis></joint>"
+        "<joint name='j' type='piston'><parent>a</parent><child>a</child><axis><xyz>0 0 1</xyz></axis></joint>"
         "<joint name='k' type='revolute'><parent>a</parent><child>nowhere</child><axis><xyz>0 0 1</xyz></axis></joint>"
         "</model>"
     )
@@ -264,17 +264,17 @@ def test_all_faults_at_once(load):
     text = str(caught.value)
     assert "mass [kg] is -1" in text
     assert "has a link 'a' already" in text
-    assert "type 'gearbox' is not a kind of joint here" in text
+    assert "type 'piston' is not a kind of joint here; allowed are revolute, prismatic" in text
     assert "<child> names link 'nowhere'; there are a" in text
     assert all("w0.world:1: <" in line for line in text.splitlines())
 
 
 def test_unknown_shapes_and_engines_are_warnings(load, caplog):
-    shape = "<geometry><mesh><uri>x.dae</uri></mesh></geometry>"
+    shape = "<geometry><image><uri>x.png</uri></image></geometry>"
     body = f"<model name='m'><link name='l'><collision name='c'>{shape}</collision></link></model>"
     made = load("<world name='w'><physics type='bullet'/>" + body + "</world>")
     made.step()
-    assert "<mesh>: this shape is not simulated, and is left out; box, sphere" in caplog.text
+    assert "<image>: this shape is not simulated, and is left out; box, sphere" in caplog.text
     assert "type 'bullet' is not here; ODE is used instead" in caplog.text
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
 from typing import Protocol
 
@@ -14,10 +15,37 @@ from libgz.geometry import rotate
 from libgz.ode.lib import OdeLibrary
 from libgz.ode.types import JointType
 
-__all__ = ["MAX_CONTACTS", "NO_HIT", "Step", "StepContext", "Tables", "read_body", "read_joint"]
+__all__ = [
+    "CONTACT",
+    "MAX_CONTACTS",
+    "MOST_CONTACTS",
+    "NO_HIT",
+    "Step",
+    "StepContext",
+    "Tables",
+    "read_body",
+    "read_joint",
+]
 
 MAX_CONTACTS = 10  # of a pair of geoms
+MOST_CONTACTS = 250  # of a pair of geoms in worlds of classic, which keep the deepest of them
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
+_VECTOR = (np.float64, (3,))
+# A contact point of a step: rows of its geoms; where it is [m], the unit normal, which points into the first geom, how
+# deep it is [m]; force [N] and torque about the centre of mass [N m] on the body of either geom. All global.
+CONTACT = np.dtype(
+    [
+        ("geom1", np.int64),
+        ("geom2", np.int64),
+        ("position", *_VECTOR),
+        ("normal", *_VECTOR),
+        ("depth", np.float64),
+        ("force1", *_VECTOR),
+        ("torque1", *_VECTOR),
+        ("force2", *_VECTOR),
+        ("torque2", *_VECTOR),
+    ]
+)
 
 
 class StepContext(ctypes.Structure):
@@ -35,7 +63,16 @@ class StepContext(ctypes.Structure):
         ("quick", c_int64),
         ("classic", c_int64),
         ("seed", c_uint64),
+        ("steps", c_int64),
         ("contact_count", c_int64),
+        ("max_contacts", c_int64),
+        ("cone", c_int64),
+        ("gravity", c_double * 3),
+        ("record", c_int64),
+        ("record_count", c_int64),
+        ("record_room", c_int64),
+        ("records", c_void_p),
+        ("pending", c_void_p),
         ("surface", c_void_p),
         ("owner", c_void_p),
         ("body_count", c_int64),
@@ -78,6 +115,13 @@ class Step(Protocol):
     def solve(self) -> bool:
         """The second half: move everything, empty the contact group; false if ODE ran out of memory."""
 
+    @property
+    def release(self) -> Callable[[], object]:
+        """Gives back what was allocated; the callable holds no reference to the engine."""
+
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the contact points recorded in this step, as `CONTACT`; without forces until `solve`."""
+
     def read(self) -> None:
         """Copy all body and joint states into the tables."""
 
@@ -110,27 +154,35 @@ def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
     state[0:3] = [p - o for p, o in zip(position, offset, strict=True)]
 
 
-def read_joint(ode_: OdeLibrary, tables: Tables, row: int) -> None:
-    """Copy angles and rates of one joint out of ODE into its row."""
+_TURN = 6.2831853071795862  # 2 pi
+
+
+def _unwind(before: float, angle: float) -> float:
+    """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
+    return angle + _TURN * round((before - angle) / _TURN)
+
+
+def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = False) -> None:
+    """Copy angles and rates of one joint out of ODE into its row; with `unwind`, angles count their turns."""
     joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
     if not joint:
         return
     state = tables.joint_state[row]
+    before = state[:2].tolist()
     if kind == JointType.HINGE:
         state[0], state[2] = ode_.dJointGetHingeAngle(joint), ode_.dJointGetHingeAngleRate(joint)
     elif kind == JointType.SLIDER:
         state[0], state[2] = ode_.dJointGetSliderPosition(joint), ode_.dJointGetSliderPositionRate(joint)
-    elif kind == JointType.HINGE2:
-        state[:] = (
-            ode_.dJointGetHinge2Angle1(joint),
-            ode_.dJointGetHinge2Angle2(joint),
-            ode_.dJointGetHinge2Angle1Rate(joint),
-            ode_.dJointGetHinge2Angle2Rate(joint),
-        )
-    elif kind == JointType.UNIVERSAL:
-        state[:] = (
-            ode_.dJointGetUniversalAngle1(joint),
-            ode_.dJointGetUniversalAngle2(joint),
-            ode_.dJointGetUniversalAngle1Rate(joint),
-            ode_.dJointGetUniversalAngle2Rate(joint),
-        )
+    elif kind in _TWO_VALUES:
+        state[:] = [getattr(ode_, f"dJointGet{what}")(joint) for what in _TWO_VALUES[kind]]
+    if unwind and kind != JointType.SLIDER:
+        state[0] = _unwind(before[0], state[0])
+        if kind in (JointType.HINGE2, JointType.UNIVERSAL):
+            state[1] = _unwind(before[1], state[1])
+
+
+_TWO_VALUES: dict[int, tuple[str, str, str, str]] = {
+    JointType.HINGE2: ("Hinge2Angle1", "Hinge2Angle2", "Hinge2Angle1Rate", "Hinge2Angle2Rate"),
+    JointType.UNIVERSAL: ("UniversalAngle1", "UniversalAngle2", "UniversalAngle1Rate", "UniversalAngle2Rate"),
+    JointType.PISTON: ("PistonAngle", "PistonPosition", "PistonAngleRate", "PistonPositionRate"),
+}

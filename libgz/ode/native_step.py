@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
-from libgz.ode.context import StepContext
+from libgz.ode.context import CONTACT, StepContext
 from libgz.ode.lib import ode
 
 __all__ = ["NativeStep", "native_path"]
@@ -31,9 +31,11 @@ class NativeStep:
 
     def __init__(self, context: StepContext, path: Path) -> None:
         self._shared = self._bind(path)
+        self._context = context
         self._address = ctypes.addressof(context)
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
         self._scan = self._shared.gz_scan
+        self.release = functools.partial(_release, self._shared, context)
 
     @classmethod
     def _bind(cls, path: Path) -> ctypes.CDLL:
@@ -46,6 +48,8 @@ class NativeStep:
         library.gz_step_bind.argtypes = [c_void_p]
         library.gz_collide.argtypes = [c_void_p]
         library.gz_solve.argtypes = [c_void_p]
+        library.gz_forget_contacts.argtypes = [c_void_p]
+        library.gz_forget_contacts.restype = None
         library.gz_read.argtypes = [c_void_p]
         library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
         library.gz_scan.restype = None
@@ -73,6 +77,14 @@ class NativeStep:
         """Move everything, empty the contact group, copy all states out."""
         return bool(self._shared.gz_solve(self._address))
 
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the contact points recorded in this step."""
+        count = self._context.record_count
+        if not count:
+            return np.empty(0, dtype=CONTACT)
+        records = (ctypes.c_char * (count * CONTACT.itemsize)).from_address(self._context.records)
+        return np.frombuffer(bytearray(records), dtype=CONTACT)
+
     def read(self) -> None:
         """Copy all states out."""
         self._shared.gz_read(self._address)
@@ -92,3 +104,8 @@ class NativeStep:
         self._scan(
             self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
         )
+
+
+def _release(library: ctypes.CDLL, context: StepContext) -> None:
+    """Give back the memory of the contact records."""
+    library.gz_forget_contacts(ctypes.addressof(context))

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-import math
 from collections.abc import Sequence
-from ctypes import c_double, c_void_p
+from ctypes import c_void_p
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,7 +13,8 @@ from numpy.typing import NDArray
 from libgz.geometry import rotate
 from libgz.ode.context import MAX_CONTACTS, NO_HIT, StepContext, Tables, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.types import Contact, ContactGeom, ContactMode, GeomClass, JointType, Surface, SurfaceParameters
+from libgz.ode.python_contacts import CarefulContacts, make_surface
+from libgz.ode.types import Contact, ContactGeom, JointType
 
 __all__ = ["PythonStep"]
 
@@ -26,13 +26,12 @@ class _Handle(c_void_p):
     """A handle that stays one: a result of plain c_void_p becomes an int, and must be made an argument again."""
 
 
-# What a pair is: two spaces, nothing that moves, one body and something static, two bodies, or two bodies whose shapes
-# ODE itself cannot collide.
-_SPACES, _STATIC, _PLAIN, _BODIES, _CYLINDERS = range(5)
+# What a pair is: two spaces, nothing that moves, one body and something static, two bodies, or one that takes more than
+# the legacy rule.
+_SPACES, _STATIC, _PLAIN, _BODIES, _CAREFUL = range(5)
 _Pair: TypeAlias = (
     "tuple[int, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, Sequence[tuple[c_void_p, ...]]]"  # see near()
 )
-_ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 MOST_PAIRS = 100_000  # remembered; each is some hundred bytes
 
 
@@ -51,10 +50,19 @@ class PythonStep:
         self._ode: OdeLibrary = ode()
         self._fault: BaseException | None = None
         self._pairs: dict[tuple[int, int], _Pair] = {}
-        self._pairs_valid_for: tuple[int, float] = (-1, 0.0)
+        self._pairs_valid_for: tuple[int, float, int] = (-1, 0.0, 0)
         self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
+        self._careful = CarefulContacts(context, tables)
         self._contact_count = 0
         self._near = self._make_near()
+
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the contact points recorded in this step."""
+        return self._careful.log.contacts()
+
+    @staticmethod
+    def release() -> None:
+        """Nothing to do: all memory is Python's."""
 
     def forget(self, geom: int) -> None:
         """Drop what is remembered of a geom, because it was destroyed or given to another body."""
@@ -70,7 +78,7 @@ class PythonStep:
         connected = self._ode.unchecked("dAreConnectedExcluding", ctypes.c_int)
         create = self._ode.unchecked("dJointCreateContact", _Handle)
         attach = self._ode.unchecked("dJointAttach", None)
-        context, pairs, look_up = self._context, self._pairs, self._look_up_pair
+        pairs, look_up = self._pairs, self._look_up_pair
         world, group = c_void_p(self._context.world), c_void_p(self._context.contacts)
         most, size, contact_type = (ctypes.c_int(v) for v in (MAX_CONTACTS, ctypes.sizeof(Contact), JointType.CONTACT))
 
@@ -83,15 +91,14 @@ class PythonStep:
                 elif kind == _SPACES:
                     collide2(one, two, None, callback)
                     return
+                elif kind == _CAREFUL:
+                    self._careful.touch(geom1, geom2)
+                    return
                 elif kind == _STATIC or connected(body1, body2, contact_type):
                     return
-                elif kind == _BODIES:
-                    count = collide(one, two, most, first, size)
                 else:
-                    count = self._collide_cylinder(geom1, geom2, first.value or 0)
+                    count = collide(one, two, most, first, size)
                 if count:
-                    if context.classic:
-                        count = self._refine(geom1, geom2, count)
                     self._contact_count += count
                     for contact in contacts[count]:
                         attach(create(world, group, contact), body1, body2)
@@ -111,72 +118,20 @@ class PythonStep:
             pair: _Pair = (_SPACES, one, two, one, two, one, [])
         else:
             body1, body2 = (lib.dGeomGetBody(geom) or 0 for geom in (geom1, geom2))
-            kinds = {lib.dGeomGetClass(geom) for geom in (geom1, geom2)}
             kind = _BODIES if body1 and body2 else _PLAIN if body1 or body2 else _STATIC
-            if kind == _BODIES and self._context.no_cylinder_pairs and GeomClass.CYLINDER in kinds <= _ROUND:
-                kind = _CYLINDERS
-            a, b = self._rows(geom1, geom2)
-            if self._context.classic and not int(a[Surface.BITS]) & int(b[Surface.BITS]):
-                kind = _STATIC
-            first, contacts = self._contacts(a, b)
+            careful = self._context.classic or self._context.record or self._careful.round_pair(geom1, geom2)
+            if kind != _STATIC and careful:
+                kind = _CAREFUL
+            first, contacts = self._contacts(*self._careful.rows(geom1, geom2))
             pair = (kind, one, two, c_void_p(body1), c_void_p(body2), first, contacts)
         self._pairs[geom1, geom2] = pair
         return pair
-
-    def _rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
-        """The surfaces of two geoms."""
-        surface, data = self._tables.surface, self._ode.dGeomGetData
-        return surface[data(geom1) or 0].tolist(), surface[data(geom2) or 0].tolist()
-
-    def _refine(self, geom1: int, geom2: int, count: int) -> int:
-        """What classic adds to contacts; deepest and refine_point in step.c, operation by operation."""
-        a, b = self._rows(geom1, geom2)
-        points, plain = self._contact_arrays[*a, *b][0], self._surface(a, b)
-        most = int(min(a[Surface.MAX_CONTACTS], b[Surface.MAX_CONTACTS]))
-        while count > most:
-            shallow = min(range(count), key=lambda i: points[i].geom.depth)
-            for i in range(shallow, count - 1):
-                points[i] = points[i + 1]
-            count -= 1
-        slips = [(a[column] + b[column]) * count for column in (Surface.SLIP1, Surface.SLIP2)]
-        slack = max(a[Surface.MIN_DEPTH], b[Surface.MIN_DEPTH])
-        limit = max(a[Surface.MAX_VEL], b[Surface.MAX_VEL])
-        for point in points[:count]:
-            point.surface = plain
-            surface, mode = point.surface, plain.mode
-            surface.slip1, surface.slip2 = slips
-            mode |= (ContactMode.SLIP1 if slips[0] > 0.0 else 0) | (ContactMode.SLIP2 if slips[1] > 0.0 else 0)
-            if self._friction_direction(a, b, geom1, geom2, point):
-                mode |= ContactMode.FDIR1
-            surface.mode = int(mode)
-            point.geom.depth = max(0.0, point.geom.depth - slack)
-            if point.geom.depth > 0.0:
-                surface.soft_erp = min(plain.soft_erp, limit * self._context.step / point.geom.depth)
-        return count
-
-    def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
-        """friction_direction in step.c, operation by operation."""
-        first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
-        local, geom = first, geom1
-        if _dot(first, first) == 0.0 or (b[Surface.MU] < a[Surface.MU] and _dot(second, second) > 0.0):
-            local, geom = second, geom2
-        if _dot(local, local) == 0.0:
-            return False
-        m, n = self._ode.dGeomGetRotation(geom).contents, point.geom.normal[:3]
-        aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
-        along = _dot(aim, n)
-        aim = [v - along * w for v, w in zip(aim, n, strict=True)]
-        size = math.sqrt(_dot(aim, aim))
-        if size < 1e-9:
-            return False
-        point.fdir1[:3] = [v / size for v in aim]
-        return True
 
     def _contacts(self, a: list[float], b: list[float]) -> tuple[c_void_p, list[tuple[c_void_p, ...]]]:
         """Contacts with the surface of two geoms: where dCollide writes, and the first n of them for each n."""
         key = (*a, *b)
         if key not in self._contact_arrays:
-            array, surface = (Contact * MAX_CONTACTS)(), self._surface(a, b)
+            array, surface = (Contact * MAX_CONTACTS)(), make_surface(self._context, a, b)
             for contact in array:
                 contact.surface = surface
             start, size = ctypes.addressof(array), ctypes.sizeof(Contact)
@@ -184,85 +139,6 @@ class PythonStep:
             self._contact_arrays[key] = array, [tuple(handles[:n]) for n in range(MAX_CONTACTS + 1)]
         array, contacts = self._contact_arrays[key]
         return c_void_p(ctypes.addressof(array) + Contact.geom.offset), contacts
-
-    def _collide_cylinder(self, geom1: int, geom2: int, first: int) -> int:
-        """Contacts of a cylinder with a cylinder or capsule; collide_cylinder in step.c, operation by operation."""
-        ode_, box = self._ode, self._context.stand_in
-        cylinder = geom2 if ode_.dGeomGetClass(geom2) == GeomClass.CYLINDER else geom1
-        other = geom1 if cylinder == geom2 else geom2
-        p, q = ode_.dGeomGetPosition(cylinder).contents[:3], ode_.dGeomGetPosition(other).contents[:3]
-        r, s = self._columns(cylinder), self._columns(other)
-        radius, length = self._round_size(cylinder)
-        _, other_length = self._round_size(other)
-        axis, other_axis = r[2], s[2]
-        gap = [b - a for a, b in zip(p, q, strict=True)]
-        along, t = _dot(gap, axis), _dot(other_axis, axis)
-        gap = [g - along * a for g, a in zip(gap, axis, strict=True)]
-        other_axis = [o - t * a for o, a in zip(other_axis, axis, strict=True)]
-        square = _dot(other_axis, other_axis)
-        t = -_dot(gap, other_axis) / square if square > 1e-9 else 0.0
-        t = max(min(t, 0.5 * other_length), -0.5 * other_length)
-        aim = [g + t * o for g, o in zip(gap, other_axis, strict=True)]
-        size = _dot(aim, aim)
-        if size < 1e-18:
-            aim, size = r[0], 1.0
-        size = math.sqrt(size)
-        aim = [a / size for a in aim]
-        side = [
-            axis[1] * aim[2] - axis[2] * aim[1],
-            axis[2] * aim[0] - axis[0] * aim[2],
-            axis[0] * aim[1] - axis[1] * aim[0],
-        ]
-        rotation = (c_double * 12)(*(v for k in range(3) for v in (aim[k], side[k], axis[k], 0.0)))
-        one, two = (box if geom == cylinder else geom for geom in (geom1, geom2))
-        count = 0
-        for radial, tangential in ((radius, 0.2 * radius), (radius * 0.70710678118654752,) * 2):
-            ode_.dGeomBoxSetLengths(box, 2.0 * radial, 2.0 * tangential, length)
-            ode_.dGeomSetPosition(box, *p)
-            ode_.dGeomSetRotation(box, rotation)
-            at = first + count * ctypes.sizeof(Contact)
-            count += ode_.dCollide(one, two, MAX_CONTACTS // 2, at, ctypes.sizeof(Contact))
-        return count
-
-    def _columns(self, geom: int) -> list[list[float]]:
-        """The axes of a geom: the columns of its rotation matrix."""
-        m = self._ode.dGeomGetRotation(geom).contents
-        return [[m[0], m[4], m[8]], [m[1], m[5], m[9]], [m[2], m[6], m[10]]]
-
-    def _round_size(self, geom: int) -> tuple[float, float]:
-        """Radius and length of a cylinder or capsule."""
-        radius, length = c_double(), c_double()
-        is_cylinder = self._ode.dGeomGetClass(geom) == GeomClass.CYLINDER
-        get = self._ode.dGeomCylinderGetParams if is_cylinder else self._ode.dGeomCapsuleGetParams
-        get(geom, ctypes.byref(radius), ctypes.byref(length))
-        return radius.value, length.value
-
-    def _surface(self, a: list[float], b: list[float]) -> SurfaceParameters:
-        """The contact rule; make_surface in step.c, operation by operation."""
-        softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
-        kd = a[Surface.KD] + b[Surface.KD]
-        erp, cfm = 1.0, 0.0
-        if softness > 0.0:
-            spring = self._context.step * (1.0 / softness)
-            erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
-        mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
-        bounce, bounce_vel, mu2 = max(a[Surface.BOUNCE], b[Surface.BOUNCE]), 0.0, 0.0
-        if self._context.classic:
-            bounce = min(a[Surface.BOUNCE], b[Surface.BOUNCE])
-            bounce_vel = min(a[Surface.BOUNCE_VEL], b[Surface.BOUNCE_VEL])
-            mu2 = min(a[Surface.MU2], b[Surface.MU2])
-            mode |= ContactMode.MU2
-        if bounce > 0.0:
-            mode |= ContactMode.BOUNCE
-        return SurfaceParameters(
-            mode=int(mode),
-            mu=min(a[Surface.MU], b[Surface.MU]),
-            mu2=mu2,
-            bounce=bounce,
-            bounce_vel=bounce_vel,
-            soft_erp=erp,
-            soft_cfm=cfm,
-        )
 
     def step(self) -> bool:
         """Both halves."""
@@ -272,23 +148,29 @@ class PythonStep:
     def collide(self) -> None:
         """Find contacts and make joints of them."""
         context, ode_ = self._context, self._ode
-        valid_for = (self._tables.surface_edits, context.step)
+        valid_for = (self._tables.surface_edits, context.step, context.record)
         if valid_for != self._pairs_valid_for:
             self._pairs.clear()
             self._contact_arrays.clear()
             self._pairs_valid_for = valid_for
-        self._contact_count = 0
+        self._contact_count = self._careful.count = 0
+        self._careful.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)
-        context.contact_count = self._contact_count
+        context.contact_count = self._contact_count + self._careful.count
         self._raise_fault()
 
     def solve(self) -> bool:
         """Move everything, empty the contact group."""
         context, ode_ = self._context, self._ode
         ode_.dRandSetSeed(context.seed)
+        self._careful.log.ask(ode_)
         done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
+        self._careful.log.read()
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
+        context.steps += 1
+        if context.classic:
+            self._read_joints()  # their turns must be counted
         return bool(done)
 
     def _raise_fault(self) -> None:
@@ -302,9 +184,12 @@ class PythonStep:
         for row in range(context.body_count):
             if tables.body_ids[row]:
                 read_body(self._ode, tables, row)
-        for row in range(context.joint_count):
-            if tables.joint_ids[row]:
-                read_joint(self._ode, tables, row)
+        self._read_joints()
+
+    def _read_joints(self) -> None:
+        context, tables = self._context, self._tables
+        for row in tables.joint_ids[: context.joint_count].nonzero()[0].tolist():
+            read_joint(self._ode, tables, row, unwind=bool(context.classic))
 
     def scan(
         self,
@@ -363,7 +248,3 @@ class PythonStep:
         ode_.dSpaceCollide2(probe, context.space, None, address)
         self._raise_fault()
         return seen
-
-
-def _dot(a: list[float], b: list[float]) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef void near_callback(void *data, void *geom1, void *geom2);
 
@@ -30,6 +31,11 @@ typedef struct {
     double fdir1[4];
 } contact;
 
+/* What a joint did to its bodies in a step. */
+typedef struct {
+    double f1[4], t1[4], f2[4], t2[4];
+} feedback;
+
 #define ODE_FUNCTIONS(X)                                                        \
     X(void, dSpaceCollide, (void *, void *, near_callback *))                   \
     X(void, dSpaceCollide2, (void *, void *, void *, near_callback *))          \
@@ -49,7 +55,11 @@ typedef struct {
     X(void, dGeomRaySet, (void *, double, double, double, double, double, double)) \
     X(void, dGeomRaySetLength, (void *, double))                                \
     X(int, dAreConnectedExcluding, (void *, void *, int))                       \
+    X(int, dBodyIsEnabled, (void *))                                            \
+    X(int, dBodyIsKinematic, (void *))                                          \
+    X(int, dBodyGetGravityMode, (void *))                                       \
     X(void *, dJointCreateContact, (void *, void *, const contact *))           \
+    X(void, dJointSetFeedback, (void *, feedback *))                            \
     X(void, dJointAttach, (void *, void *, void *))                             \
     X(void, dJointGroupEmpty, (void *))                                         \
     X(int, dWorldStep, (void *, double))                                        \
@@ -71,7 +81,11 @@ typedef struct {
     X(double, dJointGetUniversalAngle1, (void *))                               \
     X(double, dJointGetUniversalAngle2, (void *))                               \
     X(double, dJointGetUniversalAngle1Rate, (void *))                           \
-    X(double, dJointGetUniversalAngle2Rate, (void *))
+    X(double, dJointGetUniversalAngle2Rate, (void *))                           \
+    X(double, dJointGetPistonAngle, (void *))                                   \
+    X(double, dJointGetPistonPosition, (void *))                                \
+    X(double, dJointGetPistonAngleRate, (void *))                               \
+    X(double, dJointGetPistonPositionRate, (void *))
 
 #define DECLARE(result, name, arguments) static result(*name) arguments;
 ODE_FUNCTIONS(DECLARE)
@@ -90,6 +104,20 @@ void gz_step_bind(void *const *addresses)
     ODE_FUNCTIONS(BIND)
 }
 
+/* One contact point of a step, as it is told to who asks; CONTACT in context.py is the same. */
+typedef struct {
+    int64_t geom1, geom2; /* rows */
+    double position[3], normal[3], depth;
+    double force1[3], torque1[3], force2[3], torque2[3];
+} contact_record;
+
+/* The joint of a recorded contact until it is solved: NULL for a point that does not push. */
+typedef struct {
+    feedback told;
+    void *joint;
+    int64_t reversed; /* ODE's first body is that of the second geom */
+} pending_contact;
+
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
@@ -98,8 +126,16 @@ typedef struct {
     int64_t quick;         /* 1: dWorldQuickStep */
     int64_t classic;       /* 1: the contact rule of Gazebo classic; 0: of the legacy server */
     uint64_t seed;         /* ODE's random state, one per world */
+    int64_t steps;         /* so far */
     int64_t contact_count; /* of the last step */
-    const double *surface; /* 16 a geom: see the SURFACE_ columns below */
+    int64_t max_contacts;  /* of a pair of geoms, under the classic rule */
+    int64_t cone;          /* 1: under the classic rule friction acts against the motion, as in a cone */
+    double gravity[3];     /* what the cone looks ahead with */
+    int64_t record;        /* 1: contact points are recorded */
+    int64_t record_count, record_room;
+    contact_record *records;
+    pending_contact *pending; /* one for each record */
+    const double *surface; /* 24 a geom: see the SURFACE_ columns below */
     const int64_t *owner;  /* a number a geom: that of its body */
     int64_t body_count;
     void *const *bodies;   /* NULL: a free row */
@@ -113,10 +149,12 @@ typedef struct {
 
 size_t gz_step_context_size(void) { return sizeof(context); }
 
-enum { MAX_CONTACTS = 10, JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
+enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; what classic chooses the deepest from */
+enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
+enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
-enum { APPROX1 = 0x3000 };
+enum { ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
 enum {
     SURFACE_KP,
@@ -132,8 +170,16 @@ enum {
     SURFACE_MAX_VEL,
     SURFACE_MIN_DEPTH,
     SURFACE_BITS,
-    SURFACE_COLUMNS = 16
+    SURFACE_GHOST,      /* 1: points are found and told, and do not push */
+    SURFACE_GHOST_BITS, /* a pair with a ghost and without a common bit of these has no points either */
+    SURFACE_TORSION,
+    SURFACE_BY_PATCH, /* 1: torsion goes by the patch radius, 0: by the surface radius and depth */
+    SURFACE_PATCH_RADIUS,
+    SURFACE_RADIUS,
+    SURFACE_COLUMNS = 24
 };
+#define TURN 6.2831853071795862 /* 2 pi */
+#define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
 static double smaller(double a, double b) { return a < b ? a : b; }
 static double larger(double a, double b) { return a > b ? a : b; }
@@ -270,7 +316,65 @@ static int friction_direction(const double *a, const double *b, void *geom1, voi
     return 1;
 }
 
-/* What classic adds to one contact point: slip, a direction of friction, a slack depth, a bound on how fast a
+/* Velocity of a body at a point at the end of the step if nothing but gravity acts, added with a sign. */
+static void add_velocity(const context *c, void *body, const double *at, double sign, double *sum)
+{
+    const double *x, *v, *w;
+    double arm[3], share;
+    int k;
+    if (!body)
+        return;
+    x = dBodyGetPosition(body);
+    v = dBodyGetLinearVel(body);
+    w = dBodyGetAngularVel(body);
+    share = dBodyGetGravityMode(body) && !dBodyIsKinematic(body) ? c->step : 0.0;
+    for (k = 0; k < 3; k++)
+        arm[k] = at[k] - x[k];
+    sum[0] = sum[0] + sign * (v[0] + (w[1] * arm[2] - w[2] * arm[1]) + share * c->gravity[0]);
+    sum[1] = sum[1] + sign * (v[1] + (w[2] * arm[0] - w[0] * arm[2]) + share * c->gravity[1]);
+    sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
+}
+
+/* The direction in which the geoms slide on each other: a pyramid laid along it rubs as a cone does. */
+static int sliding_direction(const context *c, void *geom1, void *geom2, contact *point)
+{
+    double slide[3] = {0.0, 0.0, 0.0}, along, size;
+    int k;
+    add_velocity(c, dGeomGetBody(geom1), point->geom.pos, 1.0, slide);
+    add_velocity(c, dGeomGetBody(geom2), point->geom.pos, -1.0, slide);
+    along = dot(slide, point->geom.normal);
+    for (k = 0; k < 3; k++)
+        slide[k] = slide[k] - along * point->geom.normal[k];
+    size = sqrt(dot(slide, slide));
+    if (size < 1e-9)
+        return 0;
+    for (k = 0; k < 3; k++)
+        point->fdir1[k] = slide[k] / size;
+    return 1;
+}
+
+/* Torsion: a torque about the normal of at most mu 3 pi / 16 times the radius of the patch times the normal force. */
+static void add_torsion(const double *a, const double *b, contact *point)
+{
+    double lever = larger(a[SURFACE_PATCH_RADIUS], b[SURFACE_PATCH_RADIUS]), bend = 0.0;
+    if (a[SURFACE_BY_PATCH] == 0.0 || b[SURFACE_BY_PATCH] == 0.0) {
+        if (a[SURFACE_RADIUS] > 0.0)
+            bend = bend + 1.0 / a[SURFACE_RADIUS];
+        if (b[SURFACE_RADIUS] > 0.0)
+            bend = bend + 1.0 / b[SURFACE_RADIUS];
+        lever = bend > 0.0 && point->geom.depth > 0.0 ? sqrt(point->geom.depth / bend) : 0.0;
+    }
+    if (!(lever > 0.0))
+        return;
+    lever = PATCH_LEVER * lever * smaller(a[SURFACE_TORSION], b[SURFACE_TORSION]);
+    if (!(lever > 0.0))
+        return;
+    point->surface.mode |= ROLLING | APPROX1_N;
+    point->surface.rho = point->surface.rho2 = -1.0; /* 0 would cost rows of the solver */
+    point->surface.rhoN = lever;
+}
+
+/* What classic adds to one contact point: slip, a direction of friction, torsion, a slack depth, a bound on how fast a
  * penetration is pushed out. */
 static void refine_point(const context *c, const double *a, const double *b, void *geom1, void *geom2, int count,
                          contact *point)
@@ -283,8 +387,9 @@ static void refine_point(const context *c, const double *a, const double *b, voi
         s->mode |= SLIP1;
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
-    if (friction_direction(a, b, geom1, geom2, point))
+    if (friction_direction(a, b, geom1, geom2, point) || (c->cone && sliding_direction(c, geom1, geom2, point)))
         s->mode |= FDIR1;
+    add_torsion(a, b, point);
     point->geom.depth = larger(0.0, point->geom.depth - larger(a[SURFACE_MIN_DEPTH], b[SURFACE_MIN_DEPTH]));
     if (point->geom.depth > 0.0)
         s->soft_erp = smaller(s->soft_erp, limit * c->step / point->geom.depth);
@@ -305,28 +410,63 @@ static int deepest(contact *points, int count, int most)
     return count;
 }
 
-static void collide(void *data, void *geom1, void *geom2)
+/* Note a contact point; its joint may be NULL. Without memory it goes unnoted. */
+static void record_point(context *c, const contact *point, void *geom1, void *geom2, void *joint)
 {
-    context *c = data;
-    contact points[MAX_CONTACTS];
+    contact_record *r;
+    if (c->record_count == c->record_room) {
+        int64_t room = c->record_room ? 2 * c->record_room : 64;
+        contact_record *records = realloc(c->records, (size_t)room * sizeof(contact_record));
+        pending_contact *pending;
+        if (!records)
+            return;
+        c->records = records;
+        pending = realloc(c->pending, (size_t)room * sizeof(pending_contact));
+        if (!pending)
+            return;
+        c->pending = pending;
+        c->record_room = room;
+    }
+    r = c->records + c->record_count;
+    memset(r, 0, sizeof *r);
+    r->geom1 = (intptr_t)dGeomGetData(geom1);
+    r->geom2 = (intptr_t)dGeomGetData(geom2);
+    memcpy(r->position, point->geom.pos, sizeof r->position);
+    memcpy(r->normal, point->geom.normal, sizeof r->normal);
+    r->depth = point->geom.depth;
+    c->pending[c->record_count].joint = joint;
+    c->pending[c->record_count].reversed = !dGeomGetBody(geom1);
+    c->record_count++;
+}
+
+/* Whether a pair of geoms touches under the classic rule; *ghost: only so that it is known. */
+static int may_touch(const context *c, const double *a, const double *b, void *body1, void *body2, int *ghost)
+{
+    if (!((uint32_t)a[SURFACE_BITS] & (uint32_t)b[SURFACE_BITS]))
+        return 0;
+    *ghost = a[SURFACE_GHOST] != 0.0 || b[SURFACE_GHOST] != 0.0;
+    if (*ghost)
+        return c->record && ((uint32_t)a[SURFACE_GHOST_BITS] & (uint32_t)b[SURFACE_GHOST_BITS]);
+    if (c->record)
+        return 1;
+    return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both asleep: nothing to do */
+}
+
+static void collide_geoms(context *c, void *geom1, void *geom2)
+{
+    contact points[MOST_CONTACTS];
     surface_parameters surface;
     const double *a, *b;
-    void *body1, *body2;
-    int count, i, class1, class2;
+    void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
+    int count, i, class1, class2, ghost = 0;
 
-    if (dGeomIsSpace(geom1) || dGeomIsSpace(geom2)) {
-        dSpaceCollide2(geom1, geom2, c, collide);
-        return;
-    }
-    body1 = dGeomGetBody(geom1);
-    body2 = dGeomGetBody(geom2);
     if (!body1 && !body2)
         return;
     if (body1 && body2 && dAreConnectedExcluding(body1, body2, JOINT_CONTACT))
         return;
     a = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom1);
     b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
-    if (c->classic && !((uint32_t)a[SURFACE_BITS] & (uint32_t)b[SURFACE_BITS]))
+    if (c->classic && !may_touch(c, a, b, body1, body2, &ghost))
         return;
     class1 = dGeomGetClass(geom1);
     class2 = dGeomGetClass(geom2);
@@ -334,19 +474,36 @@ static void collide(void *data, void *geom1, void *geom2)
                                  (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
         count = collide_cylinder(c, geom1, geom2, class2, points);
     else
-        count = dCollide(geom1, geom2, MAX_CONTACTS, &points[0].geom, sizeof(contact));
+        count = dCollide(geom1, geom2, c->classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
     if (!count)
         return;
     make_surface(c, a, b, &surface);
     if (c->classic)
-        count = deepest(points, count, (int)smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]));
+        count = deepest(points, count,
+                        (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]), (double)c->max_contacts));
     for (i = 0; i < count; i++) {
+        double depth = points[i].geom.depth;
         points[i].surface = surface;
         if (c->classic)
             refine_point(c, a, b, geom1, geom2, count, &points[i]);
-        dJointAttach(dJointCreateContact(c->world, c->contacts, &points[i]), body1, body2);
+        if (!ghost) {
+            joint = dJointCreateContact(c->world, c->contacts, &points[i]);
+            dJointAttach(joint, body1, body2);
+            c->contact_count++;
+        }
+        if (c->record) {
+            points[i].geom.depth = depth;
+            record_point(c, &points[i], geom1, geom2, joint);
+        }
     }
-    c->contact_count += count;
+}
+
+static void collide(void *data, void *geom1, void *geom2)
+{
+    if (dGeomIsSpace(geom1) || dGeomIsSpace(geom2))
+        dSpaceCollide2(geom1, geom2, data, collide);
+    else
+        collide_geoms(data, geom1, geom2);
 }
 
 /* v rotated by the quaternion q; the same operations in the same order as libgz.geometry.rotate. */
@@ -387,6 +544,12 @@ static void read_bodies(context *c)
     }
 }
 
+/* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
+static double unwind(const context *c, double before, double angle)
+{
+    return c->classic ? angle + TURN * rint((before - angle) / TURN) : angle;
+}
+
 static void read_joints(context *c)
 {
     int64_t i;
@@ -397,7 +560,7 @@ static void read_joints(context *c)
             continue;
         switch (c->joint_types[i]) {
         case JOINT_HINGE:
-            row[0] = dJointGetHingeAngle(joint);
+            row[0] = unwind(c, row[0], dJointGetHingeAngle(joint));
             row[2] = dJointGetHingeAngleRate(joint);
             break;
         case JOINT_SLIDER:
@@ -405,16 +568,22 @@ static void read_joints(context *c)
             row[2] = dJointGetSliderPositionRate(joint);
             break;
         case JOINT_HINGE2:
-            row[0] = dJointGetHinge2Angle1(joint);
-            row[1] = dJointGetHinge2Angle2(joint);
+            row[0] = unwind(c, row[0], dJointGetHinge2Angle1(joint));
+            row[1] = unwind(c, row[1], dJointGetHinge2Angle2(joint));
             row[2] = dJointGetHinge2Angle1Rate(joint);
             row[3] = dJointGetHinge2Angle2Rate(joint);
             break;
         case JOINT_UNIVERSAL:
-            row[0] = dJointGetUniversalAngle1(joint);
-            row[1] = dJointGetUniversalAngle2(joint);
+            row[0] = unwind(c, row[0], dJointGetUniversalAngle1(joint));
+            row[1] = unwind(c, row[1], dJointGetUniversalAngle2(joint));
             row[2] = dJointGetUniversalAngle1Rate(joint);
             row[3] = dJointGetUniversalAngle2Rate(joint);
+            break;
+        case JOINT_PISTON:
+            row[0] = unwind(c, row[0], dJointGetPistonAngle(joint));
+            row[1] = dJointGetPistonPosition(joint);
+            row[2] = dJointGetPistonAngleRate(joint);
+            row[3] = dJointGetPistonPositionRate(joint);
             break;
         }
     }
@@ -423,8 +592,49 @@ static void read_joints(context *c)
 /* The first half of a step: find contacts and make joints of them. */
 void gz_collide(context *c)
 {
-    c->contact_count = 0;
+    c->contact_count = c->record_count = 0;
     dSpaceCollide(c->space, c, collide);
+}
+
+/* Ask ODE for the forces of the recorded contacts of this step. */
+static void ask_contacts(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->record_count; i++) {
+        pending_contact *p = c->pending + i;
+        memset(&p->told, 0, sizeof p->told);
+        if (p->joint)
+            dJointSetFeedback(p->joint, &p->told);
+    }
+}
+
+/* Take the answers over; ODE's first body is never missing, its second may be, and then it tells nothing of it. */
+static void read_contacts(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->record_count; i++) {
+        pending_contact *p = c->pending + i;
+        contact_record *r = c->records + i;
+        if (!p->joint)
+            continue;
+        memcpy(p->reversed ? r->force2 : r->force1, p->told.f1, sizeof r->force1);
+        memcpy(p->reversed ? r->torque2 : r->torque1, p->told.t1, sizeof r->torque1);
+        if (!p->reversed) {
+            memcpy(r->force2, p->told.f2, sizeof r->force2);
+            memcpy(r->torque2, p->told.t2, sizeof r->torque2);
+        }
+        p->joint = NULL;
+    }
+}
+
+/* Give the memory of the records back. */
+void gz_forget_contacts(context *c)
+{
+    free(c->records);
+    free(c->pending);
+    c->records = NULL;
+    c->pending = NULL;
+    c->record_count = c->record_room = 0;
 }
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
@@ -433,9 +643,12 @@ int gz_solve(context *c)
 {
     int done;
     dRandSetSeed((unsigned long)c->seed);
+    ask_contacts(c);
     done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+    read_contacts(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
+    c->steps++;
     read_bodies(c);
     read_joints(c);
     return done;

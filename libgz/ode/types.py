@@ -6,7 +6,17 @@ import ctypes
 import enum
 import math
 
-__all__ = ["Contact", "ContactGeom", "ContactMode", "GeomClass", "JointType", "Mass", "SurfaceParameters", "dInfinity"]
+__all__ = [
+    "Contact",
+    "ContactGeom",
+    "ContactMode",
+    "GeomClass",
+    "JointFeedback",
+    "JointType",
+    "Mass",
+    "SurfaceParameters",
+    "dInfinity",
+]
 
 dInfinity = math.inf
 
@@ -67,6 +77,12 @@ class Contact(ctypes.Structure):
     _fields_ = [("surface", SurfaceParameters), ("geom", ContactGeom), ("fdir1", Vector4)]
 
 
+class JointFeedback(ctypes.Structure):
+    """dJointFeedback: force [N] and torque about the centre of mass [N m] that a joint put on its bodies in a step."""
+
+    _fields_ = [("f1", Vector4), ("t1", Vector4), ("f2", Vector4), ("t2", Vector4)]
+
+
 class ContactMode(enum.IntFlag):
     """Bits of `SurfaceParameters.mode`."""
 
@@ -77,6 +93,8 @@ class ContactMode(enum.IntFlag):
     SOFT_CFM = 0x010
     SLIP1 = 0x100
     SLIP2 = 0x200
+    ROLLING = 0x400
+    APPROX1_N = 0x4000  # torsion in proportion to the normal force
     APPROX1 = 0x3000  # pyramid along both friction directions, as dContactApprox1 was in ODE 0.5
 
 
@@ -105,9 +123,15 @@ class Surface(enum.IntEnum):
     MAX_VEL = 12  # [m/s] at which a penetration is pushed out
     MIN_DEPTH = 13  # [m] of penetration that is let be
     BITS = 14  # a pair without a common bit does not touch
+    GHOST = 15  # 1: contact points are found and told, and do not push
+    GHOST_BITS = 16  # a pair with a ghost and without a common bit of these has no contact points
+    TORSION = 17  # coefficient of friction about the normal
+    BY_PATCH = 18  # 1: torsion goes by the patch radius, 0: by the surface radius and the depth
+    PATCH_RADIUS = 19  # [m]
+    RADIUS = 20  # [m] of the surface's curvature; 0 is flat
 
 
-SURFACE_COLUMNS = 16
+SURFACE_COLUMNS = 24
 
 
 class JointType(enum.IntEnum):
@@ -121,6 +145,8 @@ class JointType(enum.IntEnum):
     HINGE2 = 6
     FIXED = 7
     AMOTOR = 9
+    PISTON = 14
+    DBALL = 15
 
 
 # dParamLoStop and so on, written out so that editors and type checkers see them.

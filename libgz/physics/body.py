@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError
 from libgz.geometry import (
@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Body"]
 
+# When a body is taken to rest, as in Gazebo classic.
+REST_SPEED, REST_TIME, REST_STEPS = 0.1, 1.0, 5  # [m/s and rad/s], [s]
+
 _numbers = itertools.count(1)
 
 
@@ -51,6 +54,9 @@ class Body:
         self.engine: Engine = world.engine
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
+        self.model: Any = None  # that it was added to
+        self.kinematic = False  # whether it moves by its velocity only
+        self.sleepy = False  # whether it falls asleep when it rests
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy
@@ -89,6 +95,7 @@ class Body:
         """Destroy the body, its geoms, and the joints that hold it."""
         if self._closed:
             return
+        self.engine.wake()
         for joint in list(self.joints):
             joint.close()
         for geom in list(self.geoms):
@@ -139,11 +146,14 @@ class Body:
             self._pose = GzPose(position, rotation)
             for geom in self.geoms:
                 geom.follow_dummy()
+            self.engine.wake()
             return
         com = GzVector(*self.engine.com[self.row].tolist())
         origin = GzVectorAdd(position, rotate(rotation, com))
         ode().dBodySetPosition(self.id, *origin)
         ode().dBodySetQuaternion(self.id, (ctypes.c_double * 4)(*rotation))
+        if self.sleepy:
+            self.Enable(True)
         self.engine.body_moved(self.row)
 
     def SetPosition(self, position: VectorLike) -> None:
@@ -186,6 +196,8 @@ class Body:
         values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
             getattr(ode(), function)(self.id, *values)
+            if self.sleepy:
+                self.Enable(True)
             self.engine.body_moved(self.row)
 
     # Switches ----------------------------------------------------------------------------------------------------
@@ -194,6 +206,25 @@ class Body:
         """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
         if self.row >= 0:
             (ode().dBodyEnable if enable else ode().dBodyDisable)(self.id)
+
+    def set_auto_disable(self, on: bool) -> None:
+        """Whether the body falls asleep after 1 s and 5 steps below 0.1 m/s and 0.1 rad/s.
+
+        It wakes when something awake touches it, and when it is moved or pushed.
+        """
+        if self.row < 0:
+            return
+        lib, self.sleepy = ode(), bool(on)
+        lib.dBodySetAutoDisableLinearThreshold(self.id, REST_SPEED)
+        lib.dBodySetAutoDisableAngularThreshold(self.id, REST_SPEED)
+        lib.dBodySetAutoDisableTime(self.id, REST_TIME)
+        lib.dBodySetAutoDisableSteps(self.id, REST_STEPS)
+        lib.dBodySetAutoDisableFlag(self.id, int(self.sleepy))
+        self.Enable(True)  # which begins the count of idle time
+
+    def IsEnabled(self) -> bool:
+        """Whether the body is awake; a dummy never is."""
+        return self.row >= 0 and bool(ode().dBodyIsEnabled(self.id))
 
     def SetGravityMode(self, mode: bool) -> None:
         """Whether gravity acts on this body."""
@@ -223,6 +254,7 @@ class Body:
     def set_kinematic(self, kinematic: bool) -> None:
         """Whether the body moves by its velocity only: forces and contacts do not move it."""
         if self.row >= 0:
+            self.kinematic = bool(kinematic)
             (ode().dBodySetKinematic if kinematic else ode().dBodySetDynamic)(self.id)
 
     # Forces: they act for one step -------------------------------------------------------------------------------
@@ -271,6 +303,8 @@ class Body:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
             getattr(ode(), function)(self.id, *numbers)
+            if self.sleepy:
+                self.Enable(True)
 
     # Geoms and mass ----------------------------------------------------------------------------------------------
 
@@ -323,6 +357,8 @@ class Body:
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
         ode().dBodySetMass(self.id, ctypes.addressof(final))
+        if self.kinematic:
+            self.set_kinematic(True)  # for ODE forgets it with a new mass
         for geom in self.geoms:
             geom.place()
         self.SetPose(pose)

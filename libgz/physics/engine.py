@@ -7,18 +7,19 @@ bodies, joints and sensors read the tables, never ODE one value at a time.
 from __future__ import annotations
 
 import weakref
+from collections.abc import Callable
 from threading import get_ident
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.errors import ClosedError, GazeboError
 from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
-from libgz.physics.check import finite_tuple, not_negative, positive
+from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:
     from libgz.geometry import VectorLike
@@ -32,12 +33,11 @@ FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collid
 LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
 ALL_COLLIDE = 0xFFFFFFFF
 
-SMALLEST_CFM = 1e-10  # ODE's own, for doubles: none at all makes its solvers fail on redundant joints
-SOLVERS = ("world", "quick")
 # Of a new geom: kp 1e4 N/m, no damper, infinite friction; what only classic looks at is set by its collisions.
 DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
-DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2]] = 1e4, dInfinity, dInfinity
+DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2, Surface.TORSION]] = 1e4, dInfinity, dInfinity, dInfinity
 DEFAULT_SURFACE[[Surface.MAX_CONTACTS, Surface.MAX_VEL, Surface.BITS]] = 10, dInfinity, 0xFFFFFFFF
+DEFAULT_SURFACE[[Surface.GHOST_BITS, Surface.BY_PATCH]] = 0xFFFFFFFF, 1
 
 
 class HasEngine(Protocol):
@@ -106,7 +106,7 @@ class Space:
             self.engine.spaces.pop(self, None)
 
 
-class Engine:
+class Engine(EngineSettings):
     """One ODE world.
 
     Args:
@@ -141,12 +141,16 @@ class Engine:
         lib.dGeomRaySetClosestHit(ray, 1)
         stand_in = lib.dCreateBox(None, 1.0, 1.0, 1.0)
         self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
+        self._context.max_contacts = 20
         self._context.no_cylinder_pairs = "libccd" not in lib.configuration
         self.step_form: Step = choose_step(self._context, self)
         self._step = self.step_form.step
         self._thread = 0  # that stepped last
         self._publish_tables()
-        self._destroy = weakref.finalize(self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in))
+        shapes = (probe, ray, stand_in)
+        self._destroy = weakref.finalize(
+            self, _destroy_world, lib, world, top, contacts, shapes, self.step_form.release
+        )
         self.step_time = step_time
         self.solver = solver
         self.seed = seed
@@ -261,8 +265,8 @@ class Engine:
         del self.geoms[row]
         self._free_rows["geom"].append(row)
 
-    def set_surface(self, row: int, column: Surface, value: float) -> None:
-        """Change one property of how a geom touches others."""
+    def set_surface(self, row: int, column: int, value: float) -> None:
+        """Change one property of how a geom touches others; `column` is one of `Surface`."""
         self.surface[row, column] = value
         self.surface_edits += 1
 
@@ -275,7 +279,7 @@ class Engine:
 
     def read_joint(self, row: int) -> None:
         """Bring one joint's row up to date."""
-        read_joint(self._ode, self._tables, row)
+        read_joint(self._ode, self._tables, row, unwind=self.classic)
         self.joint_fresh[row] = 1
 
     def body_moved(self, row: int) -> None:
@@ -301,83 +305,11 @@ class Engine:
         view.flags.writeable = False
         return view
 
-    # Settings ----------------------------------------------------------------------------------------------------
-
-    @property
-    def world(self) -> int:
-        """The handle of the ODE world.
-
-        Raises:
-            ClosedError: the world was closed.
-        """
-        if not self._destroy.alive:
-            raise ClosedError("this world was closed")
-        return int(self._context.world)
-
-    @property
-    def step_time(self) -> float:
-        """Length of one step [s]."""
-        return float(self._context.step)
-
-    @step_time.setter
-    def step_time(self, seconds: float) -> None:
-        self._context.step = positive(seconds, "stepTime [s]")
-
-    @property
-    def solver(self) -> str:
-        """``"world"`` or ``"quick"``."""
-        return SOLVERS[self._context.quick]
-
-    @solver.setter
-    def solver(self, name: str) -> None:
-        if name not in SOLVERS:
-            raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
-        self._context.quick = SOLVERS.index(name)
-
-    @property
-    def seed(self) -> int:
-        """The state of ODE's random numbers in this world."""
-        return int(self._context.seed)
-
-    @seed.setter
-    def seed(self, value: int) -> None:
-        self._context.seed = int(value) & 0xFFFFFFFF
-
-    @property
-    def gravity(self) -> tuple[float, ...]:
-        """[m/s^2], shape (3,)."""
-        return self._gravity
-
-    @gravity.setter
-    def gravity(self, value: VectorLike) -> None:
-        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
-        self._ode.dWorldSetGravity(self.world, *self._gravity)
-
-    def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
-        """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
-        self._ode.dWorldSetQuickStepNumIterations(self.world, max(1, int(iterations)))
-        self._ode.dWorldSetQuickStepW(self.world, positive(over_relaxation, "over-relaxation"))
-
-    def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
-        """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
-        self._ode.dWorldSetERP(self.world, not_negative(erp, "erp"))
-        self._ode.dWorldSetCFM(self.world, max(not_negative(cfm, "cfm"), SMALLEST_CFM))
-        self._ode.dWorldSetContactMaxCorrectingVel(self.world, not_negative(correcting_velocity, "velocity [m/s]"))
-
-    @property
-    def classic(self) -> bool:
-        """Whether contacts follow the rule of Gazebo classic, not that of the legacy server."""
-        return bool(self._context.classic)
-
-    @classic.setter
-    def classic(self, value: bool) -> None:
-        self._context.classic = int(value)
-        self.surface_edits += 1
-
-    @property
-    def contact_count(self) -> int:
-        """Contact points in the last step."""
-        return int(self._context.contact_count)
+    def wake(self) -> None:
+        """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
+        for body in self.bodies.values():
+            if body.sleepy:
+                body.Enable(True)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 
@@ -459,8 +391,11 @@ def _flat(table: NDArray[np.float64]) -> memoryview[float]:
     return memoryview(buffer)
 
 
-def _destroy_world(lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...]) -> None:
+def _destroy_world(
+    lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...], release: Callable[[], object]
+) -> None:
     """Free everything of one world; what is still in the spaces goes with them."""
+    release()
     lib.dJointGroupDestroy(contacts)
     for geom in geoms:
         lib.dGeomDestroy(geom)

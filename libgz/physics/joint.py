@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, ClassVar
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzVector
 from libgz.ode.lib import ode
-from libgz.ode.types import JOINT_PARAMETERS, JointType, dParamFMax, dParamFMax2
+from libgz.ode.types import JOINT_PARAMETERS, JointFeedback, JointType, dParamFMax, dParamFMax2
 from libgz.physics.check import finite, finite_tuple, unit_axis
 from libgz.physics.engine import Engine, HasEngine
 
@@ -74,6 +74,7 @@ class Joint:
         self.engine: Engine = world.engine
         self.name = name
         self.bodies: tuple[Body | None, Body | None] = (None, None)
+        self._feedback: JointFeedback | None = None
         self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
         self.row = self.engine.add_joint(self, self.kind)
         if group is not None:
@@ -156,6 +157,30 @@ class Joint:
             if body is not None:
                 body.joints[self] = None
         self.engine.join(self.row, self.id)
+
+    def provide_feedback(self, on: bool) -> None:
+        """Whether `feedback` is filled in each step; off at first, and then it costs nothing."""
+        if on == (self._feedback is not None):
+            return
+        self._feedback = JointFeedback() if on else None
+        ode().dJointSetFeedback(self.id, None if self._feedback is None else ctypes.addressof(self._feedback))
+
+    @property
+    def feedback(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
+        """(force 1, torque 1, force 2, torque 2) that the joint put on its first and second body in the last step.
+
+        Forces [N]; torques about the bodies' centres of mass [N m]; global. Zero for the world, for a body that slept,
+        and unless `provide_feedback` is on. What motors and stops do is in it, what `add torque` calls do is not.
+        """
+        told = self._feedback
+        if told is None:
+            return GzVector(), GzVector(), GzVector(), GzVector()
+        first, second = (GzVector(*told.f1[:3]), GzVector(*told.t1[:3])), (GzVector(), GzVector())
+        one, two = (body is not None and not body.dummy for body in self.bodies)
+        if one and two:
+            return *first, GzVector(*told.f2[:3]), GzVector(*told.t2[:3])
+        # ODE's first body is never missing.
+        return (*first, *second) if one else (*second, *first)
 
     def Detach(self) -> None:
         """Let both bodies go."""

@@ -159,6 +159,7 @@ class Model:
             self._canonical = body
             body.bodyName = CANONICAL
         self.bodies.append(body)
+        body.model = self
         self._switch(body)
 
     def _switch(self, body: Body) -> None:

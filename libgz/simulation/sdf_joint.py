@@ -1,21 +1,34 @@
-"""SdfJoint: a joint of an SDF model: its axes, limits, damping, springs and friction."""
+"""SdfJoint: a joint of an SDF model: its axes, limits, damping, springs, friction, motors, and its motion."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable
 
-from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
-from libgz.ode.types import dParamFMax, dParamFMax2, dParamHiStop, dParamHiStop2, dParamLoStop, dParamLoStop2, dParamVel
+from libgz.errors import ParameterError, nearest
+from libgz.geometry import (
+    GzCoordPoseAdd,
+    GzCoordPoseSub,
+    GzPose,
+    GzQuaternInverse,
+    GzVector,
+    GzVectorAdd,
+    GzVectorCross,
+    GzVectorMul,
+    GzVectorSub,
+    rotate,
+)
 from libgz.physics.body import Body
+from libgz.physics.check import finite
+from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
 from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, HingeJoint, Joint, SliderJoint, UniversalJoint
-from libgz.sdf.element import Element
+from libgz.simulation.sdf_axis import Axis, JointPlan
+from libgz.simulation.sdf_limits import JointLimits
+from libgz.simulation.sdf_links import links_behind, move_links, push_links
 
-__all__ = ["KINDS", "Axis", "SdfJoint"]
+__all__ = ["KINDS", "SdfJoint"]
 
-UNLIMITED = 1e16  # limits from here on mean none
 KINDS: dict[str, type[Joint]] = {
     "revolute": HingeJoint,
     "prismatic": SliderJoint,
@@ -23,168 +36,209 @@ KINDS: dict[str, type[Joint]] = {
     "universal": UniversalJoint,
     "revolute2": Hinge2Joint,
     "fixed": FixedJoint,
+    "screw": PistonJoint,
+    "gearbox": TieJoint,
 }
 UNKNOWN = "is not a kind of joint here; allowed are " + ", ".join(KINDS)
+TWO_AXES = ("universal", "revolute2", "gearbox")
 
 
-@dataclass
-class Axis:
-    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N]."""
-
-    direction: GzVector  # global, when the joint was made
-    lower: float = -UNLIMITED
-    upper: float = UNLIMITED
-    effort: float = -1.0  # negative: no limit
-    velocity: float = -1.0
-    damping: float = 0.0
-    friction: float = 0.0
-    stiffness: float = 0.0
-    reference: float = 0.0
-
-    @property
-    def acts(self) -> bool:
-        """Whether it pushes by itself in every step."""
-        return self.damping != 0.0 or self.stiffness != 0.0
+def _is_real(body: Body | None) -> bool:
+    return body is not None and not body.dummy
 
 
-class SdfJoint:
+class SdfJoint(JointLimits):
     """A joint between two links, or a link and the world.
+
+    Positive motion is that of the child against the parent, about or along the axis. A screw has two positions: the
+    angle, and the way along the axis; a gearbox has the angles of parent and child against its reference body.
 
     Args:
         engine: where.
-        element: the `<joint>`.
-        links: the model's links by name.
-        model_pose: global pose of the model.
+        plan: what to make; see `libgz.simulation.sdf_axis.read_joint`.
 
     Raises:
-        NotFoundError: a link does not exist.
-        ParameterError: the kind is unknown, or a value is not allowed.
+        ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
 
-    def __init__(self, engine: Engine, element: Element, links: dict[str, Body], model_pose: GzPose) -> None:
-        self.name = element.Get(str, "name")
-        self.kind = element.Get(str, "type")
-        if self.kind not in KINDS:
-            raise ParameterError(f"type {self.kind!r} {UNKNOWN}")
-        self.parent, self.child = (self._link(element, links, end) for end in ("parent", "child"))
-        anchor = self._anchor(element)
-        self.axes = self._read_axes(element, anchor, model_pose)
-        self.joint = KINDS[self.kind](engine, name=self.name)
-        self._attach(anchor.pos)
-        self._set_limits()
+    def __init__(self, engine: Engine, plan: JointPlan) -> None:
+        if plan.kind not in KINDS:
+            raise ParameterError(f"type {plan.kind!r} {UNKNOWN}{nearest(plan.kind, KINDS)}")
+        self.engine = engine
+        self.plan = plan
+        self.name, self.kind, self.axes = plan.name, plan.kind, plan.axes
+        self._check()
+        self.parent, self.child = plan.parent, plan.child
+        self.implicit = plan.implicit
+        self.joint: Joint | None = None
+        self._coupling: Thread | Gears | None = None
+        self._applied, self._applied_at = [0.0, 0.0], -1
+        self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
+        self._attach(plan.anchor)
+        for index, axis in enumerate(self.axes):
+            if axis.initial != 0.0 and self.joint is not None:
+                self.set_position(axis.initial, index)
 
-    @staticmethod
-    def _link(element: Element, links: dict[str, Body], end: str) -> Body | None:
-        """A link by name; None for the world."""
-        name = element.Get(str, end).strip()
-        if name == "world":
-            return None
-        if name not in links:
-            known = ", ".join(links) or "none"
-            raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; there are {known}")
-        return links[name]
+    def _check(self) -> None:
+        needed = {"ball": 0, "fixed": 0}.get(self.kind, 1)
+        if len(self.axes) < needed:
+            raise ParameterError(f"joint {self.name!r}: a {self.kind} joint needs an <axis>")
+        if self.kind in TWO_AXES and len(self.axes) == 1:
+            first = self.axes[0]
+            if self.kind != "gearbox":
+                raise ParameterError(f"joint {self.name!r}: a {self.kind} joint needs an <axis2>")
+            self.axes.append(Axis(GzVector(*first.direction)))
+        if self.kind == "screw":
+            del self.axes[1:]
+        if self.kind == "screw" and (self.plan.pitch == 0.0 or not math.isfinite(self.plan.pitch)):
+            raise ParameterError(f"joint {self.name!r}: thread_pitch is {self.plan.pitch}; it must not be zero")
+        if self.kind == "gearbox" and (self.plan.ratio == 0.0 or not math.isfinite(self.plan.ratio)):
+            raise ParameterError(f"joint {self.name!r}: gearbox_ratio is {self.plan.ratio}; it must not be zero")
 
-    def _anchor(self, element: Element) -> GzPose:
-        """The global pose of the joint's frame, which is given in the child link."""
-        child = self.child.GetPose() if self.child is not None else GzPose()
-        return GzCoordPoseAdd(element.Get(GzPose, "pose"), child)
+    # Bodies ------------------------------------------------------------------------------------------------------
 
-    @staticmethod
-    def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axis]:
-        """The axes in global terms: in SDF 1.4 they are of the model's frame, later of the joint's unless told."""
-        axes = []
-        for name in ("axis", "axis2"):
-            if not element.HasElement(name):
-                continue
-            axis = element.child(name)
-            described = axis.description.children if axis.description is not None else {}
-            in_model = "use_parent_model_frame" not in described or axis.Get(bool, "use_parent_model_frame")
-            frame = model_pose if in_model else anchor
-            dynamics, limit = axis.child("dynamics"), axis.child("limit")
-            axes.append(
-                Axis(
-                    rotate(frame.rot, axis.Get(GzVector, "xyz")),
-                    limit.Get(float, "lower"),
-                    limit.Get(float, "upper"),
-                    limit.Get(float, "effort"),
-                    limit.Get(float, "velocity"),
-                    dynamics.Get(float, "damping"),
-                    dynamics.Get(float, "friction"),
-                    dynamics.Get(float, "spring_stiffness"),
-                    dynamics.Get(float, "spring_reference"),
-                )
-            )
-        return axes
+    def _attach(self, anchor: GzPose) -> None:
+        """Make the joint between the links as they stand, with its frame at a global pose."""
+        frame = self.child.GetPose() if self.child is not None else GzPose()
+        self._in_child = GzCoordPoseSub(anchor, frame)
+        inverse = GzQuaternInverse(anchor.rot)
+        self._local = [rotate(inverse, axis.direction) for axis in self.axes]
+        if not (_is_real(self.parent) or _is_real(self.child)):
+            return
+        if self.kind == "gearbox":
+            self._attach_gears()
+            return
+        both = _is_real(self.parent) and _is_real(self.child)
+        # ODE's Hinge2 wants two bodies; without its suspension a universal joint is the same.
+        kind = UniversalJoint if self.kind == "revolute2" and not both else KINDS[self.kind]
+        self.joint = kind(self.engine, name=self.name)
+        self._join(self.joint, anchor.pos)
+        self._set_parameters()
+        if isinstance(self.joint, PistonJoint):
+            self._coupling = Thread(self.joint, self.plan.pitch)
+        self.provide_feedback(self.plan.feedback)
 
-    def _attach(self, anchor: GzVector) -> None:
-        """Join the links so that positive motion is that of the child, about or along the axis."""
-        joint = self.joint
+    def _join(self, joint: Joint, anchor: GzVector) -> None:
+        """Anchor and axes, so that positive motion is that of the child."""
+        axes = [axis.direction for axis in self.axes]
         if isinstance(joint, Hinge2Joint):
             # ODE ties the first axis to the first body, and measures the other way round.
             joint.Attach(self.parent, self.child)
             joint.SetAnchor(anchor)
-            joint.SetAxis1([-v for v in self.axes[0].direction])
-            joint.SetAxis2([-v for v in self.axes[1].direction])
+            joint.SetAxis1(GzVectorMul(-1.0, axes[0]))
+            joint.SetAxis2(GzVectorMul(-1.0, axes[1]))
             return
         joint.Attach(self.child, self.parent)
         joint.SetAnchor(anchor)
-        if isinstance(joint, HingeJoint):
-            joint.SetAxis(self.axes[0].direction)
+        if isinstance(joint, HingeJoint | PistonJoint):
+            joint.SetAxis(axes[0])
         elif isinstance(joint, SliderJoint):
-            joint.SetAxis(*self.axes[0].direction)
+            joint.SetAxis(*axes[0])
         elif isinstance(joint, UniversalJoint):
             # The first axis is fixed to the parent, which is ODE's second body.
-            joint.SetAxis2(self.axes[0].direction)
-            joint.SetAxis1(self.axes[1].direction)
+            joint.SetAxis2(axes[0])
+            joint.SetAxis1(axes[1])
         elif isinstance(joint, FixedJoint):
             joint.SetFixed()
 
-    def _set_limits(self) -> None:
-        """Stops and friction; friction is a motor that wants to stand still."""
-        if isinstance(self.joint, BallJoint | FixedJoint):
-            return
-        parameters = ((dParamLoStop, dParamHiStop, dParamFMax), (dParamLoStop2, dParamHiStop2, dParamFMax2))
-        ordered = reversed(self.axes) if isinstance(self.joint, UniversalJoint) else self.axes
-        for axis, (low, high, force) in zip(ordered, parameters, strict=False):
-            for parameter, value in ((high, axis.upper), (low, axis.lower), (high, axis.upper)):
-                if abs(value) < UNLIMITED:
-                    self.joint.SetParam(parameter, value)
-            if axis.friction > 0.0:
-                self.joint.SetParam(force, axis.friction)
-        if self.axes and self.axes[0].friction > 0.0:
-            self.joint.SetParam(dParamVel, 0.0)
+    def _attach_gears(self) -> None:
+        if self.parent is None or self.child is None or self.parent.dummy or self.child.dummy:
+            raise ParameterError(f"joint {self.name!r}: a gearbox joins two links that move")
+        directions = (self.axes[0].direction, self.axes[1].direction)
+        self._coupling = Gears(self.engine, (self.parent, self.child), directions, self.plan.ratio, self.plan.reference)
+
+    def attach(self, parent: Body | None, child: Body | None) -> None:
+        """Join two links, as they stand now; None is the world. The joint's frame keeps its place in the child."""
+        self.detach()
+        self.parent, self.child = parent, child
+        frame = child.GetPose() if child is not None else GzPose()
+        anchor = GzCoordPoseAdd(self._in_child, frame)
+        for axis, local in zip(self.axes, self._local, strict=True):
+            axis.direction = rotate(anchor.rot, local)
+        self._attach(anchor)
+
+    def detach(self) -> None:
+        """Let both links go; `attach` joins links again."""
+        if self._coupling is not None:
+            self._coupling.close()
+        if self.joint is not None:
+            self.joint.close()
+        self.joint = self._coupling = None
+        self._held.clear()
+
+    close = detach
+
+    def restore(self) -> None:
+        """Count turns from zero again, after links were put back where they began."""
+        self._held.clear()
+        if self.joint is not None:
+            self.engine.join(self.joint.row, self.joint.id)
+        if isinstance(self._coupling, Gears):
+            self._coupling.restore()
+
+    @property
+    def attached(self) -> bool:
+        """Whether it holds links together."""
+        return self.joint is not None or self._coupling is not None
 
     # Motion ------------------------------------------------------------------------------------------------------
 
+    def _column(self, index: int) -> int:
+        """Where the position of an axis stands in the joint's row."""
+        if not 0 <= index < self.dof:
+            raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {self.dof}")
+        return 1 - index if isinstance(self.joint, UniversalJoint) else index
+
     def position(self, index: int = 0) -> float:
-        """Angle [rad] or position [m] of an axis."""
-        joint = self.joint
-        if isinstance(joint, HingeJoint):
-            return joint.GetAngle()
-        if isinstance(joint, SliderJoint):
-            return joint.GetPosition()
-        if isinstance(joint, Hinge2Joint):
-            return (joint.GetAngle1, joint.GetAngle2)[index]()
-        if isinstance(joint, UniversalJoint):
-            return (joint.GetAngle2, joint.GetAngle1)[index]()
-        return math.nan
+        """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint."""
+        if isinstance(self._coupling, Gears):
+            return self._coupling.angles[self._column(index)]
+        if not self.axes:
+            return math.nan
+        return self.joint._value(self._column(index)) if self.joint is not None else 0.0
 
     def velocity(self, index: int = 0) -> float:
-        """Rate of an axis [rad/s] or [m/s]."""
-        joint = self.joint
-        if isinstance(joint, HingeJoint):
-            return joint.GetAngleRate()
-        if isinstance(joint, SliderJoint):
-            return joint.GetPositionRate()
-        if isinstance(joint, Hinge2Joint):
-            return (joint.GetAngle1Rate, joint.GetAngle2Rate)[index]()
-        if isinstance(joint, UniversalJoint):
-            return (joint.GetAngleRate2, joint.GetAngleRate1)[index]()
-        return math.nan
+        """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
+        if isinstance(self._coupling, Gears):
+            return self._coupling.rates()[self._column(index)]
+        if not self.axes:
+            return math.nan
+        return self.joint._value(2 + self._column(index)) if self.joint is not None else 0.0
 
     def add_force(self, effort: float, index: int = 0) -> None:
-        """Push along an axis for one step [N m] or [N]."""
+        """Push along an axis for one step [N m] or [N]; pushes of one step add up.
+
+        It is cut to the axis' effort limit, and nothing where it would drive the axis beyond its velocity limit.
+
+        Raises:
+            ParameterError: there is no such axis, or the effort is not finite.
+        """
+        effort = finite(effort, "effort [N m or N]")
+        self._column(index)
+        axis = self.axes[min(index, len(self.axes) - 1)]
+        if axis.effort >= 0.0:
+            effort = max(-axis.effort, min(axis.effort, effort))
+        if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
+            effort = 0.0
+        if self._applied_at != self.engine.steps:
+            self._applied, self._applied_at = [0.0, 0.0], self.engine.steps
+        self._applied[index] += effort
+        self._push(effort, index)
+
+    def force(self, index: int = 0) -> float:
+        """What was pushed with in the last step that was pushed in [N m] or [N]."""
+        self._column(index)
+        return self._applied[index]
+
+    def _push(self, effort: float, index: int) -> None:
         joint = self.joint
+        if isinstance(self._coupling, Gears):
+            body, direction = self._coupling.bodies[index], self._coupling.direction(index)
+            body.AddTorque(*GzVectorMul(effort, direction))
+            return
+        if joint is None:
+            return
+        self._wake()
         if isinstance(joint, HingeJoint):
             joint.SetTorque(effort)
         elif isinstance(joint, SliderJoint):
@@ -192,19 +246,136 @@ class SdfJoint:
         elif isinstance(joint, Hinge2Joint | UniversalJoint):
             first = (index == 0) == isinstance(joint, Hinge2Joint)
             joint.SetTorque(*((effort, 0.0) if first else (0.0, effort)))
+        elif isinstance(joint, PistonJoint):
+            self._push_screw(joint, effort, index)
+
+    def _push_screw(self, joint: PistonJoint, effort: float, index: int) -> None:
+        if index == 1:
+            joint.SetSliderForce(effort)
+            return
+        axis = joint.GetAxis()
+        for body, sign in ((self.child, 1.0), (self.parent, -1.0)):
+            if body is not None:
+                body.AddTorque(*GzVectorMul(sign * effort, axis))
+
+    def _wake(self) -> None:
+        for body in (self.parent, self.child):
+            if body is not None and body.sleepy:
+                body.Enable(True)
+
+    def _behind(self) -> list[Body]:
+        """The links that move with the child when the joint moves."""
+        return links_behind(self.child, self.parent)
+
+    def set_position(self, position: float, index: int = 0, *, preserve_world_velocity: bool = False) -> None:
+        """Move all links behind the joint so that an axis is at a position [rad] or [m], cut to its limits.
+
+        Their velocities turn with them unless they are to be preserved.
+        """
+        target = finite(position, "position [rad or m]")
+        column = self._column(index)
+        if index < len(self.axes):
+            axis = self.axes[index]
+            target = max(axis.lower, min(axis.upper, target)) if axis.lower <= axis.upper else target
+        if self.joint is None:
+            return
+        change = target - self.position(index)
+        turn, slide = self._motion(change, index)
+        move_links(self._behind(), self.anchor(), turn, slide, preserve_world_velocity)
+        self.engine.joint_state[self.joint.row, column] = target  # turns are counted from here
+        self.engine.joint_moved(self.joint.row)
+
+    def set_velocity(self, velocity: float, index: int = 0) -> None:
+        """Give all links behind the joint at once the velocities that make an axis move so [rad/s] or [m/s]."""
+        change = finite(velocity, "velocity [rad/s or m/s]") - self.velocity(index)
+        if self.joint is None:
+            return
+        turn, slide = self._motion(change, index)
+        push_links(self._behind(), self.anchor(), turn, slide)
+
+    def _motion(self, change: float, index: int) -> tuple[GzVector, GzVector]:
+        """(rotation vector, translation), global, of a change of an axis' position."""
+        axis = self.axis(min(index, len(self.axes) - 1))
+        if isinstance(self.joint, SliderJoint):
+            return GzVector(), GzVectorMul(change, axis)
+        if isinstance(self.joint, PistonJoint):
+            turn = change if index == 0 else -change * self.plan.pitch
+            return GzVectorMul(turn, axis), GzVectorMul(-turn / self.plan.pitch, axis)
+        return GzVectorMul(change, axis), GzVector()
+
+    # Places ------------------------------------------------------------------------------------------------------
+
+    def frame(self) -> GzPose:
+        """Global pose of the joint's frame, which goes with the child [m]."""
+        return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
+
+    def anchor(self) -> GzVector:
+        """Global anchor [m]."""
+        return self.frame().pos
+
+    def set_anchor(self, anchor: Iterable[float]) -> None:
+        """Move the anchor to a global point [m]; positions count from where the links stand now."""
+        frame = self.frame()
+        self._again(GzPose(GzVector(*anchor), frame.rot), {})
+
+    def axis(self, index: int = 0) -> GzVector:
+        """An axis as it lies now, global."""
+        self._axis(index)
+        joint = self.joint
+        if isinstance(joint, HingeJoint | SliderJoint | PistonJoint):
+            return joint.GetAxis()
+        if isinstance(joint, UniversalJoint):
+            return (joint.GetAxis2, joint.GetAxis1)[index]()
+        if isinstance(joint, Hinge2Joint):
+            return GzVectorMul(-1.0, (joint.GetAxis1, joint.GetAxis2)[index]())
+        return rotate(self.frame().rot, self._local[index])
+
+    def local_axis(self, index: int = 0) -> GzVector:
+        """An axis in the joint's frame, as it was when the joint was made."""
+        self._axis(index)
+        return GzVector(*self._local[index])
+
+    def set_axis(self, index: int, axis: Iterable[float]) -> None:
+        """Replace an axis, global; positions count from where the links stand now."""
+        self._axis(index)
+        self._again(self.frame(), {index: GzVector(*axis)})
+
+    def _again(self, frame: GzPose, new: dict[int, GzVector]) -> None:
+        """Attach anew with the frame at a global pose, and with new axes where there are any."""
+        directions = [new.get(i) or self.axis(i) for i in range(len(self.axes))]
+        self.detach()
+        for axis, direction in zip(self.axes, directions, strict=True):
+            axis.direction = direction
+        self._attach(frame)
+
+    # Feedback ----------------------------------------------------------------------------------------------------
+
+    def provide_feedback(self, on: bool) -> None:
+        """Whether `wrench` is filled in each step."""
+        self.plan.feedback = on
+        if self.joint is not None:
+            self.joint.provide_feedback(on)
 
     @property
-    def acts(self) -> bool:
-        """Whether `update` has anything to do."""
-        return any(axis.acts for axis in self.axes)
+    def wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
+        """(force, torque) on the parent, then on the child, that holding them together took in the last step.
 
-    def update(self) -> None:
-        """Damping and springs, for one step: -damping velocity + stiffness (reference - position)."""
-        for index, axis in enumerate(self.axes):
-            if axis.acts:
-                push = axis.stiffness * (axis.reference - self.position(index)) - axis.damping * self.velocity(index)
-                self.add_force(push, index)
-
-    def close(self) -> None:
-        """Destroy the joint."""
-        self.joint.close()
+        Forces [N]; torques about the anchor [N m]; global. Efforts of `add_force` and explicit springs are not in it.
+        """
+        if self.joint is None:
+            return GzVector(), GzVector(), GzVector(), GzVector()
+        force1, torque1, force2, torque2 = self.joint.feedback
+        swap = isinstance(self.joint, Hinge2Joint)
+        on_child, on_parent = ((force2, torque2), (force1, torque1)) if swap else ((force1, torque1), (force2, torque2))
+        anchor = self.anchor()
+        result: list[GzVector] = []
+        for body, (force, torque) in ((self.parent, on_parent), (self.child, on_child)):
+            if body is not None and not body.dummy:
+                arm = GzVectorSub(body.GetCoMPose().pos, anchor)
+                torque = GzVectorAdd(torque, GzVectorCross(arm, force))
+            result += [force, torque]
+        if not _is_real(self.parent):
+            result[:2] = [GzVectorMul(-1.0, v) for v in result[2:]]
+        elif not _is_real(self.child):
+            result[2:] = [GzVectorMul(-1.0, v) for v in result[:2]]
+        return result[0], result[1], result[2], result[3]

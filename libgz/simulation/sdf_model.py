@@ -1,94 +1,130 @@
-"""SdfModel: links, collisions, visuals and joints of an SDF document on the engine."""
+"""SdfModel: links, collisions, visuals, joints and nested models of an SDF document on the engine."""
 
 from __future__ import annotations
 
-import logging
-import math
+from collections.abc import Callable, Iterator
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector, rotate
-from libgz.ode.types import Surface
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom
 from libgz.physics.mass import given_mass
 from libgz.sdf.element import Element
 from libgz.simulation.model import Model
+from libgz.simulation.sdf_axis import Axis, JointPlan, read_joint
 from libgz.simulation.sdf_joint import SdfJoint
+from libgz.simulation.sdf_shapes import make_collision, make_visual
+from libgz.simulation.sdf_surface import set_body_surface, set_surface
 from libgz.simulation.world import World
 
-__all__ = ["SdfModel"]
-
-log = logging.getLogger("libgz.simulation")
-
-WORLD_CONTACTS = 20  # physics/max_contacts
+__all__ = ["SdfModel", "model_pose"]
 
 
 class SdfModel(Model):
     """A model built from a `<model>` element.
 
     Its pose is that of the model frame; links keep their names. Static models have dummy bodies: they stand still
-    whatever happens, and touch what moves.
+    whatever happens, and touch what moves. `build` makes links, and nested models with theirs; `build_joints` follows
+    when all models of a file stand, for joints reach into other models.
     """
 
     def __init__(self, world: World, element: Element, faults: Faults, parent: SdfModel | None = None) -> None:
         super().__init__(world)
         self.sdf = element
         self.faults = faults
+        self.name = element.Get(str, "name")
         self.static: bool = element.Get(bool, "static") or (parent is not None and parent.static)
         self.links: dict[str, Body] = {}
+        self.nested: dict[str, SdfModel] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
         self.geom_names: dict[Geom, str] = {}
         self._frame_in_canonical = GzPose()
-        self._acting: list[SdfJoint] = []
+        self._frame = GzPose()  # of a model without any link
+        self._places: list[tuple[Body, GzPose]] = []  # where links began, in the model frame
+        self._spaces: list[Space] = []
         self.SetName("model")
-        self.SetId(element.Get(str, "name"))
+        self.SetId(self.name)
+        if parent is not None:
+            self.parent = parent
+            parent.children.append(self)
+            self.SetId(f"{parent.GetId()}::{self.name}")
 
     def build(self, pose: GzPose) -> None:
-        """Make links, then joints, with the model frame at a global pose. What is wrong becomes a fault of the file."""
+        """Make links and nested models, with the model frame at a global pose; faults are those of the file."""
+        self._frame = pose
         for link in self.sdf.named("link"):
-            self._guard(link, lambda link=link: self._add_link(link, pose))
-        if not self.bodies:
+            self._guard(link, self._add_link, link, pose)
+        for element in self.sdf.named("model"):
+            self._guard(element, self._add_nested, element, pose)
+        self._canonical = next((body for model in self.family() for body in model.bodies), None)
+        if self._canonical is None and self.parent is None:
             self._note(self.sdf, "a model needs at least one link", "error")
-            return
-        self._canonical = self.bodies[0]
-        self._frame_in_canonical = GzCoordPoseSub(pose, self.bodies[0].GetPose())
-        for joint in self.sdf.named("joint"):
-            self._guard(joint, lambda joint=joint: self._add_joint(joint, pose))
-        self._acting = [joint for joint in self.sdf_joints.values() if joint.acts]
+        elif self._canonical is not None:
+            self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
+        self._places = [(body, GzCoordPoseSub(body.GetPose(), pose)) for body in self.bodies]
+
+    def build_joints(self) -> None:
+        """Make the joints of this model and of those nested in it, and let what has none fall asleep at rest."""
+        for element in self.sdf.named("joint"):
+            self._guard(element, self.add_joint, element)
+        for model in self.nested.values():
+            model.build_joints()
+        self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
+
+    def set_auto_disable(self, allow: bool) -> None:
+        """Whether links may fall asleep at rest; those of models with joints or sensors never do."""
+        busy = any(body.joints for body in self.bodies) or any(
+            link.HasElement("sensor") for link in self.sdf.named("link")
+        )
+        for body in self.bodies:
+            body.set_auto_disable(allow and not busy and not body.kinematic)
+
+    def family(self) -> Iterator[SdfModel]:
+        """This model and all that are nested in it."""
+        yield self
+        for model in self.nested.values():
+            yield from model.family()
 
     def _note(self, element: Element, message: str, severity: str = "warning") -> None:
         self.faults.add(Fault(element.file or "<string>", element.line, element.name, message, severity))
 
-    def _guard(self, element: Element, action: object) -> None:
+    def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
         """Do something; what it raises is an error of the file, told with all others."""
         try:
-            action()  # type: ignore[operator]
+            action(*arguments)
         except GazeboError as fault:
             self._note(element, str(fault), "error")
 
     # Links -------------------------------------------------------------------------------------------------------
 
-    def _add_link(self, element: Element, model_pose: GzPose) -> None:
+    def _add_nested(self, element: Element, pose: GzPose) -> None:
+        name = element.Get(str, "name")
+        if name in self.nested or name in self.links:
+            raise ParameterError(f"model {self.GetId()!r} has something named {name!r} already")
+        model = SdfModel(self.world, element, self.faults, self)
+        self.nested[name] = model
+        model.build(GzCoordPoseAdd(model_pose(element), pose))
+
+    def _add_link(self, element: Element, frame: GzPose) -> None:
         name = element.Get(str, "name")
         if name in self.links:
             raise ParameterError(f"model {self.GetId()!r} has a link {name!r} already")
         body = Body(self.world, name, dummy=self.static)
+        body.model = self
         self.links[name] = body
         self.bodies.append(body)
-        body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), model_pose))
-        space = Space(self.world.engine) if self._self_collides(element) else self.modelSpaceId
-        for collision in element.named("collision"):
-            self._guard(collision, lambda c=collision: self._add_collision(body, space, c))
+        body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), frame))
+        self._add_collisions(body, element)
         for visual in element.named("visual"):
-            self._guard(visual, lambda v=visual: self._add_visual(body, v))
+            self._guard(visual, self._add_visual, body, visual)
+        if self.static:
+            return
         inertial = element.child("inertial")
         inertia = inertial.child("inertia")
         moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-        if not self.static:
-            body.SetMassMatrix(given_mass(inertial.Get(float, "mass"), moments, inertial.Get(GzPose, "pose")))
+        body.SetMassMatrix(given_mass(inertial.Get(float, "mass"), moments, inertial.Get(GzPose, "pose")))
         body.SetGravityMode(element.Get(bool, "gravity"))
         body.set_damping(*self._decay(element))
         if element.Get(bool, "kinematic"):
@@ -110,120 +146,187 @@ class SdfModel(Model):
 
     # Geoms -------------------------------------------------------------------------------------------------------
 
-    def _make_geom(self, body: Body, space: Space | None, element: Element) -> Geom | None:
-        """The geom of a collision or visual at its place in the link; None for shapes that are not known here."""
-        shape = element.child("geometry").GetFirstElement()
-        if shape is None or shape.name == "empty":
-            return None
-        pose = element.Get(GzPose, "pose")
-        geom: Geom
-        if shape.name == "box":
-            geom = BoxGeom(body, space, *shape.Get(GzVector, "size"))
-        elif shape.name == "sphere":
-            geom = SphereGeom(body, space, shape.Get(float, "radius"))
-        elif shape.name == "cylinder":
-            geom = CylinderGeom(body, space, shape.Get(float, "radius"), shape.Get(float, "length"))
-        elif shape.name == "plane":
-            placed = GzCoordPoseAdd(pose, body.GetPose())
-            normal = rotate(placed.rot, shape.Get(GzVector, "normal"))
-            altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
-            return PlaneGeom(body, space, altitude, normal)
-        else:
-            known = "box, sphere, cylinder, plane and empty"
-            hint = nearest(shape.name, ("box", "sphere", "cylinder", "plane"))
-            self._note(shape, f"this shape is not simulated, and is left out; {known} are{hint}")
-            return None
-        geom.SetRelativePose(pose)
-        return geom
+    def _add_collisions(self, body: Body, link: Element) -> None:
+        space = self.modelSpaceId
+        if self._self_collides(link):
+            space = Space(self.world.engine)
+            self._spaces.append(space)
+        for collision in link.named("collision"):
+            self._guard(collision, self.add_collision, body, collision, space)
+        last = next(reversed(list(link.named("collision"))), None)
+        if last is not None and body.geoms:
+            hilly = last.child("geometry").HasElement("heightmap")
+            set_body_surface(body.geoms, last, still=self.static or hilly)
 
-    def _add_collision(self, body: Body, space: Space, element: Element) -> None:
-        geom = self._make_geom(body, space, element)
+    def add_collision(self, body: Body, element: Element, space: Space | None = None) -> Geom | None:
+        """Give a link a `<collision>`; None, with a warning, where its shape cannot be built."""
+        geom = make_collision(body, space or self.modelSpaceId, element, self._note)
         if geom is None:
-            return
+            return None
         geom.appearance.visible = False
         geom.SetRetro(element.Get(float, "laser_retro"))
         self.geom_names[geom] = element.Get(str, "name")
-        self._set_surface(geom, element)
-
-    def _set_surface(self, geom: Geom, element: Element) -> None:
-        """How a collision touches others; negative friction coefficients are infinite ones."""
-        surface = element.child("surface")
-        contact, bounce = surface.child("contact"), surface.child("bounce")
-        ode, friction = contact.child("ode"), surface.child("friction").child("ode")
-        engine, row = self.world.engine, geom.row
-        mu, mu2 = (friction.Get(float, key) for key in ("mu", "mu2"))
-        geom.SetFriction(mu if mu >= 0.0 else math.inf, mu2 if mu2 >= 0.0 else math.inf)
-        geom.SetHardness(ode.Get(float, "kp"), ode.Get(float, "kd"))
-        for i, value in enumerate(friction.Get(GzVector, "fdir1")):
-            engine.set_surface(row, Surface.FDIR1 + i, value)  # type: ignore[arg-type]
-        most = min(element.Get(int, "max_contacts"), WORLD_CONTACTS)
-        for column, value in (
-            (Surface.SLIP1, friction.Get(float, "slip1")),
-            (Surface.SLIP2, friction.Get(float, "slip2")),
-            (Surface.BOUNCE, bounce.Get(float, "restitution_coefficient")),
-            (Surface.BOUNCE_VEL, bounce.Get(float, "threshold")),
-            (Surface.MAX_CONTACTS, most),
-            (Surface.MAX_VEL, 0.0 if self.static else ode.Get(float, "max_vel")),
-            (Surface.MIN_DEPTH, ode.Get(float, "min_depth")),
-            (Surface.BITS, contact.Get(int, "collide_bitmask") & 0xFFFFFFFF),
-        ):
-            engine.set_surface(row, column, float(value))
+        set_surface(geom, element)
+        return geom
 
     def _add_visual(self, body: Body, element: Element) -> None:
-        """A geom without a space: it is drawn and touches nothing."""
-        geom = self._make_geom(body, None, element)
-        if geom is None:
-            return
-        self.geom_names[geom] = element.Get(str, "name")
+        """Geoms without a space: they are drawn and touch nothing."""
         material = element.child("material")
-        for key, setter in (
-            ("ambient", geom.SetAmbientColor),
-            ("diffuse", geom.SetDiffuseColor),
-            ("specular", geom.SetSpecularColor),
-            ("emissive", geom.SetEmissionColor),
-        ):
-            if material.HasElement(key):
-                setter(material.Get(GzColor, key))
         transparency = element.Get(float, "transparency")
-        if transparency > 0.0:
-            geom.GetDiffuseColor().a = 1.0 - transparency
-            geom.SetTransparency(True)
+        for geom in make_visual(body, element, self._note):
+            self.geom_names[geom] = element.Get(str, "name")
+            for key, setter in (
+                ("ambient", geom.SetAmbientColor),
+                ("diffuse", geom.SetDiffuseColor),
+                ("specular", geom.SetSpecularColor),
+                ("emissive", geom.SetEmissionColor),
+            ):
+                if material.HasElement(key):
+                    setter(material.Get(GzColor, key))
+            geom.SetRetro(element.Get(float, "laser_retro"))
+            if transparency > 0.0:
+                geom.GetDiffuseColor().a = 1.0 - transparency
+                geom.SetTransparency(True)
 
     # Joints ------------------------------------------------------------------------------------------------------
 
-    def _add_joint(self, element: Element, model_pose: GzPose) -> None:
-        name = element.Get(str, "name")
-        if name in self.sdf_joints:
-            raise ParameterError(f"model {self.GetId()!r} has a joint {name!r} already")
-        if not self.static:
-            self.sdf_joints[name] = SdfJoint(self.world.engine, element, self.links, model_pose)
+    def find_link(self, name: str) -> Body:
+        """A link by the name that a joint of this model calls it: own, `nested::link`, or `model::link` of the world.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        found = self._own_link(name) or self._own_link(name.removeprefix(f"{self.name}::"))
+        if found is not None:
+            return found
+        model = self.parent
+        while isinstance(model, SdfModel):
+            found = model._own_link(name)
+            if found is not None:
+                return found
+            model = model.parent
+        owner, _, link = name.rpartition("::")
+        for other in self.world.models if owner else ():
+            if other.GetId() == owner and (isinstance(other, SdfModel) or hasattr(other, "GetBody")):
+                return other.GetBody(link)
+        known = ", ".join(self.link_names())
+        raise NotFoundError(f"there are {known or 'none'}")
+
+    def _own_link(self, name: str) -> Body | None:
+        if name in self.links:
+            return self.links[name]
+        head, _, rest = name.partition("::")
+        return self.nested[head]._own_link(rest) if rest and head in self.nested else None
+
+    def link_names(self) -> Iterator[str]:
+        """Names of all links as joints of this model call them."""
+        yield from self.links
+        for name, model in self.nested.items():
+            yield from (f"{name}::{link}" for link in model.link_names())
+
+    def add_joint(self, element: Element) -> SdfJoint | None:
+        """Make a `<joint>`; None in a static model, where nothing moves.
+
+        Raises:
+            ParameterError: the name is taken, or a value is not allowed.
+            NotFoundError: a link does not exist.
+        """
+        return self._take_joint(read_joint(element, self.find_link, self.GetPose()))
+
+    def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: GzVector) -> SdfJoint:
+        """Join two links as they stand now; None is the world. The joint's frame is the child's, axes are global.
+
+        Raises:
+            ParameterError: the name is taken, the kind unknown, or the model static.
+        """
+        frame = (child or parent).GetPose() if child or parent else GzPose()  # type: ignore[union-attr]
+        plan = JointPlan(name, kind, parent, child, frame, [Axis(GzVector(*axis)) for axis in axes])
+        joint = self._take_joint(plan)
+        if joint is None:
+            raise ParameterError(f"model {self.GetId()!r} is static; its links cannot be joined")
+        return joint
+
+    def _take_joint(self, plan: JointPlan) -> SdfJoint | None:
+        if plan.name in self.sdf_joints:
+            raise ParameterError(f"model {self.GetId()!r} has a joint {plan.name!r} already")
+        if self.static:
+            return None
+        joint = SdfJoint(self.world.engine, plan)
+        self.sdf_joints[plan.name] = joint
+        for body in (plan.parent, plan.child):
+            if body is not None and body.sleepy:
+                body.set_auto_disable(False)
+        return joint
+
+    def remove_joint(self, name: str) -> bool:
+        """Destroy a joint; false if there is none of this name."""
+        joint = self.sdf_joints.pop(name, None)
+        if joint is None:
+            return False
+        joint.close()
+        return True
 
     def Update(self, step: float) -> None:
-        """Damping and springs of the joints."""
+        """Damping, springs, threads and gears of the joints."""
         if step > 0.0:
-            for joint in self._acting:
-                joint.update()
+            for joint in self.sdf_joints.values():
+                if joint.acts:
+                    joint.update()
 
     # Pose --------------------------------------------------------------------------------------------------------
 
     def GetPose(self) -> GzPose:
         """Global pose of the model frame, which is fixed to the first link [m]."""
-        return GzCoordPoseAdd(self._frame_in_canonical, self.GetBody().GetPose())
+        if self._canonical is None:
+            return GzPose(GzVector(*self._frame.pos), self._frame.rot)
+        return GzCoordPoseAdd(self._frame_in_canonical, self._canonical.GetPose())
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Move all links, and nested models, as one; all velocities become zero."""
+        before = self.GetPose()
+        for model in self.family():
+            if model._canonical is None:
+                model._frame = GzCoordPoseAdd(GzCoordPoseSub(model._frame, before), pose)
+            for body in model.bodies:
+                body.SetPose(GzCoordPoseAdd(GzCoordPoseSub(body.GetPose(), before), pose))
+                body.SetLinearVel((0.0, 0.0, 0.0))
+                body.SetAngularVel((0.0, 0.0, 0.0))
+
+    def restore(self) -> None:
+        """Put all links, and those of nested models, back to where they began in the world, at rest."""
+        for model in self.family():
+            model._frame = model.initPose
+            for body, place in model._places:
+                body.SetPose(GzCoordPoseAdd(place, model.initPose))
+                body.SetLinearVel((0.0, 0.0, 0.0))
+                body.SetAngularVel((0.0, 0.0, 0.0))
+                body.SetForce((0.0, 0.0, 0.0))
+                body.SetTorque(0.0, 0.0, 0.0)
+        for model in self.family():
+            for joint in model.sdf_joints.values():
+                joint.restore()
 
     def GetBody(self, name: str | None = None) -> Body:
-        """A link by name; without one, or for ``canonical``, the first.
+        """A link by name, `nested::link` too; without one, or for ``canonical``, the first.
 
         Raises:
             NotFoundError: there is none of this name.
         """
-        if name in (None, "canonical"):
-            return self.bodies[0]
-        if name not in self.links:
-            known = ", ".join(self.links)
+        found = self._canonical if name in (None, "canonical") else self._own_link(name or "")
+        if found is None:
+            known = list(self.link_names())
             raise NotFoundError(
-                f"model {self.GetId()!r} has no link {name!r}; it has {known}{nearest(name or '', self.links)}"
+                f"model {self.GetId()!r} has no link {name!r}; it has {', '.join(known)}{nearest(name or '', known)}"
             )
-        return self.links[name]
+        return found
+
+    def close(self) -> None:
+        """Destroy joints, links and spaces."""
+        for joint in self.sdf_joints.values():
+            joint.close()
+        super().close()
+        for space in self._spaces:
+            space.close()
 
 
 def model_pose(element: Element) -> GzPose:

@@ -1,21 +1,27 @@
-"""Loading SDF documents into a World: physics settings, models, lights."""
+"""Loading SDF documents into a World: settings, models, lights, joints between models, state."""
 
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable
 
-from libgz.errors import WorldFileError
+from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector
+from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
+from libgz.simulation.changes import delete_models
 from libgz.simulation.model import Model
+from libgz.simulation.sdf_axis import read_joint
+from libgz.simulation.sdf_joint import SdfJoint
 from libgz.simulation.sdf_model import SdfModel, model_pose
+from libgz.simulation.sdf_settings import apply_settings
+from libgz.simulation.sdf_state import apply_state
 from libgz.simulation.world import World
 
-__all__ = ["SdfLight", "load_sdf"]
+__all__ = ["SdfLight", "WorldJoints", "add_entities", "insert_sdf", "load_sdf"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -28,6 +34,9 @@ class SdfLight(Model):
         self.sdf = element
         self.SetName("light")
         self.SetId(element.Get(str, "name"))
+        self.kind = element.Get(str, "type")  # point, directional or spot
+        self.direction = element.Get(GzVector, "direction")
+        self.cast_shadows = element.Get(bool, "cast_shadows")
         body = Body(world, dummy=True)
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
@@ -35,7 +44,40 @@ class SdfLight(Model):
         self.light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
         self.light.SetSpecularColor(element.Get(GzColor, "specular"))
         fading = element.child("attenuation")
+        self.range = fading.Get(float, "range")
         self.light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+
+
+class WorldJoints(Model):
+    """The joints that stand in a `<world>` beside its models; it has a dummy body where the world begins."""
+
+    def __init__(self, world: World) -> None:
+        super().__init__(world)
+        self.SetName("joints")
+        self.SetId("world_joints")
+        self.AddBody(Body(world, dummy=True), True)
+        self.sdf_joints: dict[str, SdfJoint] = {}
+
+    def Update(self, step: float) -> None:
+        """Damping, springs, threads and gears of the joints."""
+        if step > 0.0:
+            for joint in self.sdf_joints.values():
+                if joint.acts:
+                    joint.update()
+
+    def find_link(self, name: str) -> Body:
+        """A link by `model::link`; a model's name alone is its first link."""
+        for model in self.world.models:
+            if model.GetId() == name:
+                return model.GetBody()
+        owner, _, link = name.rpartition("::")
+        return self.world.model(owner).GetBody(link)
+
+    def close(self) -> None:
+        """Destroy the joints."""
+        for joint in self.sdf_joints.values():
+            joint.close()
+        super().close()
 
 
 def load_sdf(world: World, file: SdfFile) -> None:
@@ -47,12 +89,15 @@ def load_sdf(world: World, file: SdfFile) -> None:
     root, faults = file.root, file.faults
     element = next(root.named("world"), None)
     if element is not None:
-        _apply_physics(world, element, faults)
-    for entity in (element or root).children:
-        if entity.name == "model":
-            _add_model(world, entity, faults, GzPose(), None)
-        elif entity.name == "light":
-            _register(world, SdfLight(world, entity))
+        apply_settings(world, element, faults)
+    holder = element or root
+    add_entities(world, holder.children, faults)
+    _add_world_joints(world, holder, faults)
+    state = next(holder.named("state"), None)
+    if state is not None:
+        for insertions in state.named("insertions"):
+            add_entities(world, insertions.children, faults)
+        apply_state(world, state, faults)
     if element is None and not world.models:
         raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
     for warning in faults.warnings:
@@ -60,49 +105,61 @@ def load_sdf(world: World, file: SdfFile) -> None:
     faults.raise_errors()
 
 
+def insert_sdf(world: World, file: SdfFile) -> list[Model]:
+    """Add the models and lights of a document to a running world, between two steps; all of them, or none.
+
+    Raises:
+        WorldFileError: it has errors, or holds no model or light.
+    """
+    before = len(world.models)
+    root = next(file.root.named("world"), file.root)
+    try:
+        add_entities(world, root.children, file.faults)
+        file.faults.raise_errors()
+        added = world.models[before:]
+        if not added:
+            raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
+    except BaseException:
+        delete_models(world, world.models[before:])
+        raise
+    for warning in file.faults.warnings:
+        log.warning("%s", warning)
+    return added
+
+
+def add_entities(world: World, elements: Iterable[Element], faults: Faults) -> list[Model]:
+    """Build models, then their joints, and lights; what is wrong becomes a fault. What was added."""
+    before = len(world.models)
+    models = []
+    for element in elements:
+        if element.name == "model":
+            model = SdfModel(world, element, faults)
+            model.build(model_pose(element))
+            models.append(model)
+            for member in model.family():
+                _register(world, member)
+        elif element.name == "light":
+            _register(world, SdfLight(world, element))
+    for model in models:
+        model.build_joints()
+    return world.models[before:]
+
+
 def _register(world: World, model: Model) -> None:
     model.initPose = model.GetPose()
     world.adopt(model)
 
 
-def _add_model(world: World, element: Element, faults: Faults, frame: GzPose, parent: SdfModel | None) -> None:
-    """A model, then those nested in it, each at its pose in the one around it."""
-    model = SdfModel(world, element, faults, parent)
-    pose = GzCoordPoseAdd(model_pose(element), frame)
-    model.build(pose)
-    if not model.bodies:
-        if not any(True for _ in element.named("model")):
-            return
-    else:
-        if parent is not None and parent.bodies:
-            model.SetId(f"{parent.GetId()}::{model.GetId()}")
-        _register(world, model)
-    for nested in element.named("model"):
-        _add_model(world, nested, faults, pose, model)
-
-
-def _apply_physics(world: World, element: Element, faults: Faults) -> None:
-    """Step, gravity, solver and pacing."""
-    physics = element.child("physics")
-    engine = world.engine
-    engine.step_time = physics.Get(float, "max_step_size")
-    # Gravity moved out of <physics> in 1.6.
-    holder = element if element.description is None or "gravity" in element.description.children else physics
-    engine.gravity = tuple(holder.Get(GzVector, "gravity"))
-    kind = physics.Get(str, "type")
-    if kind != "ode":
-        where = Fault(
-            physics.file, physics.line, "physics", f"type {kind!r} is not here; ODE is used instead", "warning"
-        )
-        faults.add(where)
-    solver = physics.child("ode").child("solver")
-    engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
-    engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
-    constraints = physics.child("ode").child("constraints")
-    engine.set_constraints(
-        constraints.Get(float, "erp"),
-        constraints.Get(float, "cfm"),
-        constraints.Get(float, "contact_max_correcting_vel"),
-    )
-    rate = physics.Get(float, "real_time_update_rate")
-    world.simSpeed = rate * engine.step_time
+def _add_world_joints(world: World, holder: Element, faults: Faults) -> None:
+    """Joints that stand beside the models."""
+    elements = list(holder.named("joint"))
+    if not elements:
+        return
+    joints = WorldJoints(world)
+    for element in elements:
+        try:
+            plan = read_joint(element, joints.find_link, GzPose())
+            joints.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
+        except GazeboError as fault:
+            faults.add(Fault(element.file, element.line, "joint", str(fault), "error"))
+    world.adopt(joints)

@@ -1,0 +1,323 @@
+"""The contact rule in Python: the same work as collide_geoms in step.c, operation by operation.
+
+The plain pairs of legacy worlds do not come here; `PythonStep` has a quicker way for them.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from ctypes import c_double
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext, Tables
+from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.types import (
+    Contact,
+    ContactMode,
+    GeomClass,
+    JointFeedback,
+    JointType,
+    Surface,
+    SurfaceParameters,
+)
+
+__all__ = ["CarefulContacts", "ContactLog", "make_surface"]
+
+_ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
+_PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
+
+
+def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
+    """What two surfaces do together; make_surface in step.c."""
+    softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
+    kd = a[Surface.KD] + b[Surface.KD]
+    erp, cfm = 1.0, 0.0
+    if softness > 0.0:
+        spring = context.step * (1.0 / softness)
+        erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
+    mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
+    bounce, bounce_vel, mu2 = max(a[Surface.BOUNCE], b[Surface.BOUNCE]), 0.0, 0.0
+    if context.classic:
+        bounce = min(a[Surface.BOUNCE], b[Surface.BOUNCE])
+        bounce_vel = min(a[Surface.BOUNCE_VEL], b[Surface.BOUNCE_VEL])
+        mu2 = min(a[Surface.MU2], b[Surface.MU2])
+        mode |= ContactMode.MU2
+    if bounce > 0.0:
+        mode |= ContactMode.BOUNCE
+    return SurfaceParameters(
+        mode=int(mode),
+        mu=min(a[Surface.MU], b[Surface.MU]),
+        mu2=mu2,
+        bounce=bounce,
+        bounce_vel=bounce_vel,
+        soft_erp=erp,
+        soft_cfm=cfm,
+    )
+
+
+class ContactLog:
+    """The contact points of a step, and what they did; record_point, ask_contacts and read_contacts in step.c."""
+
+    def __init__(self) -> None:
+        self._records: list[tuple[Any, ...]] = []
+        self._joints: list[tuple[int, bool]] = []
+        self._told: Any = None
+
+    def clear(self) -> None:
+        """Begin a step."""
+        self._records.clear()
+        self._joints.clear()
+        self._told = None
+
+    def add(self, rows: tuple[int, int], point: Any, depth: float, joint: int, turned: bool) -> None:
+        """Note a point; joint 0 is one that does not push, `turned` one whose first body is the second geom's."""
+        self._records.append((*rows, tuple(point.pos[:3]), tuple(point.normal[:3]), depth))
+        self._joints.append((joint, turned))
+
+    def ask(self, ode_: OdeLibrary) -> None:
+        """Ask ODE for the forces of this step."""
+        if not self._joints:
+            return
+        self._told = (JointFeedback * len(self._joints))()
+        for (joint, _), told in zip(self._joints, self._told, strict=True):
+            if joint:
+                ode_.dJointSetFeedback(joint, ctypes.addressof(told))
+
+    def read(self) -> None:
+        """Take the answers over."""
+        zero = (0.0, 0.0, 0.0)
+        for i, (joint, turned) in enumerate(self._joints):
+            if not joint:
+                continue
+            told = self._told[i]
+            first, second = (tuple(told.f1[:3]), tuple(told.t1[:3])), (tuple(told.f2[:3]), tuple(told.t2[:3]))
+            self._records[i] += (zero, zero, *first) if turned else (*first, *second)
+        self._joints = [(0, False)] * len(self._joints)
+
+    def contacts(self) -> NDArray[np.void]:
+        """A copy of the points."""
+        found = np.zeros(len(self._records), dtype=CONTACT)
+        for i, record in enumerate(self._records):
+            for name, value in zip(CONTACT.names or (), record, strict=False):
+                found[name][i] = value
+        return found
+
+
+class CarefulContacts:
+    """Contacts of classic worlds, of round shapes, and those that somebody wants to know."""
+
+    def __init__(self, context: StepContext, tables: Tables) -> None:
+        self._context, self._tables = context, tables
+        self._ode: OdeLibrary = ode()
+        self._points = (Contact * MOST_CONTACTS)()
+        self.log = ContactLog()
+        self.count = 0
+
+    def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
+        """The surfaces of two geoms."""
+        surface, data = self._tables.surface, self._ode.dGeomGetData
+        return surface[data(geom1) or 0].tolist(), surface[data(geom2) or 0].tolist()
+
+    def round_pair(self, geom1: int, geom2: int) -> bool:
+        """Whether ODE itself has no collider for two geoms."""
+        kinds = {self._ode.dGeomGetClass(geom) for geom in (geom1, geom2)}
+        return bool(self._context.no_cylinder_pairs) and GeomClass.CYLINDER in kinds and kinds <= _ROUND
+
+    def touch(self, geom1: int, geom2: int) -> None:
+        """Find and make the contacts of two geoms, of which one has a body; collide_geoms in step.c."""
+        ode_, context, points = self._ode, self._context, self._points
+        body1, body2 = (ode_.dGeomGetBody(geom) or 0 for geom in (geom1, geom2))
+        if body1 and body2 and ode_.dAreConnectedExcluding(body1, body2, JointType.CONTACT):
+            return
+        a, b = self.rows(geom1, geom2)
+        if context.classic and not self._may_touch(a, b, body1, body2):
+            return
+        address, size = ctypes.addressof(points) + Contact.geom.offset, ctypes.sizeof(Contact)
+        if self.round_pair(geom1, geom2):
+            count = self._collide_cylinder(geom1, geom2, address)
+        else:
+            most = MOST_CONTACTS if context.classic else MAX_CONTACTS
+            count = ode_.dCollide(geom1, geom2, most, address, size)
+        if not count:
+            return
+        surface, ghost = make_surface(context, a, b), False
+        if context.classic:
+            ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
+            count = self._deepest(a, b, count)
+        data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
+        for i in range(count):
+            point, joint = points[i], 0
+            depth = point.geom.depth
+            point.surface = surface
+            if context.classic:
+                self._refine(a, b, geom1, geom2, count, point)
+            if not ghost:
+                joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
+                ode_.dJointAttach(joint, body1, body2)
+                self.count += 1
+            if context.record:
+                self.log.add(data, point.geom, depth, joint, not body1)
+
+    def _may_touch(self, a: list[float], b: list[float], body1: int, body2: int) -> bool:
+        """may_touch in step.c."""
+        if not int(a[Surface.BITS]) & int(b[Surface.BITS]):
+            return False
+        if a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0:
+            return bool(self._context.record and int(a[Surface.GHOST_BITS]) & int(b[Surface.GHOST_BITS]))
+        if self._context.record:
+            return True
+        return any(body and self._ode.dBodyIsEnabled(body) for body in (body1, body2))
+
+    def _deepest(self, a: list[float], b: list[float], count: int) -> int:
+        """deepest in step.c: keep so many as are allowed, in their order."""
+        points = self._points
+        most = int(min(a[Surface.MAX_CONTACTS], b[Surface.MAX_CONTACTS], self._context.max_contacts))
+        while count > most:
+            shallow = min(range(count), key=lambda i: points[i].geom.depth)
+            for i in range(shallow, count - 1):
+                points[i] = points[i + 1]
+            count -= 1
+        return count
+
+    def _refine(self, a: list[float], b: list[float], geom1: int, geom2: int, count: int, point: Any) -> None:
+        """refine_point in step.c."""
+        surface = point.surface
+        limit = max(a[Surface.MAX_VEL], b[Surface.MAX_VEL])
+        surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
+        surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
+        if surface.slip1 > 0.0:
+            surface.mode |= ContactMode.SLIP1
+        if surface.slip2 > 0.0:
+            surface.mode |= ContactMode.SLIP2
+        aimed = self._friction_direction(a, b, geom1, geom2, point)
+        if aimed or (self._context.cone and self._sliding_direction(geom1, geom2, point)):
+            surface.mode |= ContactMode.FDIR1
+        _add_torsion(a, b, point)
+        point.geom.depth = max(0.0, point.geom.depth - max(a[Surface.MIN_DEPTH], b[Surface.MIN_DEPTH]))
+        if point.geom.depth > 0.0:
+            surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+
+    def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
+        """friction_direction in step.c."""
+        first, second = (row[Surface.FDIR1 : Surface.FDIR1 + 3] for row in (a, b))
+        local, geom = first, geom1
+        if _dot(first, first) == 0.0 or (b[Surface.MU] < a[Surface.MU] and _dot(second, second) > 0.0):
+            local, geom = second, geom2
+        if _dot(local, local) == 0.0:
+            return False
+        m = self._ode.dGeomGetRotation(geom).contents
+        aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
+        return _set_direction(point, aim)
+
+    def _sliding_direction(self, geom1: int, geom2: int, point: Any) -> bool:
+        """sliding_direction in step.c."""
+        slide = [0.0, 0.0, 0.0]
+        for geom, sign in ((geom1, 1.0), (geom2, -1.0)):
+            body = self._ode.dGeomGetBody(geom)
+            if body:
+                self._add_velocity(body, point.geom.pos, sign, slide)
+        return _set_direction(point, slide)
+
+    def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
+        """add_velocity in step.c."""
+        ode_, context = self._ode, self._context
+        x, v, w = (
+            get(body).contents for get in (ode_.dBodyGetPosition, ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel)
+        )
+        share = context.step if ode_.dBodyGetGravityMode(body) and not ode_.dBodyIsKinematic(body) else 0.0
+        arm = [at[k] - x[k] for k in range(3)]
+        for k, (i, j) in enumerate(((1, 2), (2, 0), (0, 1))):
+            slide[k] = slide[k] + sign * (v[k] + (w[i] * arm[j] - w[j] * arm[i]) + share * context.gravity[k])
+
+    def _collide_cylinder(self, geom1: int, geom2: int, first: int) -> int:
+        """Contacts of a cylinder with a cylinder or capsule; collide_cylinder in step.c."""
+        ode_, box = self._ode, self._context.stand_in
+        cylinder = geom2 if ode_.dGeomGetClass(geom2) == GeomClass.CYLINDER else geom1
+        other = geom1 if cylinder == geom2 else geom2
+        p, q = ode_.dGeomGetPosition(cylinder).contents[:3], ode_.dGeomGetPosition(other).contents[:3]
+        r, s = self._columns(cylinder), self._columns(other)
+        radius, length = self._round_size(cylinder)
+        _, other_length = self._round_size(other)
+        axis, other_axis = r[2], s[2]
+        gap = [b - a for a, b in zip(p, q, strict=True)]
+        along, t = _dot(gap, axis), _dot(other_axis, axis)
+        gap = [g - along * a for g, a in zip(gap, axis, strict=True)]
+        other_axis = [o - t * a for o, a in zip(other_axis, axis, strict=True)]
+        square = _dot(other_axis, other_axis)
+        t = -_dot(gap, other_axis) / square if square > 1e-9 else 0.0
+        t = max(min(t, 0.5 * other_length), -0.5 * other_length)
+        aim = [g + t * o for g, o in zip(gap, other_axis, strict=True)]
+        size = _dot(aim, aim)
+        if size < 1e-18:
+            aim, size = r[0], 1.0
+        size = math.sqrt(size)
+        aim = [a / size for a in aim]
+        side = [
+            axis[1] * aim[2] - axis[2] * aim[1],
+            axis[2] * aim[0] - axis[0] * aim[2],
+            axis[0] * aim[1] - axis[1] * aim[0],
+        ]
+        rotation = (c_double * 12)(*(v for k in range(3) for v in (aim[k], side[k], axis[k], 0.0)))
+        one, two = (box if geom == cylinder else geom for geom in (geom1, geom2))
+        count = 0
+        for radial, tangential in ((radius, 0.2 * radius), (radius * 0.70710678118654752,) * 2):
+            ode_.dGeomBoxSetLengths(box, 2.0 * radial, 2.0 * tangential, length)
+            ode_.dGeomSetPosition(box, *p)
+            ode_.dGeomSetRotation(box, rotation)
+            at = first + count * ctypes.sizeof(Contact)
+            count += ode_.dCollide(one, two, MAX_CONTACTS // 2, at, ctypes.sizeof(Contact))
+        return count
+
+    def _columns(self, geom: int) -> list[list[float]]:
+        """The axes of a geom: the columns of its rotation matrix."""
+        m = self._ode.dGeomGetRotation(geom).contents
+        return [[m[0], m[4], m[8]], [m[1], m[5], m[9]], [m[2], m[6], m[10]]]
+
+    def _round_size(self, geom: int) -> tuple[float, float]:
+        """Radius and length of a cylinder or capsule."""
+        radius, length = c_double(), c_double()
+        is_cylinder = self._ode.dGeomGetClass(geom) == GeomClass.CYLINDER
+        get = self._ode.dGeomCylinderGetParams if is_cylinder else self._ode.dGeomCapsuleGetParams
+        get(geom, ctypes.byref(radius), ctypes.byref(length))
+        return radius.value, length.value
+
+
+def _add_torsion(a: list[float], b: list[float], point: Any) -> None:
+    """add_torsion in step.c."""
+    lever = max(a[Surface.PATCH_RADIUS], b[Surface.PATCH_RADIUS])
+    if a[Surface.BY_PATCH] == 0.0 or b[Surface.BY_PATCH] == 0.0:
+        bend = 0.0
+        for radius in (a[Surface.RADIUS], b[Surface.RADIUS]):
+            if radius > 0.0:
+                bend = bend + 1.0 / radius
+        depth = point.geom.depth
+        lever = math.sqrt(depth / bend) if bend > 0.0 and depth > 0.0 else 0.0
+    if not lever > 0.0:
+        return
+    lever = _PATCH_LEVER * lever * min(a[Surface.TORSION], b[Surface.TORSION])
+    if not lever > 0.0:
+        return
+    surface = point.surface
+    surface.mode |= ContactMode.ROLLING | ContactMode.APPROX1_N
+    surface.rho = surface.rho2 = -1.0
+    surface.rhoN = lever
+
+
+def _set_direction(point: Any, aim: list[float]) -> bool:
+    """Lay a direction into the contact's plane and make it that of friction; whether anything is left of it."""
+    n = point.geom.normal[:3]
+    along = _dot(aim, n)
+    aim = [v - along * w for v, w in zip(aim, n, strict=True)]
+    size = math.sqrt(_dot(aim, aim))
+    if size < 1e-9:
+        return False
+    point.fdir1[:3] = [v / size for v in aim]
+    return True
+
+
+def _dot(a: list[float], b: list[float]) -> float:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,0 +1,263 @@
+"""Motions that depend on each other: screws and gears. ODE as Debian has it knows neither.
+
+Both are made of ODE's double ball, which keeps one distance and so is one row of the solver: a force along a line. Laid
+along the flank of a thread, or along a tooth, and moved there again before every step, that row is the constraint,
+solved together with all others; what is left of drift goes into the distance that is kept.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from libgz.geometry import (
+    GzCoordPositionSub,
+    GzPose,
+    GzQuaternInverse,
+    GzVector,
+    GzVectorAdd,
+    GzVectorCross,
+    GzVectorDot,
+    GzVectorMul,
+    GzVectorSub,
+    GzVectorUnit,
+    rotate,
+)
+from libgz.ode.lib import ode
+from libgz.ode.types import JointType, dParamFMax, dParamFMax2
+from libgz.physics.body import Body
+from libgz.physics.check import finite
+from libgz.physics.joint import HingeJoint, Joint, SliderJoint
+from libgz.physics.mass import given_mass
+
+if TYPE_CHECKING:
+    from libgz.geometry import VectorLike
+    from libgz.physics.engine import HasEngine
+
+__all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
+
+FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
+RACK = 0.1  # mass of a gear's rack as a share of what it drives
+STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
+
+
+class PistonJoint(Joint):
+    """One axis to turn about and to slide along; the angle is value 1, the position value 2."""
+
+    kind, ode_name, motors = JointType.PISTON, "Piston", (dParamFMax, dParamFMax2)
+
+    def SetAxis(self, axis: VectorLike) -> None:
+        """The axis, global."""
+        self._set_vector("Axis", axis)
+
+    def GetAxis(self) -> GzVector:
+        """The axis, global."""
+        return self._get_vector("Axis")
+
+    def GetAngle(self) -> float:
+        """Angle [rad]."""
+        return self._value(0)
+
+    def GetPosition(self) -> float:
+        """Position along the axis [m]."""
+        return self._value(1)
+
+    def GetAngleRate(self) -> float:
+        """Angular velocity [rad/s]."""
+        return self._value(2)
+
+    def GetPositionRate(self) -> float:
+        """Velocity along the axis [m/s]."""
+        return self._value(3)
+
+    def SetSliderForce(self, force: float) -> None:
+        """Add a force along the axis for one step [N]."""
+        self._require_bodies()
+        ode().dJointAddPistonForce(self.id, finite(force, "force [N]"))
+
+
+class LineJoint(Joint):
+    """A force along one line, as strong as it takes that no motion along the line happens: ODE's double ball."""
+
+    kind, ode_name = JointType.DBALL, "DBall"
+
+    def lay(self, point: GzVector, direction: GzVector, error: float) -> None:
+        """Put the line through a global point [m]; `error` [m] is what the first body has gone too far along it."""
+        half = GzVectorMul(0.5, direction)
+        lib, handle = ode(), self.id
+        lib.dJointSetDBallAnchor1(handle, *GzVectorAdd(point, half))
+        lib.dJointSetDBallAnchor2(handle, *GzVectorSub(point, half))
+        lib.dJointSetDBallDistance(handle, max(0.0, 1.0 - error))
+
+
+class TieJoint(Joint):
+    """Holds nothing; bodies that it joins do not touch each other: ODE's motor without axes."""
+
+    kind, ode_name = JointType.AMOTOR, "AMotor"
+
+
+def _perpendicular(axis: GzVector) -> GzVector:
+    """Some unit vector at right angles to an axis."""
+    other = GzVector(1.0, 0.0, 0.0) if abs(axis.x) < 0.9 else GzVector(0.0, 1.0, 0.0)
+    return GzVectorUnit(GzVectorCross(axis, other))
+
+
+class Thread:
+    """Couples a piston's two motions: position = -angle / pitch.
+
+    Args:
+        piston: attached, with anchor and axis.
+        pitch: [rad/m], not zero.
+    """
+
+    def __init__(self, piston: PistonJoint, pitch: float) -> None:
+        self.piston = piston
+        self.pitch = pitch
+        self._line = LineJoint(piston.engine, name=f"{piston.name} thread")
+        self._line.Attach(*piston.bodies)
+
+    @property
+    def error(self) -> float:
+        """How far the position is off [m]."""
+        return self.piston.GetPosition() + self.piston.GetAngle() / self.pitch
+
+    def update(self) -> None:
+        """Lay the line along the flank, before a step."""
+        axis = self.piston.GetAxis()
+        outward = _perpendicular(axis)
+        tangent = GzVectorCross(axis, outward)
+        point = GzVectorAdd(self.piston.GetAnchor(), GzVectorMul(1.0 / self.pitch, outward))
+        self._line.lay(point, GzVectorMul(FLANK, GzVectorAdd(axis, tangent)), FLANK * self.error)
+
+    def close(self) -> None:
+        """Let go."""
+        self._line.close()
+
+
+class Gears:
+    """Couples the rotations of two bodies: angle 2 = -ratio * angle 1, as seen from a third.
+
+    A rack of little mass slides past both; each meshes with it at its own radius. What the rack's inertia takes is
+    given back in the next step, so that it is not felt for long.
+
+    Args:
+        world: the World, or an Engine.
+        bodies: the two bodies; neither is a dummy.
+        axes: their axes, global.
+        ratio: not zero.
+        reference: what carries both; None or a dummy for the world.
+    """
+
+    def __init__(
+        self,
+        world: HasEngine,
+        bodies: tuple[Body, Body],
+        axes: tuple[GzVector, GzVector],
+        ratio: float,
+        reference: Body | None = None,
+    ) -> None:
+        self.engine = world.engine
+        self.bodies, self.reference, self.ratio = bodies, reference, ratio
+        self._local = [rotate(GzQuaternInverse(b.GetRotation()), a) for b, a in zip(bodies, axes, strict=True)]
+        self._hubs = [self._find_hub(body) for body in bodies]
+        self.angles = [0.0, 0.0]
+        self._speed: float | None = None
+        self.rack = Body(world, name="rack")
+        self._weigh_rack()
+        self._lines = []
+        for body in bodies:
+            line = LineJoint(world, name="tooth")
+            line.Attach(body, self.rack)
+            self._lines.append(line)
+        self._tie = TieJoint(world, name="gears")
+        self._tie.Attach(*bodies)
+        self._slider: SliderJoint | None = None
+        if reference is not None and not reference.dummy:
+            self._slider = SliderJoint(world, name="rack")
+            self._slider.Attach(self.rack, reference)
+
+    def _weigh_rack(self) -> None:
+        """A share of the smaller of both bodies, as seen at the rack."""
+        seen = []
+        for body, local, radius in zip(self.bodies, self._local, (self.ratio, 1.0), strict=True):
+            rows = body.GetMass().I
+            inertia = sum(local[i] * rows[4 * i + j] * local[j] for i in range(3) for j in range(3))
+            seen.append(inertia / radius**2)
+        self._mass = RACK * min(seen)
+        moment = STIFF if self.reference is None or self.reference.dummy else 0.1 * min(seen)
+        self.rack.SetMassMatrix(given_mass(self._mass, (moment, moment, moment, 0.0, 0.0, 0.0), GzPose()))
+        self.rack.SetGravityMode(False)
+
+    def _find_hub(self, body: Body) -> GzVector:
+        """A point of a body's axis, in its frame: where its hinge is, else its centre of mass."""
+        hinges = [joint for joint in body.joints if isinstance(joint, HingeJoint)]
+        pose = body.GetPose()
+        point = hinges[0].GetAnchor() if hinges else body.GetCoMPose().pos
+        return GzCoordPositionSub(point, pose.pos, pose.rot)
+
+    def _spin(self) -> GzVector:
+        return self.reference.GetAngularRate() if self.reference is not None else GzVector()
+
+    def rates(self) -> tuple[float, float]:
+        """Rates of both bodies about their axes [rad/s], seen from the reference."""
+        spin = self._spin()
+        first, second = (
+            GzVectorDot(GzVectorSub(body.GetAngularRate(), spin), rotate(body.GetRotation(), axis))
+            for body, axis in zip(self.bodies, self._local, strict=True)
+        )
+        return first, second
+
+    def direction(self, index: int) -> GzVector:
+        """The axis of the first (0) or second (1) body as it lies now, global."""
+        return rotate(self.bodies[index].GetRotation(), self._local[index])
+
+    def set_ratio(self, ratio: float) -> None:
+        """Replace the ratio; angles count from here."""
+        self.ratio = ratio
+        self._weigh_rack()
+        self.restore()
+
+    def restore(self) -> None:
+        """Count angles from zero again."""
+        self.angles = [0.0, 0.0]
+        self._speed = None
+
+    def update(self, step: float) -> None:
+        """Lay both lines along the rack, and the rack where they meet it, before a step [s]."""
+        rates = self.rates()
+        self.angles = [angle + step * rate for angle, rate in zip(self.angles, rates, strict=True)]
+        poses = [body.GetPose() for body in self.bodies]
+        axes = [rotate(pose.rot, axis) for pose, axis in zip(poses, self._local, strict=True)]
+        along = GzVectorCross(*axes)
+        square = GzVectorDot(along, along)
+        along = GzVectorMul(1.0 / math.sqrt(square), along) if square > 1e-6 else _perpendicular(axes[0])
+        points = [
+            GzVectorAdd(GzVectorAdd(pose.pos, rotate(pose.rot, hub)), GzVectorMul(radius, GzVectorCross(along, axis)))
+            for pose, hub, axis, radius in zip(poses, self._hubs, axes, (-self.ratio, 1.0), strict=True)
+        ]
+        self._place_rack(poses[1], along, rates[1], step)
+        error = self.angles[1] + self.ratio * self.angles[0]
+        for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
+            line.lay(point, along, off)
+
+    def _place_rack(self, pose: GzPose, along: GzVector, speed: float, step: float) -> None:
+        """Move the rack with its gear, and give back what its inertia took in the last step."""
+        rack, base = self.rack, self.reference
+        rack.SetPose(pose)
+        carried, spin = GzVector(), GzVector()
+        if base is not None and not base.dummy:
+            spin = base.GetAngularRate()
+            arm = GzVectorSub(pose.pos, base.GetCoMPose().pos)
+            carried = GzVectorAdd(base.GetLinearVel(), GzVectorCross(spin, arm))
+        rack.SetLinearVel(GzVectorAdd(carried, GzVectorMul(speed, along)))
+        rack.SetAngularVel(spin)
+        if self._speed is not None:
+            rack.AddForce(*GzVectorMul(self._mass * (speed - self._speed) / step, along))
+        self._speed = speed
+        if self._slider is not None:
+            self._slider.SetAxis(*along)
+
+    def close(self) -> None:
+        """Let go."""
+        self._tie.close()
+        self.rack.close()

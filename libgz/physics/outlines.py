@@ -1,0 +1,107 @@
+"""Polygons in the plane, cut into triangles and drawn out to solids."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from libgz.errors import ParameterError
+
+__all__ = ["extrude", "triangulate"]
+
+Points = NDArray[np.float64]
+
+
+def _cross(a: Points, b: Points, c: Points) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _area(points: Points) -> float:
+    """Twice the area, positive for a polygon that goes counter-clockwise."""
+    x, y = points[:, 0], points[:, 1]
+    return float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
+
+
+def _inside(p: Points, a: Points, b: Points, c: Points) -> bool:
+    return _cross(a, b, p) >= 0.0 and _cross(b, c, p) >= 0.0 and _cross(c, a, p) >= 0.0
+
+
+def triangulate(points: Points) -> NDArray[np.int64]:
+    """Triangles of a simple polygon that goes counter-clockwise, by cutting off ears (Meisters, 1975); shape (m, 3).
+
+    Raises:
+        ParameterError: its sides cross each other.
+    """
+    left, triangles = list(range(len(points))), []
+    while len(left) > 3:
+        for k in range(len(left)):
+            i, j, n = left[k - 1], left[k], left[(k + 1) % len(left)]
+            a, b, c = points[i], points[j], points[n]
+            others = (points[m] for m in left if not (points[m] == a).all() and not (points[m] == b).all())
+            if _cross(a, b, c) <= 0.0 or any(_inside(p, a, b, c) for p in others if not (p == c).all()):
+                continue
+            triangles.append((i, j, n))
+            del left[k]
+            break
+        else:
+            flat = next((k for k in range(len(left)) if _is_flat(points, left, k)), None)
+            if flat is None:
+                raise ParameterError("the sides of a polyline cross each other")
+            del left[flat]
+    triangles.append((left[0], left[1], left[2]))
+    return np.array(triangles, dtype=np.int64)
+
+
+def _is_flat(points: Points, left: list[int], k: int) -> bool:
+    a, b, c = points[left[k - 1]], points[left[k]], points[left[(k + 1) % len(left)]]
+    return abs(_cross(a, b, c)) < 1e-12
+
+
+def _bridged(outer: Points, hole: Points) -> Points:
+    """One polygon that goes around the outside, along a bridge to a hole, around that, and back."""
+    clockwise = hole if _area(hole) < 0.0 else hole[::-1]
+    start = int(np.argmax(clockwise[:, 0]))
+    clockwise = np.roll(clockwise, -start, axis=0)
+    far = np.linalg.norm(outer - clockwise[0], axis=1)
+    for at in np.argsort(far).tolist():
+        if _sees(clockwise[0], outer[at], [outer, clockwise]):
+            ring = [outer[: at + 1], clockwise, clockwise[:1], outer[at : at + 1], outer[at + 1 :]]
+            return np.concatenate(ring)
+    raise ParameterError("the sides of a polyline cross each other")
+
+
+def _sees(a: Points, b: Points, rings: list[Points]) -> bool:
+    """Whether no side of any polygon crosses the way between two of their corners."""
+    for ring in rings:
+        for p, q in zip(ring, np.roll(ring, -1, axis=0), strict=True):
+            apart = _cross(a, b, p) * _cross(a, b, q) < 0.0 and _cross(p, q, a) * _cross(p, q, b) < 0.0
+            if apart:
+                return False
+    return True
+
+
+def extrude(rings: list[ArrayLike], height: float) -> tuple[Points, NDArray[np.int64]]:
+    """A solid between z = 0 and the height [m] whose outline is the first polygon, and whose holes are the others.
+
+    Returns:
+        (vertices [m], shape (n, 3); triangles, counter-clockwise seen from outside, shape (m, 3)).
+
+    Raises:
+        ParameterError: a polygon has fewer than three corners, no area, or crossing sides.
+    """
+    polygons = [np.array(ring, dtype=np.float64).reshape(-1, 2) for ring in rings]
+    polygons = [p[:-1] if len(p) > 1 and (p[0] == p[-1]).all() else p for p in polygons]
+    for polygon in polygons:
+        if len(polygon) < 3 or abs(_area(polygon)) < 1e-12:
+            raise ParameterError("a polyline needs three points that span an area")
+    outline = polygons[0] if _area(polygons[0]) > 0.0 else polygons[0][::-1]
+    for hole in sorted(polygons[1:], key=lambda p: -float(p[:, 0].max())):
+        outline = _bridged(outline, hole)
+    cap = triangulate(outline)
+    count = len(outline)
+    low = np.column_stack([outline, np.zeros(count)])
+    high = np.column_stack([outline, np.full(count, height)])
+    i = np.arange(count)
+    j = np.roll(i, -1)
+    walls = np.concatenate([np.stack([i, j, j + count], axis=1), np.stack([i, j + count, i + count], axis=1)])
+    return np.concatenate([low, high]), np.concatenate([cap[:, ::-1], cap + count, walls])

@@ -1,0 +1,158 @@
+"""Settings of an engine: time, gravity, solver, how joints and contacts are treated."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import ClosedError, ParameterError
+from libgz.ode.context import Step, StepContext
+from libgz.ode.lib import OdeLibrary
+from libgz.physics.check import finite_tuple, not_negative, positive
+
+if TYPE_CHECKING:
+    from libgz.geometry import VectorLike
+
+__all__ = ["SOLVERS", "EngineSettings"]
+
+SMALLEST_CFM = 1e-10  # ODE's own, for doubles: none at all makes its solvers fail on redundant joints
+SOLVERS = ("world", "quick")
+
+
+class EngineSettings:
+    """Base of Engine: what a world's file and users set."""
+
+    _context: StepContext
+    _destroy: weakref.finalize[..., Any]
+    _ode: OdeLibrary
+    _gravity: tuple[float, ...]
+    step_form: Step
+    surface_edits: int
+
+    def wake(self) -> None:
+        """Wake all bodies that may sleep."""
+        raise NotImplementedError
+
+    @property
+    def world(self) -> int:
+        """The handle of the ODE world.
+
+        Raises:
+            ClosedError: the world was closed.
+        """
+        if not self._destroy.alive:
+            raise ClosedError("this world was closed")
+        return int(self._context.world)
+
+    @property
+    def step_time(self) -> float:
+        """Length of one step [s]."""
+        return float(self._context.step)
+
+    @step_time.setter
+    def step_time(self, seconds: float) -> None:
+        self._context.step = positive(seconds, "stepTime [s]")
+
+    @property
+    def solver(self) -> str:
+        """``"world"`` or ``"quick"``."""
+        return SOLVERS[self._context.quick]
+
+    @solver.setter
+    def solver(self, name: str) -> None:
+        if name not in SOLVERS:
+            raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
+        self._context.quick = SOLVERS.index(name)
+
+    @property
+    def seed(self) -> int:
+        """The state of ODE's random numbers in this world."""
+        return int(self._context.seed)
+
+    @seed.setter
+    def seed(self, value: int) -> None:
+        self._context.seed = int(value) & 0xFFFFFFFF
+
+    @property
+    def gravity(self) -> tuple[float, ...]:
+        """[m/s^2], shape (3,)."""
+        return self._gravity
+
+    @gravity.setter
+    def gravity(self, value: VectorLike) -> None:
+        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
+        self._ode.dWorldSetGravity(self.world, *self._gravity)
+        self._context.gravity[:] = self._gravity
+        self.wake()
+
+    def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
+        """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
+        self._ode.dWorldSetQuickStepNumIterations(self.world, max(1, int(iterations)))
+        self._ode.dWorldSetQuickStepW(self.world, positive(over_relaxation, "over-relaxation"))
+
+    def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
+        """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
+        self._ode.dWorldSetERP(self.world, not_negative(erp, "erp"))
+        self._ode.dWorldSetCFM(self.world, max(not_negative(cfm, "cfm"), SMALLEST_CFM))
+        self._ode.dWorldSetContactMaxCorrectingVel(self.world, not_negative(correcting_velocity, "velocity [m/s]"))
+
+    @property
+    def classic(self) -> bool:
+        """Whether contacts follow the rule of Gazebo classic, not that of the legacy server."""
+        return bool(self._context.classic)
+
+    @classic.setter
+    def classic(self, value: bool) -> None:
+        self._context.classic = int(value)
+        self.surface_edits += 1
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made so far."""
+        return int(self._context.steps)
+
+    @property
+    def contact_count(self) -> int:
+        """Contact points in the last step."""
+        return int(self._context.contact_count)
+
+    @property
+    def max_contacts(self) -> int:
+        """Contact points of a pair of geoms at most, in a world of classic; a geom may want fewer."""
+        return int(self._context.max_contacts)
+
+    @max_contacts.setter
+    def max_contacts(self, value: int) -> None:
+        self._context.max_contacts = max(0, int(value))
+
+    @property
+    def cone(self) -> bool:
+        """Whether friction acts against the motion, as in a cone, in a world of classic; else along two axes."""
+        return bool(self._context.cone)
+
+    @cone.setter
+    def cone(self, value: bool) -> None:
+        self._context.cone = int(value)
+
+    @property
+    def record_contacts(self) -> bool:
+        """Whether `contacts` is filled; off until somebody wants it, and then it costs nothing."""
+        return bool(self._context.record)
+
+    @record_contacts.setter
+    def record_contacts(self, value: bool) -> None:
+        self._context.record = int(value)
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """The contact points of the last step, a copy; empty unless `record_contacts` is on.
+
+        Fields: ``geom1``, ``geom2``: rows, which `geoms` maps to geoms (row 0: one without a record); ``position`` [m];
+        ``normal``, which points into the first geom; ``depth`` [m]; ``force1``, ``torque1``, ``force2``, ``torque2``:
+        what the contact did to the body of either geom [N], and about its centre of mass [N m]; zero for what stands
+        still. All global. After `collide` alone, forces are zero.
+        """
+        return self.step_form.contacts()

@@ -1,0 +1,166 @@
+"""What a `<joint>` element says: its kind, frame, axes, and ODE's parameters."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from libgz.errors import NotFoundError, ParameterError
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.physics.body import Body
+from libgz.sdf.element import Element
+
+__all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "read_joint"]
+
+UNLIMITED = 1e16  # limits from here on mean none
+
+FindLink = Callable[[str], Body]  # a link by its name in a file
+
+
+@dataclass
+class Axis:
+    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N]."""
+
+    direction: GzVector  # global, when the joint was made
+    lower: float = -UNLIMITED
+    upper: float = UNLIMITED
+    effort: float = -1.0  # negative: no limit
+    velocity: float = -1.0
+    damping: float = 0.0
+    friction: float = 0.0
+    stiffness: float = 0.0
+    reference: float = 0.0
+    initial: float = 0.0
+
+    @property
+    def springs(self) -> bool:
+        """Whether it pushes by itself in every step."""
+        return self.damping != 0.0 or self.stiffness != 0.0
+
+    @property
+    def limited(self) -> bool:
+        """Whether it has a stop."""
+        return abs(self.lower) < UNLIMITED or abs(self.upper) < UNLIMITED
+
+
+@dataclass
+class JointPlan:
+    """A joint to be made."""
+
+    name: str
+    kind: str
+    parent: Body | None  # None: the world
+    child: Body | None
+    anchor: GzPose  # the joint's frame, global
+    axes: list[Axis]
+    pitch: float = 1.0  # of a screw [rad/m]
+    ratio: float = 1.0  # of a gearbox
+    reference: Body | None = None  # of a gearbox
+    implicit: bool = False  # springs and dampers are solved with the constraints
+    feedback: bool = False
+    parameters: dict[str, float] = field(default_factory=dict)  # ODE's, by the keys of SdfJoint.set_param
+    element: Element | None = None
+
+
+def read_joint(element: Element, find_link: FindLink, model_pose: GzPose) -> JointPlan:
+    """Read a `<joint>`.
+
+    Args:
+        element: it.
+        find_link: gives a link by its name.
+        model_pose: global pose of the model it stands in.
+
+    Raises:
+        NotFoundError: a link does not exist.
+        ParameterError: a value is not allowed.
+    """
+    parent, child = (_link(element, find_link, end) for end in ("parent", "child"))
+    frame = child.GetPose() if child is not None else GzPose()
+    anchor = GzCoordPoseAdd(element.Get(GzPose, "pose"), frame)
+    plan = JointPlan(
+        element.Get(str, "name"),
+        element.Get(str, "type"),
+        parent,
+        child,
+        anchor,
+        _read_axes(element, anchor, _parent_frame(parent, model_pose)),
+        pitch=element.Get(float, "thread_pitch"),
+        ratio=element.Get(float, "gearbox_ratio"),
+        element=element,
+    )
+    if plan.kind == "gearbox" and element.HasElement("gearbox_reference_body"):
+        plan.reference = _link(element, find_link, "gearbox_reference_body")
+    _read_ode(element, plan)
+    return plan
+
+
+def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
+    """A link by name; None for the world."""
+    name = element.Get(str, end).strip()
+    if name == "world":
+        return None
+    try:
+        return find_link(name)
+    except NotFoundError as fault:
+        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {fault}") from None
+
+
+def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
+    """Global pose of the frame that axes mean by that of the parent model."""
+    if parent is None:
+        return GzPose()
+    pose: GzPose = parent.model.GetPose() if parent.model is not None else model_pose
+    return pose
+
+
+def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axis]:
+    """The axes in global terms: in SDF 1.4 they are of the model's frame, later of the joint's unless told."""
+    axes = []
+    for name in ("axis", "axis2"):
+        if not element.HasElement(name):
+            continue
+        axis = element.child(name)
+        described = axis.description.children if axis.description is not None else {}
+        in_model = "use_parent_model_frame" not in described or axis.Get(bool, "use_parent_model_frame")
+        direction = rotate((model_pose if in_model else anchor).rot, axis.Get(GzVector, "xyz"))
+        if math.sqrt(sum(v * v for v in direction)) < 1e-12:
+            raise ParameterError(f"joint {element.Get(str, 'name')!r}: <{name}> is zero; an axis must not be zero")
+        dynamics, limit = axis.child("dynamics"), axis.child("limit")
+        axes.append(
+            Axis(
+                direction,
+                limit.Get(float, "lower"),
+                limit.Get(float, "upper"),
+                limit.Get(float, "effort"),
+                limit.Get(float, "velocity"),
+                dynamics.Get(float, "damping"),
+                dynamics.Get(float, "friction"),
+                dynamics.Get(float, "spring_stiffness"),
+                dynamics.Get(float, "spring_reference"),
+                axis.Get(float, "initial_position"),
+            )
+        )
+    return axes
+
+
+def _read_ode(element: Element, plan: JointPlan) -> None:
+    """`<physics>`: what of it the file gives."""
+    if not element.HasElement("physics"):
+        return
+    physics = element.child("physics")
+    plan.feedback = physics.Get(bool, "provide_feedback")
+    if not physics.HasElement("ode"):
+        return
+    ode = physics.child("ode")
+    plan.feedback = plan.feedback or ode.Get(bool, "provide_feedback")
+    plan.implicit = ode.Get(bool, "implicit_spring_damper") or ode.Get(bool, "cfm_damping")
+    keys = {"fudge_factor": "fudge_factor", "cfm": "cfm", "erp": "erp", "bounce": "bounce"}
+    keys |= {"max_force": "fmax", "velocity": "vel"}
+    for tag, key in keys.items():
+        if ode.HasElement(tag):
+            plan.parameters[key] = ode.Get(float, tag)
+    for part, prefix in (("limit", "stop"), ("suspension", "suspension")):
+        if ode.HasElement(part):
+            for tag in ("cfm", "erp"):
+                plan.parameters[f"{prefix}_{tag}"] = ode.child(part).Get(float, tag)

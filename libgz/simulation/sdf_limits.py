@@ -1,0 +1,218 @@
+"""JointLimits: parameters, stops and springs of an SDF joint."""
+
+from __future__ import annotations
+
+import math
+
+from libgz.errors import ParameterError, nearest
+from libgz.physics.check import finite
+from libgz.physics.couplings import Gears, Thread
+from libgz.physics.engine import Engine
+from libgz.physics.joint import Joint, SliderJoint
+from libgz.simulation.sdf_axis import UNLIMITED, Axis, JointPlan
+from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
+
+__all__ = ["JointLimits"]
+
+TURN = 2.0 * math.pi
+NEAR_A_TURN = 3.0  # [rad]: springs are solved with the constraints up to here, for ODE's angles end at pi
+
+
+class JointLimits:
+    """Base of SdfJoint: what holds its axes, and what a user can set of that."""
+
+    engine: Engine
+    name: str
+    kind: str
+    plan: JointPlan
+    axes: list[Axis]
+    implicit: bool
+    joint: Joint | None
+    _coupling: Thread | Gears | None
+    _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
+
+    def position(self, index: int = 0) -> float:
+        """Angle [rad] or position [m] of an axis."""
+        raise NotImplementedError
+
+    def velocity(self, index: int = 0) -> float:
+        """Rate of an axis [rad/s] or [m/s]."""
+        raise NotImplementedError
+
+    def _push(self, effort: float, index: int) -> None:
+        """Push along an axis for one step."""
+        raise NotImplementedError
+
+    @property
+    def dof(self) -> int:
+        """How many positions there are."""
+        return 2 if self.kind == "screw" else len(self.axes)
+
+    def _axis(self, index: int) -> Axis:
+        """An axis; a screw's second motion has none of its own.
+
+        Raises:
+            ParameterError: there is none of this index.
+        """
+        if not 0 <= index < len(self.axes):
+            raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {len(self.axes)}")
+        return self.axes[index]
+
+    def _set_parameters(self) -> None:
+        """Stops, friction, and what the file says of ODE's parameters."""
+        for index, axis in enumerate(self.axes):
+            self._set_stops(index)
+            if axis.friction > 0.0:
+                self.set_param("friction", axis.friction, index)
+        for key, value in self.plan.parameters.items():
+            for index in range(max(1, len(self.axes))):
+                if ode_number(self.joint, key, index) is not None and (value != 0.0 or key not in ("fmax", "vel")):
+                    self.set_param(key, value, index)
+
+    def get_param(self, key: str, index: int = 0) -> float:
+        """A parameter by its classic key; see `set_param`.
+
+        Raises:
+            ParameterError: there is no such key, or this kind of joint has none.
+        """
+        if key in ("hi_stop", "lo_stop", "friction"):
+            axis = self._axis(index)
+            return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
+        if key in ("thread_pitch", "gearbox_ratio"):
+            return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
+        number = self._number(key, index)
+        return self.joint.GetParam(number) if self.joint is not None else 0.0
+
+    def set_param(self, key: str, value: float, index: int = 0) -> None:
+        """Set a parameter by its classic key.
+
+        fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
+        cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
+        gearbox_ratio.
+
+        Raises:
+            ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
+        """
+        number = float(value)
+        if math.isnan(number):
+            raise ParameterError(f"joint {self.name!r}: {key} is NaN")
+        if key in ("hi_stop", "lo_stop"):
+            setattr(self._axis(index), "upper" if key == "hi_stop" else "lower", number)
+            self._set_stops(index)
+        elif key == "friction":
+            # Friction is a motor that wants to stand still.
+            self._axis(index).friction = number
+            self.set_param("vel", 0.0, index)
+            self.set_param("fmax", number, index)
+        elif key in ("thread_pitch", "gearbox_ratio"):
+            self._set_coupling(key, number)
+        else:
+            ode_parameter = self._number(key, index)
+            if self.joint is not None:
+                self.joint.SetParam(ode_parameter, number)
+
+    def _number(self, key: str, index: int) -> int:
+        number = ode_number(self.joint, key, index)
+        if number is None:
+            known = ", ".join((*PARAMETERS, "friction", "thread_pitch", "gearbox_ratio"))
+            raise ParameterError(
+                f"joint {self.name!r}: a {self.kind} joint has no {key!r} of axis {index}; keys are {known}"
+                + nearest(key, PARAMETERS)
+            )
+        return number
+
+    def _set_coupling(self, key: str, value: float) -> None:
+        if value == 0.0:
+            raise ParameterError(f"joint {self.name!r}: {key} must not be zero")
+        if key == "thread_pitch":
+            self.plan.pitch = value
+            if isinstance(self._coupling, Thread):
+                self._coupling.pitch = value
+        else:
+            self.plan.ratio = value
+            if isinstance(self._coupling, Gears):
+                self._coupling.set_ratio(value)
+
+    # Stops and springs -------------------------------------------------------------------------------------------
+
+    def _turns(self, index: int) -> float:
+        """Whole turns of an axis [rad], which ODE does not count."""
+        turning = not isinstance(self.joint, SliderJoint) and not (self.kind == "screw" and index == 1)
+        return TURN * round(self.position(index) / TURN) if turning else 0.0
+
+    def _set_stops(self, index: int) -> None:
+        """Hand an axis' limits to ODE, in its own count of turns."""
+        axis, turns = self.axes[index], self._turns(index)
+        low = axis.lower - turns if abs(axis.lower) < UNLIMITED else -math.inf
+        high = axis.upper - turns if abs(axis.upper) < UNLIMITED else math.inf
+        if turns or self._wide(index):
+            low, high = (v if abs(v) <= math.pi else math.copysign(math.inf, v) for v in (low, high))
+        self._lay_stops(index, low, high)
+        self._held[index] = False
+
+    def _lay_stops(self, index: int, low: float, high: float) -> None:
+        low_number, high_number = ode_number(self.joint, "lo_stop", index), ode_number(self.joint, "hi_stop", index)
+        if self.joint is None or low_number is None or high_number is None:
+            return
+        for number, value in ((high_number, high), (low_number, low), (high_number, high)):
+            self.joint.SetParam(number, value)
+
+    def _wide(self, index: int) -> bool:
+        """Whether an axis has a stop beyond half a turn."""
+        axis = self.axes[index]
+        if isinstance(self.joint, SliderJoint) or not axis.limited:
+            return False
+        return any(math.pi < abs(limit) < UNLIMITED for limit in (axis.lower, axis.upper))
+
+    def set_spring(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
+        """Spring [N m/rad or N/m] and damper [N m s/rad or N s/m] about a reference [rad or m]."""
+        axis = self._axis(index)
+        axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
+        axis.reference = finite(reference, "reference")
+        if self.joint is not None:
+            self._set_stops(index)
+
+    @property
+    def acts(self) -> bool:
+        """Whether `update` has anything to do."""
+        return self._coupling is not None or any(axis.springs or self._wide(i) for i, axis in enumerate(self.axes))
+
+    def update(self) -> None:
+        """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
+        if isinstance(self._coupling, Thread):
+            self._coupling.update()
+        elif self._coupling is not None:
+            self._coupling.update(self.engine.step_time)
+        if self.joint is None:
+            return
+        for index, axis in enumerate(self.axes):
+            if axis.springs and not (self.implicit and self._hold(index, axis)):
+                push = axis.stiffness * (axis.reference - self.position(index)) - abs(axis.damping) * self.velocity(
+                    index
+                )
+                self._push(push, index)
+            if self._wide(index) and not self._held.get(index):
+                self._set_stops(index)
+
+    def _hold(self, index: int, axis: Axis) -> bool:
+        """Let two stops at one place stand for spring and damper, unless a limit is met; whether that can be done.
+
+        erp = h k / (h k + d), cfm = 1 / (h k + d), as for contacts.
+        """
+        at, turns = self.position(index), self._turns(index)
+        target = axis.reference - turns if axis.stiffness else at - turns
+        if ode_number(self.joint, "lo_stop", index) is None or (turns and abs(target) > NEAR_A_TURN):
+            return False
+        if not axis.lower < at < axis.upper:
+            if self._held.get(index):
+                self._set_stops(index)
+                for key, default in (("stop_erp", 0.2), ("stop_cfm", 0.0)):
+                    self.set_param(key, self.plan.parameters.get(key, default), index)
+            return True
+        spring = self.engine.step_time * axis.stiffness
+        total = spring + abs(axis.damping)
+        self.set_param("stop_erp", spring / total, index)
+        self.set_param("stop_cfm", 1.0 / total, index)
+        self._lay_stops(index, target, target)
+        self._held[index] = True
+        return True

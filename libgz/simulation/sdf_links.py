@@ -1,0 +1,67 @@
+"""Links behind a joint, moved as one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from libgz.geometry import (
+    GzPose,
+    GzQuaternFromAxis,
+    GzQuaternMul,
+    GzVector,
+    GzVectorAdd,
+    GzVectorCross,
+    GzVectorMag,
+    GzVectorSub,
+    rotate,
+)
+from libgz.physics.couplings import LineJoint, TieJoint
+
+if TYPE_CHECKING:
+    from libgz.physics.body import Body
+
+__all__ = ["links_behind", "move_links", "push_links"]
+
+
+def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
+    """A joint's child and all that hangs on it; where that leads back to the parent, the child alone."""
+    if child is None or child.dummy:
+        return []
+    found: dict[Body, None] = {child: None}
+    waiting = [child]
+    while waiting:
+        body = waiting.pop()
+        for joint in body.joints:
+            if isinstance(joint, LineJoint | TieJoint):
+                continue
+            for other in joint.bodies:
+                if other is None or other.dummy or other in found or (body is child and other is parent):
+                    continue
+                if other is parent:
+                    return [child]
+                found[other] = None
+                waiting.append(other)
+    return list(found)
+
+
+def move_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector, keep_velocities: bool) -> None:
+    """Turn links about an anchor [m] by a rotation vector [rad], and slide them [m]; their velocities turn along."""
+    rotation = GzQuaternFromAxis(turn.x, turn.y, turn.z, GzVectorMag(turn))
+    for link in links:
+        pose = link.GetPose()
+        linear, angular = link.GetLinearVel(), link.GetAngularRate()
+        arm = rotate(rotation, GzVectorSub(pose.pos, anchor))
+        link.SetPose(GzPose(GzVectorAdd(GzVectorAdd(anchor, arm), slide), GzQuaternMul(rotation, pose.rot)))
+        if not keep_velocities:
+            link.SetLinearVel(rotate(rotation, linear))
+            link.SetAngularVel(rotate(rotation, angular))
+
+
+def push_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector) -> None:
+    """Add a rigid motion to the velocities of links: about an anchor [m] by a rate [rad/s], and along [m/s]."""
+    for link in links:
+        arm = GzVectorSub(link.GetCoMPose().pos, anchor)
+        change = GzVectorAdd(GzVectorCross(turn, arm), slide)
+        link.SetLinearVel(GzVectorAdd(link.GetLinearVel(), change))
+        link.SetAngularVel(GzVectorAdd(link.GetAngularRate(), turn))

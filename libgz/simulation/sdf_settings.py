@@ -1,0 +1,113 @@
+"""Settings of an SDF world: physics and its profiles, gravity, scene, magnetic field, place on Earth."""
+
+from __future__ import annotations
+
+import weakref
+from dataclasses import dataclass, field
+
+from libgz.errors import NotFoundError, nearest
+from libgz.fault import Fault, Faults
+from libgz.geometry import GzColor, GzVector
+from libgz.sdf.element import Element
+from libgz.simulation.world import World
+
+__all__ = ["SdfSettings", "apply_profile", "apply_settings", "settings_of"]
+
+
+@dataclass
+class SdfSettings:
+    """What a `<world>` says besides its entities."""
+
+    element: Element  # the `<world>`, or the `<sdf>` of a file without one
+    physics: Element  # the profile in force
+    profiles: dict[str, Element] = field(default_factory=dict)
+    magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T]
+    spherical_coordinates: Element | None = None
+    scene: Element | None = None
+    ambient: GzColor = field(default_factory=lambda: GzColor(0.4, 0.4, 0.4))
+    background: GzColor = field(default_factory=lambda: GzColor(0.7, 0.7, 0.7))
+    shadows: bool = True
+    sky: bool = False
+
+
+_settings: weakref.WeakKeyDictionary[World, SdfSettings] = weakref.WeakKeyDictionary()
+
+
+def settings_of(world: World) -> SdfSettings | None:
+    """What the file of a world said; None for a world that was not loaded from SDF."""
+    return _settings.get(world)
+
+
+def apply_settings(world: World, element: Element, faults: Faults) -> SdfSettings:
+    """Read the settings of a `<world>`, and put them into force."""
+    found = list(element.named("physics")) or [element.child("physics")]
+    profiles = {p.Get(str, "name") or "default_physics": p for p in reversed(found)}
+    chosen = next((p for p in found if p.Get(bool, "default")), found[0])
+    settings = SdfSettings(element, chosen, dict(reversed(profiles.items())))
+    _settings[world] = settings
+    # Gravity and magnetic field moved out of <physics> in 1.6.
+    outside = element.description is None or "gravity" in element.description.children
+    world.engine.gravity = tuple((element if outside else chosen).Get(GzVector, "gravity"))
+    for holder in (element, chosen):
+        if holder.HasElement("magnetic_field"):
+            settings.magnetic_field = holder.Get(GzVector, "magnetic_field")
+    if element.HasElement("spherical_coordinates"):
+        settings.spherical_coordinates = element.child("spherical_coordinates")
+    _apply_scene(world, element.child("scene"), settings)
+    _apply_physics(world, chosen, faults)
+    return settings
+
+
+def apply_profile(world: World, name: str) -> None:
+    """Put another `<physics>` of the file into force.
+
+    Raises:
+        NotFoundError: there is none of this name.
+    """
+    settings = settings_of(world)
+    profiles = settings.profiles if settings is not None else {}
+    if settings is None or name not in profiles:
+        known = ", ".join(profiles) or "none"
+        raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{nearest(name, profiles)}")
+    settings.physics = profiles[name]
+    _apply_physics(world, settings.physics, Faults())
+
+
+def _apply_scene(world: World, scene: Element, settings: SdfSettings) -> None:
+    settings.scene = scene
+    settings.ambient, settings.background = scene.Get(GzColor, "ambient"), scene.Get(GzColor, "background")
+    settings.shadows, settings.sky = scene.Get(bool, "shadows"), scene.HasElement("sky")
+    world.skyColor = settings.background
+    fog = scene.child("fog") if scene.HasElement("fog") else None
+    world.fogEnable = fog is not None and fog.Get(str, "type") not in ("none", "")
+    if fog is not None and world.fogEnable:
+        world.fogDensity = fog.Get(float, "density")
+        world.skyColor = fog.Get(GzColor, "color")  # distance fades to one colour
+
+
+def _apply_physics(world: World, physics: Element, faults: Faults) -> None:
+    """Step, solver, contacts and pacing."""
+    engine = world.engine
+    engine.step_time = physics.Get(float, "max_step_size")
+    engine.max_contacts = physics.Get(int, "max_contacts")
+    kind = physics.Get(str, "type")
+    if kind != "ode":
+        _warn(faults, physics, f"type {kind!r} is not here; ODE is used instead")
+    solver = physics.child("ode").child("solver")
+    engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
+    engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
+    model = solver.Get(str, "friction_model") or "pyramid_model"
+    if model not in ("pyramid_model", "cone_model"):
+        _warn(faults, solver, f"friction_model {model!r} is not here; pyramid_model and cone_model are")
+    engine.cone = model == "cone_model"
+    constraints = physics.child("ode").child("constraints")
+    engine.set_constraints(
+        constraints.Get(float, "erp"),
+        constraints.Get(float, "cfm"),
+        constraints.Get(float, "contact_max_correcting_vel"),
+    )
+    world.simSpeed = physics.Get(float, "real_time_update_rate") * engine.step_time
+
+
+def _warn(faults: Faults, element: Element, message: str) -> None:
+    faults.add(Fault(element.file, element.line, element.name, message, "warning"))

@@ -1,0 +1,215 @@
+"""The shapes of SDF: what a `<geometry>` becomes on the engine."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
+from libgz.physics.body import Body
+from libgz.physics.check import positive
+from libgz.physics.engine import Space
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.mesh_files import MeshPart, read_mesh
+from libgz.physics.meshes import grid_triangles, vertex_normals
+from libgz.physics.outlines import extrude
+from libgz.sdf.element import Element
+from libgz.sdf.paths import find_uri
+
+__all__ = ["KNOWN", "make_collision", "make_visual"]
+
+log = logging.getLogger("libgz.simulation")
+
+KNOWN = ("box", "sphere", "cylinder", "plane", "mesh", "heightmap", "polyline", "empty")
+MOST_PIXELS = 4097 * 4097
+
+Note = Callable[[Element, str], None]  # tells a warning about an element
+Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
+
+
+def make_collision(body: Body, space: Space, element: Element, note: Note) -> Geom | None:
+    """The geom of a `<collision>` at its place in the link; None, with a warning, for what cannot be built.
+
+    Raises:
+        ParameterError: a size is not allowed.
+    """
+    shape = _shape(element, note)
+    if shape is None:
+        return None
+    pose = element.Get(GzPose, "pose")
+    if shape.name == "plane":
+        placed = GzCoordPoseAdd(pose, body.GetPose())
+        normal = rotate(placed.rot, shape.Get(GzVector, "normal"))
+        altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
+        return PlaneGeom(body, space, altitude, normal)
+    geom = _simple(body, space, shape)
+    if geom is None:
+        parts = _meshes(shape, element, note)
+        if not parts:
+            return None
+        vertices, triangles = _merged(parts)
+        geom = TriMeshGeom(body, space, vertices, triangles)
+    geom.SetRelativePose(pose)
+    return geom
+
+
+def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
+    """The geoms of a `<visual>`, which are drawn and touch nothing: one for each colour of a mesh."""
+    shape = _shape(element, note)
+    if shape is None:
+        return []
+    pose = element.Get(GzPose, "pose")
+    geom = _simple(body, None, shape)
+    found = [geom] if geom is not None else []
+    if geom is None:
+        for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
+            drawn = TriMeshGeom(body, None, part.vertices, part.triangles)
+            if shape.name == "heightmap":
+                drawn.normals = vertex_normals(part.vertices, part.triangles)
+            if part.color is not None:
+                drawn.SetColor(GzColor(*part.color))
+            found.append(drawn)
+    for geom in found:
+        geom.SetRelativePose(pose)
+    return found
+
+
+def _shape(element: Element, note: Note) -> Element | None:
+    """The shape of a collision or visual; None, with a warning, where it is of a kind that is not built here."""
+    shape = element.child("geometry").GetFirstElement()
+    if shape is None or shape.name == "empty":
+        return None
+    if shape.name not in KNOWN:
+        known = f"{', '.join(KNOWN[:-1])} and {KNOWN[-1]}"
+        note(shape, f"this shape is not simulated, and is left out; {known} are{nearest(shape.name, KNOWN)}")
+        return None
+    return shape
+
+
+def _simple(body: Body, space: Space | None, shape: Element) -> Geom | None:
+    """The geom of a shape that ODE knows; None for others."""
+    if shape.name == "box":
+        return BoxGeom(body, space, *shape.Get(GzVector, "size"))
+    if shape.name == "sphere":
+        return SphereGeom(body, space, shape.Get(float, "radius"))
+    if shape.name == "cylinder":
+        return CylinderGeom(body, space, shape.Get(float, "radius"), shape.Get(float, "length"))
+    return None
+
+
+def _plane(shape: Element) -> MeshPart:
+    """A rectangle at right angles to its normal."""
+    size, normal = shape.Get(GzVector, "size"), np.array(shape.Get(GzVector, "normal"))
+    length = float(np.linalg.norm(normal))
+    normal = normal / length if length > 0.0 else np.array((0.0, 0.0, 1.0))
+    ahead = np.array((1.0, 0.0, 0.0)) if abs(normal[0]) < 0.9 else np.array((0.0, 0.0, -1.0))
+    left = np.cross(normal, ahead)
+    left /= np.linalg.norm(left)
+    ahead = np.cross(left, normal)
+    corners = [x * size.x / 2.0 * ahead + y * size.y / 2.0 * left for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return MeshPart("plane", np.array(corners), np.array([[0, 1, 2], [0, 2, 3]]))
+
+
+def _merged(parts: list[MeshPart]) -> Triangles:
+    """All parts as one mesh."""
+    starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
+    triangles = [part.triangles + start for part, start in zip(parts, starts[:-1], strict=True)]
+    return np.concatenate([part.vertices for part in parts]), np.concatenate(triangles)
+
+
+def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
+    """What a shape of triangles is made of; nothing, with a warning, where a file is missing or cannot be read."""
+    makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline}
+    try:
+        return makers[shape.name](shape, element)
+    except NotFoundError as fault:
+        note(shape, f"{fault}; the shape is left out")
+    except ParameterError:
+        raise
+    except GazeboError as fault:
+        note(shape, f"{fault}; the shape is left out")
+    return []
+
+
+def _find(shape: Element) -> Path:
+    folder = Path(shape.file).parent if shape.file and not shape.file.startswith("<") else None
+    path = find_uri(shape.Get(str, "uri"), folder)
+    if not path.is_file():
+        raise NotFoundError(f"Unable to find uri[{shape.Get(str, 'uri')}]: {path} is not a file")
+    return path
+
+
+def _read(shape: Element, _element: Element) -> list[MeshPart]:
+    """The parts of a mesh file, scaled; of a `<submesh>` those of its name, put about the origin on request."""
+    path = _find(shape)
+    parts = read_mesh(path)
+    scale = np.array(shape.Get(GzVector, "scale"))
+    center = np.zeros(3)
+    if shape.HasElement("submesh"):
+        submesh = shape.child("submesh")
+        name = submesh.Get(str, "name").strip()
+        names = list(dict.fromkeys(part.name for part in parts))
+        parts = [part for part in parts if part.name == name]
+        if not parts:
+            raise NotFoundError(f"mesh {path} has no submesh {name!r}; it has {', '.join(names)}{nearest(name, names)}")
+        if submesh.Get(bool, "center"):
+            points = np.concatenate([part.vertices for part in parts])
+            center = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    turned = bool(np.prod(scale) < 0.0)  # mirrored: keep the outside outside
+    return [
+        MeshPart(
+            part.name,
+            (part.vertices - center) * scale,
+            part.triangles[:, ::-1] if turned else part.triangles,
+            part.color,
+        )
+        for part in parts
+    ]
+
+
+def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
+    """Ground from a picture: black is the bottom, the brightest pixel size z above it; its top row lies at +y."""
+    from PIL import Image, UnidentifiedImageError
+
+    if not shape.HasElement("uri") or not shape.Get(str, "uri").strip():
+        raise ParameterError("<heightmap> needs the <uri> of a picture")
+    path = _find(shape)
+    size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
+    for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
+        positive(value, what)
+    try:
+        with Image.open(path) as image:
+            if image.width * image.height > MOST_PIXELS or min(image.size) < 2:
+                raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
+            grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
+            pixels = np.array(grey, dtype=np.float64)
+    except (UnidentifiedImageError, OSError) as fault:
+        raise GazeboError(f"{path} is no picture that can be read: {fault}") from None
+    brightest = float(pixels.max())
+    heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
+    rows, columns = heights.shape
+    x = np.linspace(-0.5 * size.x, 0.5 * size.x, columns) + pos.x
+    y = np.linspace(-0.5 * size.y, 0.5 * size.y, rows) + pos.y
+    across, along = np.meshgrid(x, y)
+    vertices = np.stack([across, along, heights[::-1] + pos.z], axis=-1).reshape(-1, 3)
+    return [MeshPart("heightmap", vertices, grid_triangles(rows, columns))]
+
+
+def _polyline(_shape: Element, element: Element) -> list[MeshPart]:
+    """A solid drawn up from an outline; further polylines of the geometry are holes in it."""
+    lines = list(element.child("geometry").named("polyline"))
+    rings = [[_flat(point) for point in line.named("point")] for line in lines]
+    height = positive(lines[0].Get(float, "height"), "polyline height [m]")
+    vertices, triangles = extrude(list(rings), height)
+    return [MeshPart("polyline", vertices, triangles)]
+
+
+def _flat(point: Element) -> tuple[float, float]:
+    place = point.Get(GzVector)
+    return place.x, place.y

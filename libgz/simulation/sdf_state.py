@@ -1,0 +1,71 @@
+"""The `<state>` of an SDF world: where things were when it was saved."""
+
+from __future__ import annotations
+
+from libgz.errors import NotFoundError
+from libgz.fault import Fault, Faults
+from libgz.geometry import GzPose, GzVector
+from libgz.physics.body import Body
+from libgz.sdf.element import Element
+from libgz.simulation.model import Model
+from libgz.simulation.sdf_model import SdfModel
+from libgz.simulation.world import World
+
+__all__ = ["apply_state"]
+
+
+def apply_state(world: World, state: Element, faults: Faults) -> None:
+    """Put models, links and lights where a `<state>` says. What it names and is not there is a warning.
+
+    Poses are global [m, rad]; velocities [m/s, rad/s]. Insertions are built by who loads the world.
+    """
+    for element in state.named("model"):
+        model = _find(world, element, faults)
+        if model is not None:
+            _apply_model(world, model, element, faults)
+    for element in state.named("light"):
+        light = _find(world, element, faults)
+        if light is not None and element.HasElement("pose"):
+            world.SetModelPose(light, element.Get(GzPose, "pose"))
+    for deletions in state.named("deletions"):
+        for element in deletions.named("name"):
+            name = element.Get(str).strip()
+            gone = next((model for model in world.models if model.GetId() == name), None)
+            if gone is not None:
+                world.DeleteModel(gone)
+
+
+def _find(world: World, element: Element, faults: Faults) -> Model | None:
+    name = element.Get(str, "name")
+    try:
+        return world.model(name)
+    except NotFoundError as fault:
+        faults.add(Fault(element.file, element.line, element.name, f"of <state>: {fault}", "warning"))
+        return None
+
+
+def _apply_model(world: World, model: Model, element: Element, faults: Faults) -> None:
+    if element.HasElement("pose"):
+        world.SetModelPose(model, element.Get(GzPose, "pose"))
+    for link in element.named("link"):
+        name = link.Get(str, "name")
+        try:
+            body = model.GetBody(name)
+        except NotFoundError as fault:
+            faults.add(Fault(link.file, link.line, link.name, f"of <state>: {fault}", "warning"))
+            continue
+        _apply_link(body, link)
+    for inner in element.named("model"):
+        nested = model.nested.get(inner.Get(str, "name")) if isinstance(model, SdfModel) else None
+        if nested is not None:
+            _apply_model(world, nested, inner, faults)
+
+
+def _apply_link(body: Body, link: Element) -> None:
+    if link.HasElement("pose"):
+        body.SetPose(link.Get(GzPose, "pose"))
+    if link.HasElement("velocity"):
+        numbers = [float(word) for word in link.Get(str, "velocity").split()]
+        numbers += [0.0] * (6 - len(numbers))
+        body.SetLinearVel(GzVector(*numbers[:3]))
+        body.SetAngularVel(GzVector(*numbers[3:6]))

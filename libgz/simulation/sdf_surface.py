@@ -1,0 +1,66 @@
+"""How collisions of SDF touch each other: `<surface>` as rows of the engine's table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from libgz.geometry import GzVector
+from libgz.ode.types import Surface
+from libgz.physics.geom import Geom
+from libgz.sdf.element import Element
+
+__all__ = ["set_body_surface", "set_surface"]
+
+ALL_BITS = 0xFFFFFFFF
+
+
+def set_surface(geom: Geom, element: Element) -> None:
+    """Hand a `<collision>`'s surface to the engine; negative friction coefficients are infinite ones."""
+    surface = element.child("surface")
+    contact, bounce, all_friction = surface.child("contact"), surface.child("bounce"), surface.child("friction")
+    ode, friction = contact.child("ode"), all_friction.child("ode")
+    engine, row = geom.body.engine, geom.row
+    geom.SetFriction(_coefficient(friction, "mu"), _coefficient(friction, "mu2"))
+    geom.SetHardness(ode.Get(float, "kp"), abs(ode.Get(float, "kd")))
+    x, y, z = friction.Get(GzVector, "fdir1")
+    values: dict[int, float] = {
+        Surface.FDIR1: x,
+        Surface.FDIR1 + 1: y,
+        Surface.FDIR1 + 2: z,
+        Surface.SLIP1: friction.Get(float, "slip1"),
+        Surface.SLIP2: friction.Get(float, "slip2"),
+        Surface.BOUNCE: bounce.Get(float, "restitution_coefficient"),
+        Surface.BOUNCE_VEL: bounce.Get(float, "threshold"),
+        Surface.MAX_CONTACTS: element.Get(int, "max_contacts"),
+        Surface.BITS: contact.Get(int, "collide_bitmask") & ALL_BITS,
+        Surface.GHOST: contact.Get(bool, "collide_without_contact"),
+        Surface.GHOST_BITS: contact.Get(int, "collide_without_contact_bitmask") & ALL_BITS,
+    }
+    torsional = all_friction.GetElement("torsional")  # from 1.5 on
+    if torsional is not None:
+        values |= {
+            Surface.TORSION: _coefficient(torsional, "coefficient"),
+            Surface.BY_PATCH: torsional.Get(bool, "use_patch_radius"),
+            Surface.PATCH_RADIUS: torsional.Get(float, "patch_radius"),
+            Surface.RADIUS: torsional.Get(float, "surface_radius"),
+        }
+    for column, value in values.items():
+        engine.set_surface(row, column, float(value))
+
+
+def _coefficient(element: Element, key: str) -> float:
+    value = element.Get(float, key)
+    return value if value >= 0.0 else math.inf
+
+
+def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> None:
+    """What belongs to a link as a whole, and comes from its last collision: how fast and from where it is pushed out.
+
+    `still` things, static models and height maps, push nothing out themselves.
+    """
+    ode = last.child("surface").child("contact").child("ode")
+    speed = 0.0 if still else ode.Get(float, "max_vel")
+    for geom in geoms:
+        geom.body.engine.set_surface(geom.row, Surface.MAX_VEL, speed)
+        geom.body.engine.set_surface(geom.row, Surface.MIN_DEPTH, ode.Get(float, "min_depth"))

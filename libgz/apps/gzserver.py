@@ -14,10 +14,11 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import set_up_classic_console
-from libgz.apps.master import start_master, stop_master
+from libgz.classic.common import LogFormatter
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach, system_plugins
+from libgz.classic.transport import publicized_address, serve
 from libgz.errors import GazeboError, NotFoundError
 from libgz.sdf.paths import find_world
 from libgz.simulation.event import everywhere
@@ -138,22 +139,24 @@ class Server:
 
     def run(self) -> int:
         """Everything, in classic's order; the exit code."""
-        options = self.options
-        self.load_system_plugins(options.server_plugin, "construct")
-        start_master()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._interrupted)
+        self.load_system_plugins(self.options.server_plugin, "construct")
         try:
-            self.load_system_plugins((), "Load")
-            self.load_system_plugins((), "Init")
-            for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                signal.signal(number, self._interrupted)
-            with self._open_world() as core:
-                self._loop(core)
+            with serve() as link:
+                _open_log(link.address.port)
+                self.load_system_plugins((), "Load")
+                log.info("Waiting for master.")
+                log.info("Connected to gazebo master @ %s", link.address.uri)
+                log.info("Publicized address: %s", publicized_address())
+                self.load_system_plugins((), "Init")
+                with self._open_world() as core:
+                    self._loop(core)
             return 0
         finally:
             for plugin in system_plugins:
                 plugin.drop()
             system_plugins.clear()
-            stop_master()
 
     def _interrupted(self, _number: int, _frame: object) -> None:
         self._stopped = True
@@ -206,6 +209,19 @@ class Server:
     def _over(self, server: WorldServer | None, done: int) -> bool:
         limit = self.options.iters
         return self._stopped or (server is not None and server.stopped) or (limit is not None and done >= limit)
+
+
+def _open_log(port: int) -> None:
+    """Write all messages to ``server-<port>/default.log`` in GAZEBO_LOG_PATH or ~/.gazebo, too."""
+    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"server-{port}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handler = logging.FileHandler(folder / "default.log", mode="w")
+    except OSError as fault:
+        log.warning("no log file in %s: %s", folder, fault.strerror)
+        return
+    handler.setFormatter(LogFormatter())
+    logging.getLogger("libgz").addHandler(handler)
 
 
 def _find_world(name: str) -> Path:

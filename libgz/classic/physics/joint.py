@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -27,7 +27,7 @@ class Joint(Base):
     entity_type = Base.JOINT
 
     def __init__(self, model: Model, core: SdfJoint) -> None:
-        super().__init__(model.GetWorld(), core.name, model, core.element)
+        super().__init__(model.GetWorld(), core.name, model, core.plan.element)
         self.model, self.core = model, core
 
     def GetMsgType(self) -> str:
@@ -50,7 +50,8 @@ class Joint(Base):
 
     def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
         """Bring it there at once: the child, and all that hangs on it, moves. Whether that was possible."""
-        return self.core.set_position(position, index, keep_velocity=preserveWorldVelocity)
+        self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
+        return self.core.attached
 
     SetAngle = SetPosition
 
@@ -70,7 +71,7 @@ class Joint(Base):
 
     def GetForce(self, index: int) -> float:
         """What SetForce has gathered for this step."""
-        return self.core.applied_force(index)
+        return self.core.force(index)
 
     def GetForceTorque(self, index: int = 0) -> JointWrench:
         """What the joint did to the links in the last step: 1 the parent, 2 the child, in the links' axes."""
@@ -82,18 +83,25 @@ class Joint(Base):
 
     def _wrench(self) -> JointWrench:
         values = []
-        for body, wrench in zip((self.core.parent, self.core.child), self.core.wrenches(), strict=True):
+        wrench = self._global_wrench()
+        for body, vectors in ((self.core.parent, wrench[:2]), (self.core.child, wrench[2:])):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
-            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in wrench]
+            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in vectors]
         return JointWrench(*values)
+
+    def _global_wrench(self) -> tuple[GzVector, ...]:
+        """(force, torque) on the parent and on the child; the first question begins their recording."""
+        if not self.core.plan.feedback:
+            self.core.provide_feedback(True)
+        return self.core.wrench
 
     def LinkForce(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N], global."""
-        return Vector3d(*self.core.wrenches()[index][0])
+        return Vector3d(*self._global_wrench()[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N m], global."""
-        return Vector3d(*self.core.wrenches()[index][1])
+        return Vector3d(*self._global_wrench()[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 
@@ -109,11 +117,11 @@ class Joint(Base):
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
         """Set the lower stop."""
-        self.core.set_param("lo_stop", index, limit)
+        self.core.set_param("lo_stop", limit, index)
 
     def SetUpperLimit(self, index: int, limit: float) -> None:
         """Set the upper stop."""
-        self.core.set_param("hi_stop", index, limit)
+        self.core.set_param("hi_stop", limit, index)
 
     GetLowStop = GetLowerLimit = LowerLimit
     GetHighStop = GetUpperLimit = UpperLimit
@@ -173,7 +181,7 @@ class Joint(Base):
         Raises:
             ParameterError: there is no such parameter.
         """
-        self.core.set_param(key, index, value)
+        self.core.set_param(key, value, index)
         return True
 
     def GetParam(self, key: str, index: int) -> float:
@@ -198,7 +206,7 @@ class Joint(Base):
 
     def GlobalAxis(self, index: int) -> Vector3d:
         """An axis, global."""
-        return Vector3d(*self.core.global_axis(index))
+        return Vector3d(*self.core.axis(index))
 
     def LocalAxis(self, index: int) -> Vector3d:
         """An axis in the joint's frame, as the file has it."""
@@ -266,11 +274,11 @@ class Joint(Base):
 
     def remove(self) -> None:
         """Take it out of its model and destroy it."""
-        self.model.core.remove_joint(self.core)  # type: ignore[attr-defined]
+        self.model.core.remove_joint(self.core.name)  # type: ignore[attr-defined]
 
     def Reset(self) -> None:
-        """Forget the pushes of this step; the model's reset brings its links back."""
-        self.core.reset()
+        """Count turns from zero again; the model's reset brings its links back."""
+        self.core.restore()
 
     def ConnectJointUpdate(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` in each iteration, before physics."""

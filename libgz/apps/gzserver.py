@@ -14,14 +14,13 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import set_up_classic_console
-from libgz.classic.common import LogFormatter
+from libgz.classic.common import LogFormatter, gzlog
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach, system_plugins
 from libgz.classic.transport import publicized_address, serve
 from libgz.errors import GazeboError, NotFoundError
 from libgz.sdf.paths import find_world
-from libgz.simulation.event import everywhere
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
 
@@ -167,7 +166,7 @@ class Server:
         if options.physics != "ode":
             log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
         seed = os.getpid() if options.seed is None else options.seed
-        logging.getLogger("libgz.classic.log").info("Loading world file [%s]", path)
+        gzlog(f"Loading world file [{path}]")
         core = World(options.server_id, seed=seed)
         try:
             core.LoadFile(path)
@@ -204,7 +203,7 @@ class Server:
                 pass
         core.events["Stop"]()
         if self._stopped:
-            everywhere["SigInt"]()
+            core.events["SigInt"]()
 
     def _over(self, server: WorldServer | None, done: int) -> bool:
         limit = self.options.iters

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.classic.common import SphericalCoordinates
 from libgz.classic.loading import LoadedPlugin, new_plugin
@@ -16,7 +16,8 @@ from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
 from libgz.simulation.changes import delete_models
-from libgz.simulation.sdf_world import SdfLight
+from libgz.simulation.sdf_settings import settings_of
+from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
+
+MAGNETIC_FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # [T], SDF's default
 
 system_plugins: list[LoadedPlugin] = []  # of this process
 
@@ -120,7 +123,7 @@ class WorldServer:
         return self.visuals
 
     def _models(self, cores: list[CoreModel]) -> list[Model]:
-        return [self.world.view(core) for core in cores if not isinstance(core, SdfLight)]
+        return [self.world.view(core) for core in cores if not isinstance(core, SdfLight | WorldJoints)]
 
     def _load_model_plugins(self, added: list[CoreModel]) -> None:
         for model in self._models(added):
@@ -182,7 +185,7 @@ class WorldServer:
         """Let its plugins, sensors and controllers go."""
         self._new = [new for new in self._new if new is not model]
         self.core.events["DeleteEntity"](model.GetId())
-        if isinstance(model, SdfLight):
+        if isinstance(model, SdfLight | WorldJoints):
             return
         view = self.world.view(model)
         for plugin in view.plugins:
@@ -243,18 +246,15 @@ class WorldServer:
 
     def magnetic_field(self) -> Vector3d:
         """The file's field [T]; SDF's default where it names none."""
-        holder: Any = self.element
-        if holder is None:
-            return Vector3d(5.5645e-6, 22.8758e-6, -42.3884e-6)
-        if holder.description is None or "magnetic_field" not in holder.description.children:
-            holder = holder.child("physics")
-        return Vector3d(*holder.Get(Vector3d, "magnetic_field"))
+        settings = settings_of(self.core)
+        return Vector3d(*settings.magnetic_field) if settings is not None else Vector3d(*MAGNETIC_FIELD)
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""
-        if self.element is None or not self.element.HasElement("spherical_coordinates"):
+        settings = settings_of(self.core)
+        place = settings.spherical_coordinates if settings is not None else None
+        if place is None:
             return SphericalCoordinates()
-        place = self.element.child("spherical_coordinates")
         latitude, longitude, heading = (
             math.radians(place.Get(float, key)) for key in ("latitude_deg", "longitude_deg", "heading_deg")
         )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from libgz.classic.physics.world import World, live_worlds
+from libgz.classic.physics.registry import live_worlds
+from libgz.classic.physics.world import World
 from libgz.classic.transport import TopicManager
 
 __all__ = ["WorldTopics"]

@@ -61,6 +61,7 @@ class Body:
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy
         self._given_mass: mass_.Mass | None = None
+        self.damping = 0.0, 0.0
         self._closed = False
         self._id: int | None = None
         self.row = -1
@@ -247,9 +248,10 @@ class Body:
 
     def set_damping(self, linear: float, angular: float) -> None:
         """Share of linear and angular velocity that is lost in each step, 0 to 1."""
+        self.damping = min(1.0, not_negative(linear, "damping")), min(1.0, not_negative(angular, "angular damping"))
         if self.row >= 0:
-            ode().dBodySetLinearDamping(self.id, min(1.0, not_negative(linear, "linear damping")))
-            ode().dBodySetAngularDamping(self.id, min(1.0, not_negative(angular, "angular damping")))
+            ode().dBodySetLinearDamping(self.id, self.damping[0])
+            ode().dBodySetAngularDamping(self.id, self.damping[1])
 
     def set_kinematic(self, kinematic: bool) -> None:
         """Whether the body moves by its velocity only: forces and contacts do not move it."""

@@ -186,6 +186,15 @@ class Geom:
         """A mass matrix about the geom's centre, seen from the body frame."""
         return mass_.moved(own, self._relative) if own is not None and self.placeableGeom else None
 
+    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+        """Lowest and highest corner of the box around it [m], global; twice its place if it touches nothing."""
+        if not self.id:
+            x, y, z = self.GetPose().pos
+            return (x, y, z), (x, y, z)
+        box = (ctypes.c_double * 6)()
+        ode().dGeomGetAABB(self.id, box)
+        return (box[0], box[2], box[4]), (box[1], box[3], box[5])
+
     # Contact -----------------------------------------------------------------------------------------------------
 
     def SetHardness(self, kp: float, kd: float) -> None:

@@ -50,6 +50,13 @@ class BoxGeom(Geom):
         handle = ode().dCreateBox(_space_id(space), *self.size)
         super().__init__(body, space, handle, mass_.box_mass(*self.size))
 
+    def resize(self, xDim: float, yDim: float, zDim: float) -> None:
+        """Take on other lengths [m]; its mass stays."""
+        self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
+        if self.id:
+            ode().dGeomBoxSetLengths(self.id, *self.size)
+        self.appearance.version += 1
+
 
 class SphereGeom(Geom):
     """A sphere of the given radius [m]."""
@@ -57,6 +64,13 @@ class SphereGeom(Geom):
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
         self.radius = positive(radius, "sphere radius [m]")
         super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
+
+    def resize(self, radius: float) -> None:
+        """Take on another radius [m]; its mass stays."""
+        self.radius = positive(radius, "sphere radius [m]")
+        if self.id:
+            ode().dGeomSphereSetRadius(self.id, self.radius)
+        self.appearance.version += 1
 
 
 class CylinderGeom(Geom):
@@ -68,6 +82,14 @@ class CylinderGeom(Geom):
         handle = ode().dCreateCylinder(_space_id(space), self.radius, self.length)
         super().__init__(body, space, handle, mass_.cylinder_mass(radius, length))
         body.UpdateCoM()
+
+    def resize(self, radius: float, length: float) -> None:
+        """Take on another radius and length [m]; its mass stays."""
+        self.radius = positive(radius, "cylinder radius [m]")
+        self.length = positive(length, "cylinder length [m]")
+        if self.id:
+            ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
+        self.appearance.version += 1
 
 
 class CapsuleGeom(Geom):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import weakref
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,12 @@ class EngineSettings:
     _gravity: tuple[float, ...]
     step_form: Step
     surface_edits: int
+    # As ODE has them until somebody sets others; read them, and set them by the two functions below.
+    iterations = 20
+    over_relaxation = 1.3
+    erp = 0.2
+    cfm = SMALLEST_CFM
+    correcting_velocity = math.inf
 
     def wake(self) -> None:
         """Wake all bodies that may sleep."""
@@ -90,14 +97,19 @@ class EngineSettings:
 
     def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
         """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
-        self._ode.dWorldSetQuickStepNumIterations(self.world, max(1, int(iterations)))
-        self._ode.dWorldSetQuickStepW(self.world, positive(over_relaxation, "over-relaxation"))
+        self.iterations = max(1, int(iterations))
+        self.over_relaxation = positive(over_relaxation, "over-relaxation")
+        self._ode.dWorldSetQuickStepNumIterations(self.world, self.iterations)
+        self._ode.dWorldSetQuickStepW(self.world, self.over_relaxation)
 
     def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
         """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
-        self._ode.dWorldSetERP(self.world, not_negative(erp, "erp"))
-        self._ode.dWorldSetCFM(self.world, max(not_negative(cfm, "cfm"), SMALLEST_CFM))
-        self._ode.dWorldSetContactMaxCorrectingVel(self.world, not_negative(correcting_velocity, "velocity [m/s]"))
+        self.erp = not_negative(erp, "erp")
+        self.cfm = max(not_negative(cfm, "cfm"), SMALLEST_CFM)
+        self.correcting_velocity = not_negative(correcting_velocity, "velocity [m/s]")
+        self._ode.dWorldSetERP(self.world, self.erp)
+        self._ode.dWorldSetCFM(self.world, self.cfm)
+        self._ode.dWorldSetContactMaxCorrectingVel(self.world, self.correcting_velocity)
 
     @property
     def classic(self) -> bool:

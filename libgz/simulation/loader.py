@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from libgz.errors import GazeboError, NotFoundError, nearest
 from libgz.geometry import GzPose
@@ -16,6 +16,7 @@ from libgz.worldfile.spelling import NAMES_ONLY
 if TYPE_CHECKING:
     from libgz.physics.body import Body
     from libgz.simulation.model import Model
+    from libgz.simulation.world import World
     from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["Loader"]
@@ -27,6 +28,10 @@ class Loader(Poses):
     """Base of World: builds models."""
 
     factory: ModelFactory
+
+    def adopt(self, model: Model) -> None:
+        """Take a model in that is built."""
+        raise NotImplementedError
 
     def visit(self, node: WorldFileNode) -> None:
         """Load the models of an element and of what is in it; a model inside a model is its child."""
@@ -70,7 +75,7 @@ class Loader(Poses):
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
             self.factory.register_plugin(load_plugin(path))
-        model = self.factory.NewModel(self, node.GetName())
+        model = self.factory.NewModel(cast("World", self), node.GetName())
         if model is None:
             hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
             hint = hint or "; `libgz models` lists those there are"

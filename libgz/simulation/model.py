@@ -66,7 +66,6 @@ class Model:
         self.joint: HingeJoint | None = None
         self.relPose = GzPose()
         self.initPose = GzPose()
-        self.initial: list[GzPose] = []  # of all bodies, once the world runs
         self.fixed = False
         self.logPoses = False
         self.poses: list[GzPose] = []
@@ -231,9 +230,9 @@ class Model:
             body.SetLinearVel((0.0, 0.0, 0.0))
             body.SetAngularVel((0.0, 0.0, 0.0))
 
-    def remember(self) -> None:
-        """Take the present poses of all bodies for those that a reset goes back to."""
-        self.initial = [body.GetPose() for body in self.bodies]
+    def restore(self) -> None:
+        """Go back to the initial pose, at rest, with all that is attached."""
+        self.world.SetModelPose(self, self.initPose)
 
     # Parent ------------------------------------------------------------------------------------------------------
 

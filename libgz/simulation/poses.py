@@ -53,19 +53,6 @@ class Poses:
         for model in self.models:
             self.SetModelPose(model, model.initPose)
 
-    def restore(self, model: Model) -> None:
-        """Put each body of a model back to where it began, at rest."""
-        if len(model.initial) != len(model.bodies):
-            self.SetModelPose(model, model.initPose)
-            return
-        for body, pose in zip(model.bodies, model.initial, strict=True):
-            body.SetPose(pose)
-            body.SetLinearVel((0.0, 0.0, 0.0))
-            body.SetAngularVel((0.0, 0.0, 0.0))
-            body.SetForce((0.0, 0.0, 0.0))
-            body.SetTorque(0.0, 0.0, 0.0)
-            body.Enable(True)
-
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""
         if self.file is None:

@@ -313,6 +313,10 @@ class SdfJoint(JointLimits):
         """Global anchor [m]."""
         return self.frame().pos
 
+    def set_frame(self, pose: GzPose) -> None:
+        """Where the joint's frame is to lie in the child [m]; `attach` makes it so."""
+        self._in_child = GzPose(GzVector(*pose.pos), pose.rot)
+
     def set_anchor(self, anchor: Iterable[float]) -> None:
         """Move the anchor to a global point [m]; positions count from where the links stand now."""
         frame = self.frame()

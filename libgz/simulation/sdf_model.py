@@ -130,6 +130,20 @@ class SdfModel(Model):
         if element.Get(bool, "kinematic"):
             body.set_kinematic(True)
 
+    def create_link(self, name: str) -> Body:
+        """Add a link without shapes, of 1 kg, at the model's pose.
+
+        Raises:
+            ParameterError: the name is taken.
+        """
+        element = self.sdf.AddElement("link")
+        element.set_attribute("name", name)
+        pose = self.GetPose()
+        self._add_link(element, pose)
+        body = self.links[name]
+        self._places.append((body, GzCoordPoseSub(body.GetPose(), pose)))
+        return body
+
     def _self_collides(self, link: Element) -> bool:
         """Whether a link touches others of its model; from SDF 1.5 the link's word is stronger than the model's."""
         if link.HasElement("self_collide"):

@@ -221,8 +221,6 @@ class World(Lookup, Loader, Clock):
         self._updating.append(model)
         if model.follows:
             self._followers.append(model)
-        if self._start is not None and self.engine.classic:
-            model.remember()
         for companion in self.companions:
             companion.model_added(model)
 
@@ -242,8 +240,6 @@ class World(Lookup, Loader, Clock):
         self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
-        for model in self.models if self.engine.classic else ():
-            model.remember()
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
@@ -395,7 +391,8 @@ class World(Lookup, Loader, Clock):
     def paused(self, value: bool) -> None:
         if self.sim.lock():
             changed = bool(self.sim.data.pause) != bool(value)
-            self.sim.data.pause = self._paused = int(value)
+            self._paused = bool(value)
+            self.sim.data.pause = int(value)
             self.sim.unlock()
             if changed:
                 self.events["Pause"](bool(value))
@@ -411,7 +408,9 @@ class World(Lookup, Loader, Clock):
         self.engine.seed = self.seed
         self.reset_time()
         for model in self.models:
-            self.restore(model)
+            if model.parent is None:
+                model.restore()
+        self.engine.wake()
         for companion in self.companions:
             companion.reset()
         self.events["WorldReset"]()

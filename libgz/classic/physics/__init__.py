@@ -11,9 +11,10 @@ from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
+from libgz.classic.physics.registry import get_world, has_world, worlds
 from libgz.classic.physics.shape import BoxShape, CylinderShape, MeshShape, PlaneShape, Shape, SphereShape
 from libgz.classic.physics.state import WorldState
-from libgz.classic.physics.world import World, get_world, has_world, worlds
+from libgz.classic.physics.world import World
 
 __all__ = [
     "Base",

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
+from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact import ContactManager
+from libgz.classic.physics.joint import AXES, Joint
 from libgz.errors import ParameterError, nearest
-from libgz.geometry import VectorLike
+from libgz.geometry import GzPose, GzVector, VectorLike
+from libgz.simulation.sdf_axis import Axis, JointPlan
+from libgz.simulation.sdf_joint import SdfJoint
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.joint import Joint
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
     from libgz.physics.engine import Engine
 
 __all__ = ["PhysicsEngine"]
+
+_numbers = itertools.count(1)
 
 
 class PhysicsEngine:
@@ -98,6 +104,14 @@ class PhysicsEngine:
     def _keys(self) -> dict[str, tuple[Callable[[], Any], Callable[[Any], None]]]:
         e = self.engine
 
+        def solver(**changed: float) -> None:
+            now = {"iterations": e.iterations, "over_relaxation": e.over_relaxation}
+            e.set_quick_step(**{**now, **changed})  # type: ignore[arg-type]
+
+        def constraints(**changed: float) -> None:
+            now = {"erp": e.erp, "cfm": e.cfm, "correcting_velocity": e.correcting_velocity}
+            e.set_constraints(**{**now, **changed})
+
         def plain(name: str, kind: type) -> tuple[Callable[[], Any], Callable[[Any], None]]:
             return lambda: getattr(e, name), lambda value: setattr(e, name, kind(value))
 
@@ -110,13 +124,19 @@ class PhysicsEngine:
             ),
             "gravity": (self.GetGravity, self.SetGravity),
             "solver_type": plain("solver", str),
-            "iters": plain("iterations", int),
-            "sor": plain("over_relaxation", float),
-            "erp": plain("erp", float),
-            "cfm": plain("cfm", float),
-            "contact_max_correcting_vel": plain("correcting_velocity", float),
-            "contact_surface_layer": plain("surface_layer", float),
+            "iters": (lambda: e.iterations, lambda value: solver(iterations=int(value))),
+            "sor": (lambda: e.over_relaxation, lambda value: solver(over_relaxation=float(value))),
+            "erp": (lambda: e.erp, lambda value: constraints(erp=float(value))),
+            "cfm": (lambda: e.cfm, lambda value: constraints(cfm=float(value))),
+            "contact_max_correcting_vel": (
+                lambda: e.correcting_velocity,
+                lambda value: constraints(correcting_velocity=float(value)),
+            ),
             "max_contacts": plain("max_contacts", int),
+            "friction_model": (
+                lambda: "cone_model" if e.cone else "pyramid_model",
+                lambda value: setattr(e, "cone", value == "cone_model"),
+            ),
         }
 
     def SetParam(self, key: str, value: Any) -> bool:
@@ -146,9 +166,14 @@ class PhysicsEngine:
 
     def CreateJoint(self, type: str, parent: Model | None = None) -> Joint:
         """A joint of a kind that `Load(parent link, child link, pose)` and `Init` bring to life."""
-        from libgz.classic.physics.make_joint import unborn_joint
-
-        return unborn_joint(self._world, type, parent)
+        name = f"joint_{next(_numbers)}"
+        count = AXES.get(type, 1)
+        plan = JointPlan(name, type, None, None, GzPose(), [Axis(GzVector(0.0, 0.0, 1.0)) for _ in range(count)])
+        core = SdfJoint(self.engine, plan)
+        joint = view_of(core, lambda: Joint(self._world, None, core))
+        if parent is not None:
+            joint.SetModel(parent)
+        return joint
 
 
 def _only(value: Any, what: str, allowed: str) -> None:

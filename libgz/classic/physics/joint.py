@@ -8,17 +8,20 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
+from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.simulation.sdf_model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.physics.model import Model
+    from libgz.classic.physics.world import World
     from libgz.physics.body import Body
-    from libgz.sdf.element import Element
     from libgz.simulation.event import Connection
     from libgz.simulation.sdf_joint import SdfJoint
 
-__all__ = ["Joint"]
+__all__ = ["AXES", "Joint"]
+
+AXES = {"ball": 0, "fixed": 0, "universal": 2, "revolute2": 2, "gearbox": 2}  # of kinds that have not one
 
 
 class Joint(Base):
@@ -26,9 +29,9 @@ class Joint(Base):
 
     entity_type = Base.JOINT
 
-    def __init__(self, model: Model, core: SdfJoint) -> None:
-        super().__init__(model.GetWorld(), core.name, model, core.plan.element)
-        self.model, self.core = model, core
+    def __init__(self, world: World, model: Model | None, core: SdfJoint) -> None:
+        super().__init__(world, core.name, model, core.plan.element)
+        self.core = core
 
     def GetMsgType(self) -> str:
         """revolute, prismatic, ball, universal, revolute2, screw, gearbox or fixed."""
@@ -50,8 +53,10 @@ class Joint(Base):
 
     def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
         """Bring it there at once: the child, and all that hangs on it, moves. Whether that was possible."""
+        if not 0 <= index < self.core.dof or not self.core.attached:
+            return False
         self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
-        return self.core.attached
+        return True
 
     SetAngle = SetPosition
 
@@ -83,25 +88,19 @@ class Joint(Base):
 
     def _wrench(self) -> JointWrench:
         values = []
-        wrench = self._global_wrench()
-        for body, vectors in ((self.core.parent, wrench[:2]), (self.core.child, wrench[2:])):
+        force1, torque1, force2, torque2 = self.core.wrench
+        for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
-            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in vectors]
+            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
         return JointWrench(*values)
-
-    def _global_wrench(self) -> tuple[GzVector, ...]:
-        """(force, torque) on the parent and on the child; the first question begins their recording."""
-        if not self.core.plan.feedback:
-            self.core.provide_feedback(True)
-        return self.core.wrench
 
     def LinkForce(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N], global."""
-        return Vector3d(*self._global_wrench()[2 * index])
+        return Vector3d(*self.core.wrench[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
-        """What it did to the parent (0) or child (1) [N m], global."""
-        return Vector3d(*self._global_wrench()[2 * index + 1])
+        """What it did to the parent (0) or child (1) about the anchor [N m], global."""
+        return Vector3d(*self.core.wrench[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 
@@ -181,7 +180,7 @@ class Joint(Base):
         Raises:
             ParameterError: there is no such parameter.
         """
-        self.core.set_param(key, value, index)
+        self.core.set_param(key, float(value), index)
         return True
 
     def GetParam(self, key: str, index: int) -> float:
@@ -229,11 +228,11 @@ class Joint(Base):
 
     # Links -------------------------------------------------------------------------------------------------------
 
-    def GetParent(self) -> Link | None:  # type: ignore[override]
+    def GetParent(self) -> Link | None:
         """The parent link; None for the world."""
         return self._link(self.core.parent)
 
-    def GetChild(self, which: int | str | None = None) -> Link | None:  # type: ignore[override]
+    def GetChild(self, which: int | str | None = None) -> Link | None:
         """The child link; None for the world."""
         return self._link(self.core.child)
 
@@ -253,20 +252,22 @@ class Joint(Base):
         """Whether it joins these two links."""
         return {one, two} == {self.GetParent(), self.GetChild()}
 
-    def Load(self, parent: Link | Element, child: Link | None = None, pose: GzPose | None = None) -> None:
-        """Join two links with the anchor at a pose in the child [m], or build the joint from a `<joint>` element."""
-        from libgz.classic.physics.make_joint import load_joint
-
-        load_joint(self, parent, child, pose)
-
-    def Init(self) -> None:
-        """Nothing to do: the joint acts as soon as it is loaded."""
+    def Load(self, parent: Link | None, child: Link | None, pose: GzPose | None = None) -> None:
+        """Join two links, None for the world, with the joint's frame at a pose in the child [m]."""
+        if pose is not None:
+            self.core.set_frame(pose)
+        self.Attach(parent, child)
+        if self._parent is None and (child or parent) is not None:
+            self.SetModel((child or parent).model)  # type: ignore[union-attr]
 
     def SetModel(self, model: Model) -> None:
-        """Make it a part of a model."""
-        from libgz.classic.physics.make_joint import adopt_joint
+        """Make it a part of a model, so that it acts by itself and goes when the model goes."""
+        if self._parent is not model and isinstance(model.core, SdfModel):
+            self._parent = model
+            model.core.sdf_joints.setdefault(self.core.name, self.core)
 
-        adopt_joint(self, model)
+    def Init(self) -> None:
+        """Nothing to do: a joint acts as soon as it joins links."""
 
     def Fini(self) -> None:
         """Take it out of its model."""
@@ -274,7 +275,10 @@ class Joint(Base):
 
     def remove(self) -> None:
         """Take it out of its model and destroy it."""
-        self.model.core.remove_joint(self.core.name)  # type: ignore[attr-defined]
+        model = self.GetParentModel()
+        if model is not None and isinstance(model.core, SdfModel):
+            model.core.remove_joint(self.core.name)
+        self.core.close()
 
     def Reset(self) -> None:
         """Count turns from zero again; the model's reset brings its links back."""

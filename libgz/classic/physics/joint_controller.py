@@ -40,7 +40,7 @@ class JointController:
         """Let a joint go."""
         name = joint.GetScopedName()
         for rows in (self._joints, self._position_pids, self._velocity_pids):
-            rows.pop(name, None)  # type: ignore[attr-defined]
+            rows.pop(name, None)
         for targets in (self._forces, self._positions, self._velocities):
             targets.pop(name, None)
 

@@ -293,8 +293,11 @@ class Link(Entity):
         found = []
         for geom in self.body.geoms:
             if geom.space is not None:
-                found.append(view_of(geom, lambda geom=geom: Collision(self, geom)))
+                found.append(self._collision(geom))
         return found
+
+    def _collision(self, geom: Geom) -> Collision:
+        return view_of(geom, lambda: Collision(self, geom))
 
     def GetCollision(self, which: str | int) -> Collision | None:
         """A collision by name or index; None if there is none."""

@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.math import Vector3d
+from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
-from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.joint import AXES, Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
+from libgz.simulation.sdf_joint import SdfJoint
 from libgz.simulation.sdf_model import SdfModel
 
 if TYPE_CHECKING:
@@ -63,11 +64,13 @@ class Model(Entity):
         for model in self.NestedModels():
             yield from model.family()
 
+    def InitialRelativePose(self) -> Pose3d:
+        """The pose that a reset goes back to [m]."""
+        return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
+
     def SetInitialRelativePose(self, pose: GzPose) -> None:
         """Set the pose that a reset goes back to [m]."""
-        before, frame = self.core.GetPose(), GzCoordPoseAdd(pose, self._frame())
-        self.core.initPose = frame
-        self.core.initial = [GzCoordPoseAdd(GzCoordPoseSub(body.GetPose(), before), frame) for body in self.core.bodies]
+        self.core.initPose = GzCoordPoseAdd(pose, self._frame())
 
     def WorldLinearVel(self) -> Vector3d:
         """Velocity of the first link's origin [m/s], global."""
@@ -117,7 +120,7 @@ class Model(Entity):
 
     def Reset(self, resetType: int = 0) -> None:
         """Put it back to where it began, at rest, and reset its plugins."""
-        self._world.core.restore(self.core)
+        self.core.restore()
         self.after_reset()
 
     def after_reset(self) -> None:
@@ -145,9 +148,10 @@ class Model(Entity):
 
     def GetLinks(self) -> list[Link]:
         """Its links in order."""
-        return [self._link(body) for body in self.core.bodies]
+        return [self.link(body) for body in self.core.bodies]
 
-    def _link(self, body: Body) -> Link:
+    def link(self, body: Body) -> Link:
+        """The view on a body."""
         name = self.body_name(body)
         return view_of(body, lambda: Link(self, name, body, self._element("link", name)))
 
@@ -176,7 +180,7 @@ class Model(Entity):
         """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken."""
         if self.GetLink(name) is not None or not isinstance(self.core, SdfModel):
             return None
-        return self._link(self.core.create_link(name))
+        return self.link(self.core.create_link(name))
 
     def _element(self, kind: str, name: str) -> Element | None:
         sdf = self._sdf
@@ -198,7 +202,7 @@ class Model(Entity):
     def GetJoints(self) -> list[Joint]:
         """Its joints in order."""
         cores = self.core.sdf_joints.values() if isinstance(self.core, SdfModel) else ()
-        return [view_of(core, lambda core=core: Joint(self, core)) for core in cores]
+        return [self.joint(core) for core in cores]
 
     def all_joints(self) -> Iterator[Joint]:
         """Its joints and those of nested models."""
@@ -221,9 +225,20 @@ class Model(Entity):
         self, name: str | Element, kind: str = "", parent: Link | None = None, child: Link | None = None
     ) -> Joint | None:
         """Add a joint from a `<joint>` element, or by name, kind, parent and child; None if the name is taken."""
-        from libgz.classic.physics.make_joint import create_joint
+        core, text = self.core, name if isinstance(name, str) else name.Get(str, "name")
+        if not isinstance(core, SdfModel) or text in core.sdf_joints:
+            return None
+        if not isinstance(name, str):
+            made = core.add_joint(name)
+        else:
+            axes = [GzVector(0.0, 0.0, 1.0)] * AXES.get(kind, 1)
+            ends = [link.body if link is not None else None for link in (parent, child)]
+            made = core.make_joint(text, kind, ends[0], ends[1], *axes)
+        return self.joint(made) if made is not None else None
 
-        return create_joint(self, name, kind, parent, child)
+    def joint(self, core: SdfJoint) -> Joint:
+        """The view on a joint of the engine."""
+        return view_of(core, lambda: Joint(self._world, self, core))
 
     def RemoveJoint(self, name: str) -> bool:
         """Take a joint out; whether there was one."""

@@ -66,16 +66,16 @@ def save_world(world: World, path: Path) -> None:
     for element in [child for child in copy.children if child.name in ("model", "light", "state")]:
         copy.RemoveChild(element)
     for part in (*world.Models(), *world.Lights()):
-        element = part.GetSDF()
-        if element is not None:
-            copy.InsertElement(_placed(element.Clone(), part.pose()))
+        own = part.GetSDF()
+        if own is not None:
+            copy.InsertElement(_placed(own.Clone(), part.pose()))
     for model in world.Models():
         placed = next(e for e in copy.named("model") if e.Get(str, "name") == model.GetName())
         for link in model.GetLinks():
             for inner in placed.named("link"):
                 if inner.Get(str, "name") == link.GetName():
                     _placed(inner, GzCoordPoseSub(link.pose(), model.pose()))
-    version = "1.6" if sdf.description is None else sdf.description.version
+    version = world.core.sdf.version if world.core.sdf is not None else "1.6"
     try:
         path.write_text(f'<?xml version="1.0"?>\n<sdf version="{version}">\n{copy.ToString("  ")}</sdf>\n')
     except OSError as fault:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from weakref import WeakSet
 
 import numpy as np
 
@@ -18,14 +17,16 @@ from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
+from libgz.classic.physics.registry import enter, leave
 from libgz.classic.physics.state import WorldState, save_world
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
-from libgz.simulation.event import Event, owner
-from libgz.simulation.sdf_world import SdfLight, load_sdf
+from libgz.simulation.event import Event
+from libgz.simulation.sdf_model import SdfModel
+from libgz.simulation.sdf_world import SdfLight, WorldJoints, insert_sdf
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -35,11 +36,9 @@ if TYPE_CHECKING:
     from libgz.physics.geom import Geom
     from libgz.simulation.model import Model as CoreModel
 
-__all__ = ["World", "get_world", "has_world"]
+__all__ = ["World"]
 
 NOWHERE = 1000.0  # [m] what looks down sees nothing farther than this
-
-_worlds: WeakSet[World] = WeakSet()
 
 
 class World(Base):
@@ -56,7 +55,7 @@ class World(Base):
         self._info = UpdateInfo()
         self.joint_event = Event("JointUpdate")
         self._attached: list[tuple[Model, Model, GzPose]] = []
-        _worlds.add(self)
+        enter(self)
 
     def Name(self) -> str:
         """The name in its file."""
@@ -194,16 +193,14 @@ class World(Base):
 
     def all_models(self) -> list[Model]:
         """All models, nested ones included."""
-        return [self.view(core) for core in self.core.models if not isinstance(core, SdfLight)]
+        return [self.view(core) for core in self.core.models if not isinstance(core, SdfLight | WorldJoints)]
 
     def view(self, core: CoreModel) -> Model:
         """The view on a model of the engine."""
         return view_of(core, lambda: Model(self, core, self._parent_of(core)))
 
     def _parent_of(self, core: CoreModel) -> Model | None:
-        path = core.GetId().rpartition("::")[0]
-        above = next((m for m in self.core.models if path and m.GetId() == path), None)
-        return self.view(above) if above is not None else None
+        return self.view(core.parent) if isinstance(core.parent, SdfModel) else None
 
     def Models(self) -> list[Model]:
         """The models that are not nested."""
@@ -248,7 +245,10 @@ class World(Base):
     def Lights(self) -> list[Light]:
         """All lights."""
         cores = [core for core in self.core.models if isinstance(core, SdfLight)]
-        return [view_of(core, lambda core=core: Light(self, core)) for core in cores]
+        return [self._light(core) for core in cores]
+
+    def _light(self, core: SdfLight) -> Light:
+        return view_of(core, lambda: Light(self, core))
 
     def LightCount(self) -> int:
         """How many lights there are."""
@@ -273,10 +273,10 @@ class World(Base):
 
     def link_of(self, body: Body) -> Any:
         """The Link of a body; None for one of no model."""
-        for core in self.core.models:
-            if body in core.bodies and not isinstance(core, SdfLight):
-                return self.view(core)._link(body)
-        return None
+        core = body.model
+        if core is None or core.world is not self.core or isinstance(core, SdfLight | WorldJoints):
+            return None
+        return self.view(core).link(body)
 
     def collision_of(self, geom: Geom) -> Any:
         """The Collision of a geom; None for one of no model."""
@@ -325,7 +325,7 @@ class World(Base):
         def act() -> None:
             file = read()
             self._check_names(file.root)
-            load_sdf(self.core, file)
+            insert_sdf(self.core, file)
             self.server.finish_added()
 
         self.core.after_step(act)
@@ -450,7 +450,7 @@ class World(Base):
 
     def close(self) -> None:
         """The world ends."""
-        _worlds.discard(self)
+        leave(self)
 
     # Called by the server ----------------------------------------------------------------------------------------
 
@@ -468,37 +468,3 @@ class World(Base):
 
 def _is(part: Base, name: str) -> bool:
     return name in (part.GetName(), part.GetScopedName())
-
-
-def live_worlds() -> list[World]:
-    """The views that there are already."""
-    return sorted(_worlds, key=lambda world: world.GetId())
-
-
-def worlds() -> list[World]:
-    """All SDF worlds that run in this process, oldest first."""
-    from libgz.classic.server import attach
-
-    for core in CoreWorld.all_running():
-        if core.engine.classic:
-            attach(core)
-    return live_worlds()
-
-
-def has_world(name: str = "") -> bool:
-    """Whether there is a world of this name, or any."""
-    return any(not name or world.Name() == name for world in worlds())
-
-
-def get_world(name: str = "") -> World:
-    """A world by name; without one, that of the plugin that is running, or the first.
-
-    Raises:
-        NotFoundError: there is none.
-    """
-    found = [world for world in worlds() if not name or world.Name() == name]
-    by = owner.get()
-    mine = [world for world in found if by is not None and by.events is world.core.events]
-    if not found:
-        raise NotFoundError(f"Unable to find world by name in physics::get_world({name})")
-    return (mine or found)[0]

@@ -1,34 +1,53 @@
 """Topics: `Node` makes publishers and subscribers; messages are those of `libgz.classic.msgs`.
 
 Within a process messages wait until the server has ended its iteration (`TopicManager.Instance().ProcessNodes()`).
+Between processes, a server listens (`serve`) and clients connect (`connect`, or `init`, as it was called); that needs
+the extra `libgz[net]`.
 """
 
 from __future__ import annotations
 
 from libgz.classic.transport.functions import (
     clear_buffers,
+    fini,
     get_topic_namespaces,
     getAdvertisedTopics,
     getTopicMsgType,
+    init,
+    is_stopped,
     pause_incoming,
     request,
     requestNoReply,
+    run,
+    stop,
 )
+from libgz.classic.transport.link import Link, connect, serve
 from libgz.classic.transport.manager import TopicManager
+from libgz.classic.transport.master import get_master_uri, publicized_address
 from libgz.classic.transport.node import Node
 from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
 
 __all__ = [
+    "Link",
     "Node",
     "Publisher",
     "Subscriber",
     "TopicManager",
     "clear_buffers",
+    "connect",
+    "fini",
     "getAdvertisedTopics",
     "getTopicMsgType",
+    "get_master_uri",
     "get_topic_namespaces",
+    "init",
+    "is_stopped",
     "pause_incoming",
+    "publicized_address",
     "request",
     "requestNoReply",
+    "run",
+    "serve",
+    "stop",
 ]

@@ -2,25 +2,102 @@
 
 from __future__ import annotations
 
+import atexit
+import threading
 import time as clock
 from typing import Any
 
 from libgz.classic.msgs.convert import CreateRequest
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.transport.link import Link, connect
 from libgz.classic.transport.manager import TopicManager
+from libgz.classic.transport.master import DEFAULT_PORT
 from libgz.classic.transport.node import Node
-from libgz.errors import GazeboError
+from libgz.classic.transport.topic import log
+from libgz.errors import GazeboError, ServerError
 
 __all__ = [
     "clear_buffers",
+    "fini",
     "getAdvertisedTopics",
     "getTopicMsgType",
     "get_topic_namespaces",
+    "init",
+    "is_stopped",
     "pause_incoming",
     "request",
     "requestNoReply",
+    "run",
+    "stop",
 ]
+
+PUMP_PERIOD = 0.001  # [s] between looks for messages in a client
+
+_stopping = threading.Event()
+_thread: threading.Thread | None = None
+
+
+def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30) -> bool:
+    """Connect to a server, where this process has no link yet.
+
+    Args:
+        masterHost: The machine; empty, with `masterPort` 0, for GAZEBO_MASTER_URI.
+        masterPort: The port.
+        timeoutIterations: How long to try [s].
+
+    Returns:
+        Whether there is a link; if not, it has been logged why.
+
+    Raises:
+        LibraryError: the extra `libgz[net]` is not installed.
+    """
+    if Link.current is not None:
+        return True
+    uri = f"http://{masterHost or 'localhost'}:{masterPort or DEFAULT_PORT}" if masterHost or masterPort else None
+    try:
+        connect(uri, float(timeoutIterations))
+    except ServerError as fault:
+        log.error("%s", fault)
+        return False
+    return True
+
+
+def run() -> None:
+    """Deliver messages in a thread of its own until `stop`: for clients, where no server does it."""
+    global _thread
+    if _thread is None or not _thread.is_alive():
+        _stopping.clear()
+        _thread = threading.Thread(target=_pump, name="transport", daemon=True)
+        _thread.start()
+        atexit.register(stop)
+
+
+def _pump() -> None:
+    manager = TopicManager.Instance()
+    while not _stopping.wait(PUMP_PERIOD):
+        manager.ProcessNodes()
+
+
+def stop() -> None:
+    """End the thread of `run`; also allowed in a callback."""
+    atexit.unregister(stop)
+    _stopping.set()
+    if _thread is not None and _thread is not threading.current_thread():
+        _thread.join()
+
+
+def is_stopped() -> bool:
+    """Whether no thread of `run` delivers messages."""
+    return _thread is None or not _thread.is_alive()
+
+
+def fini() -> None:
+    """End the thread, all publications and subscriptions, and the link."""
+    stop()
+    TopicManager.Instance().clear("")
+    if Link.current is not None:
+        Link.current.close()
 
 
 def getAdvertisedTopics(msgType: str = "") -> list[str]:

@@ -7,10 +7,10 @@ import threading
 import weakref
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from libgz.classic.msgs.declare import message_type
-from libgz.classic.transport.topic import Topic, log, sequence
+from libgz.classic.transport.topic import INCOMING, End, Incoming, Topic, log
 from libgz.errors import NotFoundError, ParameterError
 
 if TYPE_CHECKING:
@@ -23,13 +23,15 @@ __all__ = ["Remote", "TopicManager"]
 class Remote(Protocol):
     """The way to other processes."""
 
+    client: bool  # whether there is a server to wait for
+
     def refresh(self, topic: Topic) -> None:
         """Offer and ask for what this process now publishes and listens to."""
 
     def refresh_namespaces(self, names: list[str]) -> None:
         """Tell the names of this process's worlds."""
 
-    def send(self, topic: Topic, number: int, message: Message) -> None:
+    def send(self, topic: Topic, publisher: int, number: int, message: Message) -> None:
         """Send a message to the processes that listen."""
 
     def latch(self, topic: Topic, subscriber: Subscriber) -> None:
@@ -40,6 +42,9 @@ class Remote(Protocol):
 
     def advertised(self) -> dict[str, str]:
         """Topic to type name of what the other processes publish."""
+
+    def ends(self, topic: str) -> list[End]:
+        """Who publishes on a topic and who listens, in the other processes."""
 
 
 class TopicManager:
@@ -94,6 +99,10 @@ class TopicManager:
     def ClearBuffers(self) -> None:
         """Forget all messages that wait."""
         self.queue.clear()
+        for topic in list(self.topics.values()):
+            topic.incoming.clear()
+            for publisher in topic.live_publishers():
+                publisher.ClearBuffer()
 
     # Topics ------------------------------------------------------------------------------------------------------
 
@@ -120,6 +129,20 @@ class TopicManager:
         found = dict(self.remote.advertised()) if self.remote is not None else {}
         found.update({name: topic.type_name() for name, topic in list(self.topics.items()) if topic.live_publishers()})
         return dict(sorted(found.items()))
+
+    def TopicInfo(self, name: str) -> Any:
+        """A TopicInfo message: the type, and who publishes and listens; `host` is the machine, `port` the process."""
+        topic = self.topics.get(name)
+        ends = [
+            *(topic.ends() if topic is not None else []),
+            *(self.remote.ends(name) if self.remote is not None else []),
+        ]
+        info = message_type("TopicInfo")(msg_type=self.TopicMsgType(name))
+        for end in sorted(ends):
+            host, _, process = end.process.rpartition(":")
+            parts = {"topic": name, "msg_type": end.type_name or info.msg_type, "host": host, "port": int(process)}
+            (info.publisher if end.what == "pub" else info.subscriber).add(**parts)
+        return info
 
     def clear(self, prefix: str) -> None:
         """End all publications and subscriptions of topics whose full names begin so; an empty prefix means all."""
@@ -150,10 +173,28 @@ class TopicManager:
         if self.remote is not None:
             self.remote.latch(topic, subscriber)
 
-    def receive(self, topic: Topic, type_name: str, data: bytes, subscriber: Subscriber | None = None) -> None:
-        """Queue what came from another process, for one subscriber or for all; any thread may call this."""
-        to = None if subscriber is None else weakref.ref(subscriber)
-        self.queue.append(functools.partial(_receive, topic, type_name, data, next(sequence), to))
+    def receive(self, topic: Topic, message: Incoming) -> None:
+        """Queue what came from another process; any thread may call this."""
+        if len(topic.incoming) < INCOMING:  # else the oldest goes, and its place in the queue is taken
+            self.queue.append(functools.partial(_receive, topic))
+        topic.incoming.append(message)
+
+    def link(self, remote: Remote) -> None:
+        """Reach other processes from now on."""
+        self.remote = remote
+        self._tell_namespaces()
+        for topic in list(self.topics.values()):
+            remote.refresh(topic)
+            for subscriber in topic.live_subscribers():
+                if subscriber.latching:
+                    remote.latch(topic, subscriber)
+
+    def unlink(self, remote: Remote) -> None:
+        """Stay within this process from now on."""
+        if self.remote is remote:
+            self.remote = None
+            for topic in list(self.topics.values()):
+                topic.remote = False
 
     # Namespaces --------------------------------------------------------------------------------------------------
 
@@ -186,20 +227,28 @@ def _take(subscriber: weakref.ref[Subscriber], message: Message) -> None:
         found.take(message)
 
 
-def _receive(
-    topic: Topic, type_name: str, data: bytes, number: int, subscriber: weakref.ref[Subscriber] | None
-) -> None:
-    """Read a message that came from another process, and deliver it."""
+def _receive(topic: Topic) -> None:
+    """Read the oldest message that came from another process, and deliver it."""
+    try:
+        incoming = topic.incoming.popleft()
+    except IndexError:
+        return
     known = topic.type_name()
-    if known not in ("", type_name):
-        log.error("topic %s is published here with %s; a %s that came was dropped", topic.name, known, type_name)
+    if known not in ("", incoming.type_name):
+        log.error(
+            "topic %s is published here with %s; a %s that came was dropped", topic.name, known, incoming.type_name
+        )
         return
     try:
-        message = message_type(type_name).FromString(data)
+        message = message_type(incoming.type_name).FromString(incoming.data)
     except (NotFoundError, ParameterError) as fault:
         log.error("topic %s: a message that came was dropped: %s", topic.name, fault)
         return
-    if subscriber is None:
-        topic.deliver(number, message)
-    else:
-        _take(subscriber, message)
+    if incoming.subscriber is None:
+        topic.heard[incoming.sender] = (incoming.sent, incoming.number)
+        topic.deliver(incoming.number, message)
+        return
+    subscriber = incoming.subscriber()
+    last, when = topic.heard.get(incoming.sender, (0, 0))
+    if subscriber is not None and not (last >= incoming.sent and when > subscriber.since):
+        subscriber.take(message)

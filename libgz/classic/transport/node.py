@@ -127,7 +127,7 @@ def first_namespace() -> str:
     for second in range(1, NAMESPACE_TRIES + 1):
         end = clock.monotonic() + 1.0
         while not (names := manager.GetTopicNamespaces()):
-            if manager.remote is None:
+            if manager.remote is None or not manager.remote.client:
                 return "default"
             if clock.monotonic() > end:
                 break

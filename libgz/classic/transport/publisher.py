@@ -26,6 +26,7 @@ class Publisher:
             raise ParameterError(f"queueLimit is {queueLimit}; it must be at least 1")
         if hzRate < 0.0:
             raise ParameterError(f"hzRate is {hzRate}; it must be positive, or 0 for no limit")
+        self.id = next(sequence)
         self._topic = topic
         self._type = kind
         self._limit = queueLimit
@@ -65,14 +66,13 @@ class Publisher:
         self.latest = entry = (next(sequence), message.copy())
         topic = self._topic
         if topic.subscribers:
-            if len(self._outbox) >= self._limit:
-                self._drop()
+            if len(self._outbox) < self._limit or not self._drop():
+                self._manager.queue.append(self._send_one)
             self._outbox.append(entry)
-            self._manager.queue.append(self._send_one)
             if block:
                 self.SendMessage()
         if topic.remote and self._manager.remote is not None:
-            self._manager.remote.send(topic, *entry)
+            self._manager.remote.send(topic, self.id, *entry)
 
     def SendMessage(self) -> None:
         """Deliver to the subscribers of this process what waits, now."""
@@ -80,8 +80,12 @@ class Publisher:
             while self._outbox:
                 self._send_one()
 
-    def _drop(self) -> None:
-        self._outbox.popleft()
+    def _drop(self) -> bool:
+        """Drop the oldest message that waits, so that another can take its place in the queue."""
+        try:
+            self._outbox.popleft()
+        except IndexError:
+            return False
         if not self._warned:
             self._warned = True
             log.warning(
@@ -89,6 +93,7 @@ class Publisher:
                 self._topic.name,
                 self._limit,
             )
+        return True
 
     def HasConnections(self) -> bool:
         """Whether somebody listens, here or in another process."""
@@ -122,6 +127,10 @@ class Publisher:
     def GetOutgoingCount(self) -> int:
         """How many messages wait for delivery in this process."""
         return len(self._outbox)
+
+    def ClearBuffer(self) -> None:
+        """Forget what waits."""
+        self._outbox.clear()
 
     def Fini(self) -> None:
         """End the publication. What waits is still delivered."""

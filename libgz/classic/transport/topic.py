@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import itertools
 import logging
+import os
+import socket
 import weakref
-from typing import TYPE_CHECKING
+from collections import deque
+from typing import TYPE_CHECKING, NamedTuple
 
 from libgz.errors import ParameterError
 
@@ -14,12 +17,13 @@ if TYPE_CHECKING:
     from libgz.classic.transport.publisher import Publisher
     from libgz.classic.transport.subscriber import Subscriber
 
-__all__ = ["Topic", "decode", "encode", "log", "sequence"]
+__all__ = ["End", "Incoming", "Topic", "decode", "encode", "log", "sequence"]
 
 log = logging.getLogger("libgz.classic.transport")
 
 # Every message and every subscription of the process gets the next number: a subscriber hears what came after it.
 sequence = itertools.count(1)
+INCOMING = 1000  # messages from other processes that may wait on a topic; then the oldest are dropped
 
 
 def decode(topic: str, namespace: str) -> str:
@@ -46,6 +50,25 @@ def encode(topic: str, namespace: str) -> str:
     return "~" + topic.removeprefix(prefix) if topic == prefix or topic.startswith(prefix + "/") else topic
 
 
+class End(NamedTuple):
+    """One end of a topic."""
+
+    what: str  # pub or sub
+    type_name: str
+    process: str  # host:pid
+
+
+class Incoming(NamedTuple):
+    """A message from another process, as it came."""
+
+    number: int  # ours
+    sender: str  # the publisher
+    sent: int  # the sender's number
+    type_name: str
+    data: bytes
+    subscriber: weakref.ref[Subscriber] | None  # the one that asked for it; None for all
+
+
 class Topic:
     """What this process knows of a topic.
 
@@ -58,6 +81,8 @@ class Topic:
         self.publishers: dict[int, weakref.ref[Publisher]] = {}
         self.subscribers: dict[int, weakref.ref[Subscriber]] = {}
         self.remote = False  # whether another process listens
+        self.incoming: deque[Incoming] = deque(maxlen=INCOMING)
+        self.heard: dict[str, tuple[int, int]] = {}  # other processes' publishers: last message, and our number for it
 
     def live_publishers(self) -> list[Publisher]:
         """Those that were not dropped, oldest first."""
@@ -70,6 +95,12 @@ class Topic:
     def type_name(self) -> str:
         """The full name of the type that is published here, or an empty string."""
         return next((publisher.GetMsgType() for publisher in self.live_publishers()), "")
+
+    def ends(self) -> list[End]:
+        """Who publishes and who listens in this process."""
+        me = f"{socket.gethostname()}:{os.getpid()}"
+        publishers = [End("pub", publisher.GetMsgType(), me) for publisher in self.live_publishers()]
+        return publishers + [End("sub", "", me) for _ in self.live_subscribers()]
 
     def deliver(self, number: int, message: Message) -> None:
         """Call all subscribers that were there when the message got its number."""

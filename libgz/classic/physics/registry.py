@@ -1,0 +1,60 @@
+"""The worlds of this process, by name."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+from weakref import WeakSet
+
+from libgz.errors import NotFoundError
+from libgz.simulation.event import owner
+from libgz.simulation.world import World as CoreWorld
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+
+__all__ = ["enter", "get_world", "has_world", "leave", "live_worlds", "worlds"]
+
+_worlds: WeakSet[World] = WeakSet()
+
+
+def enter(world: World) -> None:
+    """Note a world's view."""
+    _worlds.add(world)
+
+
+def leave(world: World) -> None:
+    """A world ends."""
+    _worlds.discard(world)
+
+
+def live_worlds() -> list[World]:
+    """The views that there are already."""
+    return sorted(_worlds, key=lambda world: world.GetId())
+
+
+def worlds() -> list[World]:
+    """All SDF worlds that run in this process, oldest first."""
+    for core in CoreWorld.all_running():
+        if core.engine.classic:
+            importlib.import_module("libgz.classic.server").attach(core)  # by name: it stands on the views
+    return live_worlds()
+
+
+def has_world(name: str = "") -> bool:
+    """Whether there is a world of this name, or any."""
+    return any(not name or world.Name() == name for world in worlds())
+
+
+def get_world(name: str = "") -> World:
+    """A world by name; without one, that of the plugin that is running, or the first.
+
+    Raises:
+        NotFoundError: there is none.
+    """
+    found = [world for world in worlds() if not name or world.Name() == name]
+    by = owner.get()
+    mine = [world for world in found if by is not None and by.events is world.core.events]
+    if not found:
+        raise NotFoundError(f"Unable to find world by name in physics::get_world({name})")
+    return (mine or found)[0]

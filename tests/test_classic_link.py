@@ -1,0 +1,357 @@
+"""Topics between processes: a real second process, on a port of its own."""
+
+import logging
+import os
+import socket
+import subprocess
+import sys
+import textwrap
+import time
+
+import pytest
+
+from libgz.classic import msgs
+from libgz.classic.transport import (
+    Link,
+    Node,
+    TopicManager,
+    connect,
+    fini,
+    get_master_uri,
+    getAdvertisedTopics,
+    init,
+    is_stopped,
+    publicized_address,
+    run,
+    serve,
+    stop,
+)
+from libgz.errors import ParameterError, ServerError
+
+manager = TopicManager.Instance()
+PATIENCE = 20.0  # [s]: a machine under load
+
+
+@pytest.fixture
+def uri(monkeypatch):
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        found = f"http://localhost:{probe.getsockname()[1]}"
+    monkeypatch.setenv("GAZEBO_MASTER_URI", found)
+    yield found
+    fini()
+    manager.RemoveTopicNamespace("w")
+    manager.ClearBuffers()
+
+
+@pytest.fixture
+def node():
+    manager.AddTopicNamespace("w")
+    node = Node()
+    node.Init("w")
+    return node
+
+
+def wait(condition):
+    """Deliver messages until something holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        manager.ProcessNodes()
+        time.sleep(0.002)
+
+
+CLIENT = """
+import sys, time
+from libgz.classic import msgs
+from libgz.classic.transport import Node, TopicManager, connect, getAdvertisedTopics
+manager = TopicManager.Instance()
+
+def wait(condition):
+    end = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        manager.ProcessNodes()
+        time.sleep(0.002)
+
+connect()
+node = Node()
+node.Init()
+"""
+
+
+def client(code, *, before="", **options):
+    """A second process that has connected and made a node."""
+    text = before + CLIENT + textwrap.dedent(code)
+    return subprocess.Popen(
+        [sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
+    )
+
+
+def finish(process):
+    out, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 0, err
+    return out
+
+
+def test_messages_go_both_ways(uri, node):
+    with serve():
+        got = []
+        sub = node.Subscribe("~/up", got.append)
+        pub = node.Advertise(msgs.Pose, "~/down")
+        assert not pub.HasConnections()
+        process = client(
+            """
+            assert node.GetTopicNamespace() == "w"
+            assert getAdvertisedTopics() == ["/gazebo/w/down"], getAdvertisedTopics()
+            assert node.GetMsgType("~/down") == "gazebo.msgs.Pose"
+            got = []
+            sub = node.Subscribe("~/down", got.append)
+            wait(lambda: got)
+            print(got[0].position.x, got[0].name)
+            up = node.Advertise(msgs.LaserScan, "~/up")
+            assert up.WaitForConnection(20)
+            up.Publish(msgs.LaserScan(ranges=[1.5, float("inf")], frame="é"))
+            """
+        )
+        assert pub.WaitForConnection(PATIENCE)
+        pose = msgs.Pose(name="box")
+        pose.position.x = 2.5
+        pub.Publish(pose)
+        wait(lambda: got)
+        assert finish(process) == "2.5 box\n"
+        assert got[0] == msgs.LaserScan(ranges=[1.5, float("inf")], frame="é")
+        wait(lambda: not pub.HasConnections())
+        assert sub.GetTopic() == "/gazebo/w/up"
+        assert getAdvertisedTopics() == ["/gazebo/w/down"]
+
+
+def test_latching_goes_across(uri, node):
+    with serve():
+        pub = node.Advertise(msgs.Int, "~/a")
+        other = node.Advertise(msgs.Int, "~/a")
+        for i in (1, 2):
+            pub.Publish(msgs.Int(data=i))
+        other.Publish(msgs.Int(data=3))
+        run()  # as a server does after each iteration
+        process = client(
+            """
+            plain, got = [], []
+            subs = [node.Subscribe("~/a", plain.append), node.Subscribe("~/a", got.append, True)]
+            wait(lambda: len(got) == 2)
+            print(sorted(m.data for m in got), plain, flush=True)
+            wait(lambda: plain)
+            late = []
+            subs.append(node.Subscribe("~/a", late.append, True))
+            wait(lambda: len(late) == 2)
+            print([m.data for m in plain], len(got), sorted(m.data for m in late))
+            """
+        )
+        assert process.stdout.readline() == "[2, 3] []\n"
+        pub.Publish(msgs.Int(data=4))
+        assert finish(process) == "[4] 3 [3, 4]\n"
+
+
+def test_clients_reach_each_other(uri, node):
+    with serve():
+        listener = client(
+            """
+            got = []
+            sub = node.Subscribe("/free", got.append)
+            wait(lambda: len(got) == 500)
+            print([m.data for m in got] == list(range(500)))
+            """
+        )
+        speaker = client(
+            """
+            pub = node.Advertise(msgs.Int, "/free")
+            assert pub.WaitForConnection(20)
+            for i in range(500):
+                pub.Publish(msgs.Int(data=i))
+            """
+        )
+        finish(speaker)  # which ends at once: nothing is lost
+        assert finish(listener) == "True\n"
+
+
+def test_who_publishes_and_who_listens(uri, node):
+    with serve():
+        pub = node.Advertise(msgs.Int, "~/a")
+        process = client(
+            """
+            sub = node.Subscribe("~/a", print)
+            other = node.Advertise(msgs.Pose, "~/b")
+            wait(lambda: len(manager.TopicInfo("/gazebo/w/a").publisher) == 1)
+            try:
+                node.Advertise(msgs.Pose, "~/a")
+            except ValueError as fault:
+                print(fault, flush=True)
+            input()
+            """,
+            stdin=subprocess.PIPE,
+        )
+        assert "published with gazebo.msgs.Int; it cannot" in process.stdout.readline()
+        wait(lambda: pub.HasConnections() and node.GetMsgType("~/b"))
+        wait(lambda: manager.TopicInfo("/gazebo/w/a").subscriber)
+        info = manager.TopicInfo("/gazebo/w/a")
+        assert info.msg_type == "gazebo.msgs.Int"
+        assert [(p.msg_type, p.port) for p in info.publisher] == [("gazebo.msgs.Int", os.getpid())]
+        assert [s.port for s in info.subscriber] == [process.pid]
+        assert getAdvertisedTopics() == ["/gazebo/w/a", "/gazebo/w/b"]
+        process.kill()  # leaves nothing behind
+        process.communicate()
+        wait(lambda: not pub.HasConnections() and getAdvertisedTopics() == ["/gazebo/w/a"])
+
+
+def test_nothing_is_serialized_for_nobody(uri, node, monkeypatch):
+    with serve():
+        got = []
+        sub = node.Subscribe("~/a", got.append)
+        pub = node.Advertise(msgs.Int, "~/a")
+        monkeypatch.setattr(msgs.Message, "SerializeToString", lambda self: pytest.fail("serialized"))
+        pub.Publish(msgs.Int(data=1))
+        manager.ProcessNodes()
+        assert got[0].data == 1
+        assert sub
+
+
+def test_a_message_of_an_unknown_type_is_reported(uri, node, caplog):
+    with serve():
+        got = []
+        sub = node.Subscribe("~/a", got.append)
+        process = client(
+            """
+            pub = node.Advertise(msgs.declare("my.Own", "int32 n"), "~/a")
+            assert pub.WaitForConnection(20)
+            pub.Publish(msgs.message_type("my.Own")(n=5))
+            """
+        )
+        finish(process)
+        wait(lambda: caplog.records)
+        assert "there is no message type 'my.Own'" in caplog.text
+        assert not got
+        assert sub
+
+
+def test_clients_pump_in_a_thread(uri, node):
+    with serve():
+        pub = node.Advertise(msgs.Int, "~/a")
+        process = client(
+            """
+            from libgz.classic import transport
+            assert transport.init()
+            transport.run()
+            got = []
+            sub = node.Subscribe("~/a", got.append)
+            end = time.monotonic() + 20
+            while not got and time.monotonic() < end:
+                time.sleep(0.002)
+            print(got[0].data)
+            """  # and ends without stop() and fini()
+        )
+        assert pub.WaitForConnection(PATIENCE)
+        pub.Publish(msgs.Int(data=7))
+        assert finish(process) == "7\n"
+    run()
+    assert not is_stopped()
+    stop()
+    assert is_stopped()
+
+
+def test_a_port_in_use(uri):
+    text = (
+        r"^Unable to start server\[bind: Address already in use\]. There is probably another Gazebo process running.$"
+    )
+    with serve(), pytest.raises(ServerError, match=r"has a link to http://127.0.0.1:"):
+        serve()
+    with serve():
+        code = "from libgz.classic.transport import serve; serve()"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=PATIENCE)
+    assert done.stderr.splitlines()[-1].partition(": ")[2].startswith("Unable to start server[bind: Address already in")
+    port = int(uri.rpartition(":")[2])
+    with socket.create_server(("127.0.0.1", port)), pytest.raises(ServerError, match=text):
+        serve()
+    assert Link.current is None
+    with serve() as link:  # the port is free again
+        assert link.networked
+
+
+def test_no_server(uri, caplog):
+    with pytest.raises(ServerError, match=r"^Failed to connect to master in 0.2 seconds. \(there is no server at http"):
+        connect(timeout=0.2)
+    assert not init(timeoutIterations=0)
+    assert "Failed to connect to master in 0 seconds." in caplog.text
+    silent = socket.create_server(("127.0.0.1", int(uri.rpartition(":")[2])))
+    with silent, pytest.raises(ServerError, match=r"does not answer; if it is a server of libgz, it wants pip install"):
+        connect(timeout=0.2)
+    with pytest.raises(ServerError, match="Unable to start server"):
+        serve("http://192.0.2.1:11345")
+
+
+def test_a_client_waits_for_its_server(uri):
+    process = client("print(node.GetTopicNamespace())")
+    time.sleep(0.3)
+    with serve():
+        manager.AddTopicNamespace("w")
+        assert finish(process) == "w\n"
+
+
+BLOCK = """
+import sys
+class Block:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "zenoh":
+            raise ImportError("blocked", name="zenoh")
+sys.meta_path.insert(0, Block())
+"""
+
+
+def test_without_the_extra(uri):
+    process = client("", before=BLOCK)
+    _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert err.splitlines()[-1].endswith("need eclipse-zenoh, which is not installed: pip install 'libgz[net]'")
+    server = BLOCK + textwrap.dedent(
+        """
+        from libgz.classic import msgs
+        from libgz.classic.transport import Node, TopicManager, serve
+        link = serve()
+        assert not link.networked
+        node, got = Node(), []
+        node.Init("w")
+        sub = node.Subscribe("~/a", got.append)
+        node.Advertise(msgs.Int, "~/a").Publish(msgs.Int(data=3))
+        TopicManager.Instance().ProcessNodes()
+        print(got[0].data, flush=True)
+        input()
+        link.close()
+        """
+    )
+    run = subprocess.Popen([sys.executable, "-c", server], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert run.stdout.readline() == "3\n"
+    with pytest.raises(ServerError, match="Address already in use"):
+        serve()
+    run.communicate("\n", timeout=PATIENCE)
+    assert run.returncode == 0
+    with serve() as link:
+        assert link.networked
+
+
+def test_the_master_uri(monkeypatch, caplog):
+    monkeypatch.delenv("GAZEBO_MASTER_URI", raising=False)
+    assert get_master_uri() == ("127.0.0.1", 11345)
+    assert get_master_uri().uri == "http://127.0.0.1:11345"
+    monkeypatch.setenv("GAZEBO_MASTER_URI", "http://robot:123")
+    assert get_master_uri() == ("robot", 123)
+    assert get_master_uri("[::1]:5").endpoint == "tcp/[::1]:5"
+    with caplog.at_level(logging.WARNING):
+        assert get_master_uri("http://robot").port == 11345
+    assert caplog.messages == ["Port missing in master URI[http://robot]. Using default value of 11345."]
+    for wrong in ("http://:1", "http://a:b", "http://a:99999"):
+        with pytest.raises(ParameterError, match="must be like http://localhost:11345"):
+            get_master_uri(wrong)
+    monkeypatch.setenv("GAZEBO_IP", "10.1.2.3")
+    assert publicized_address() == "10.1.2.3"
+    monkeypatch.delenv("GAZEBO_IP")
+    monkeypatch.delenv("GAZEBO_HOSTNAME", raising=False)
+    assert len(publicized_address().split(".")) == 4

@@ -1,0 +1,195 @@
+"""The gzserver command: options, messages, exit codes, System plugins."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import textwrap
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+HELLO = ROOT / "examples" / "plugins" / "hello_world"
+SERVER = [sys.executable, "-m", "libgz.apps.gzserver"]
+EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"
+
+
+@pytest.fixture
+def place(tmp_path):
+    """An environment of its own: home, port, plugin path."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
+    home = tmp_path / "home"
+    home.mkdir()
+    paths = {"HOME": str(home), "TMP": str(tmp_path), "GAZEBO_PLUGIN_PATH": str(tmp_path)}
+    return {**kept, **paths, "GAZEBO_MASTER_URI": f"http://localhost:{port}", "GAZEBO_IP": "127.0.0.1"}
+
+
+def run(place, *words, timeout=60):
+    return subprocess.run([*SERVER, *map(str, words)], env=place, capture_output=True, text=True, timeout=timeout)
+
+
+def plugin(tmp_path, name, text):
+    (tmp_path / f"{name}.py").write_text("from libgz.classic import *\n" + textwrap.dedent(text))
+
+
+def world(tmp_path, inside=""):
+    path = tmp_path / "w.world"
+    path.write_text(EMPTY.format(inside))
+    return path
+
+
+def test_the_tutorial_prints_its_lines(place):
+    place["GAZEBO_PLUGIN_PATH"] = str(HELLO)
+    done = run(place, HELLO / "hello.world", "--verbose", "--iters", 10)
+    port = place["GAZEBO_MASTER_URI"].rpartition(":")[2]
+    assert done.returncode == 0
+    assert done.stdout.splitlines() == [
+        "[Msg] Waiting for master.",
+        f"[Msg] Connected to gazebo master @ http://127.0.0.1:{port}",
+        "[Msg] Publicized address: 127.0.0.1",
+        "Hello World!",
+    ]
+    assert done.stderr.startswith("Gazebo multi-robot simulator, version")
+
+
+def test_without_verbose_only_errors_and_what_plugins_print_are_seen(place, tmp_path):
+    plugin(tmp_path, "bad", "class P(WorldPlugin):\n    def Load(self, w, s): 1 / 0\nGZ_REGISTER_WORLD_PLUGIN(P)")
+    lines = "<plugin name='bad' filename='libbad.so'/><plugin name='gone' filename='libgone.so'/>"
+    done = run(place, world(tmp_path, lines), "--iters", 5)
+    assert done.returncode == 0
+    assert done.stdout == ""
+    assert "Exception occured in the Load function of plugin with name[bad] and filename[libbad.so]." in done.stderr
+    assert "ZeroDivisionError" in done.stderr
+    assert "Failed to load plugin libgone.so" in done.stderr
+
+
+def test_messages_go_to_the_log_file_too(place, tmp_path):
+    run(place, world(tmp_path), "--iters", 1)
+    port = place["GAZEBO_MASTER_URI"].rpartition(":")[2]
+    text = (tmp_path / "home" / ".gazebo" / f"server-{port}" / "default.log").read_text()
+    assert "Waiting for master." in text
+    assert f"Loading world file [{tmp_path / 'w.world'}]" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "stream", "text"),
+    [
+        (["-v"], 255, "stdout", "Gazebo multi-robot simulator, version"),
+        (["-h"], 255, "stderr", "gzserver -- Run the Gazebo server."),
+        (["--seed", "many"], 255, "stderr", "Error. Invalid arguments"),
+        (["nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
+        (["--iters", "1", "--record", "--lockstep"], 0, "stderr", "--record has no effect: log files are not recorded"),
+        (["--iters", "1", "-e", "bullet"], 0, "stderr", "Unregistered physics engine [bullet], the default will be"),
+        (["--iters", "1", "-o", "fast"], 0, "stderr", "Specified profile [fast] was not found"),
+        (["--iters", "1", "--my-own=5"], 0, "stdout", ""),
+    ],
+)
+def test_options_and_exit_codes(words, code, stream, text, place):
+    done = run(place, *words)
+    assert done.returncode == code
+    assert text in getattr(done, stream)
+
+
+def test_an_unreadable_world_is_told(place, tmp_path):
+    path = tmp_path / "broken.world"
+    path.write_text("<sdf version='1.6'><world name='w'><model name='m'></world></sdf>")
+    done = run(place, path)
+    assert done.returncode == 255
+    assert "broken.world:1" in done.stderr
+
+
+def test_a_port_in_use_is_told(place, tmp_path):
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", int(place["GAZEBO_MASTER_URI"].rpartition(":")[2])))
+        other.listen()
+        done = run(place, world(tmp_path), "--iters", 1)
+    assert done.returncode == 255
+    assert "Unable to start server[bind: Address already in use]." in done.stderr
+
+
+def test_system_plugins_come_first_and_in_order(place, tmp_path):
+    plugin(
+        tmp_path,
+        "sys_plugin",
+        """
+        class P(SystemPlugin):
+            def __init__(self):
+                print("made", flush=True)
+            def Load(self, argc, argv):
+                print("Load", argc == len(argv), argv[0], "--verbose" in argv, flush=True)
+                names = ("WorldCreated", "WorldUpdateBegin", "Stop")
+                self.kept = [getattr(event.Events, f"Connect{name}")(self.hear(name)) for name in names]
+                self.told = set()
+            def hear(self, name):
+                def heard():
+                    if name not in self.told:
+                        print(name, flush=True)
+                    self.told.add(name)
+                return heard
+            def Init(self):
+                print("Init", flush=True)
+        GZ_REGISTER_SYSTEM_PLUGIN(P)
+        """,
+    )
+    done = run(place, "--verbose", "-s", "libsys_plugin.so", "-s", "libsys_none.so", world(tmp_path), "--iters", 3)
+    assert [line for line in done.stdout.splitlines() if not line.startswith("[Msg] Pub")] == [
+        "made", "Load True gzserver True", "[Msg] Waiting for master.",
+        f"[Msg] Connected to gazebo master @ {place['GAZEBO_MASTER_URI'].replace('localhost', '127.0.0.1')}",
+        "Init", "WorldCreated", "WorldUpdateBegin", "Stop",
+    ]  # fmt: skip
+    assert "Failed to load plugin libsys_none.so" in done.stderr
+
+
+def test_interrupts_end_it_in_order(place, tmp_path):
+    plugin(
+        tmp_path,
+        "watch",
+        """
+        class P(WorldPlugin):
+            def Load(self, world, sdf):
+                self.world = world
+                self.kept = [event.Events.ConnectStop(lambda: print("stop", flush=True)),
+                             event.Events.ConnectSigInt(lambda: print("sigint", flush=True))]
+                print("paused", world.IsPaused(), flush=True)
+        GZ_REGISTER_WORLD_PLUGIN(P)
+        """,
+    )
+    path = world(tmp_path, "<plugin name='watch' filename='libwatch.so'/>")
+    with subprocess.Popen([*SERVER, str(path), "-u"], env=place, stdout=subprocess.PIPE, text=True) as server:
+        assert server.stdout.readline() == "paused True\n"
+        time.sleep(0.2)
+        server.send_signal(signal.SIGINT)
+        assert server.stdout.read() == "stop\nsigint\n"
+        assert server.wait(30) == 0
+
+
+def test_a_plugin_can_stop_the_server(place, tmp_path):
+    plugin(
+        tmp_path,
+        "end",
+        """
+        class P(WorldPlugin):
+            def Load(self, world, sdf):
+                self.world = world
+                self.connection = event.Events.ConnectWorldUpdateEnd(self.OnEnd)
+            def OnEnd(self):
+                if self.world.Iterations() == 7:
+                    print("seven", self.world.SimTime(), flush=True)
+                    self.world.Stop()
+        GZ_REGISTER_WORLD_PLUGIN(P)
+        """,
+    )
+    done = run(place, world(tmp_path, "<plugin name='end' filename='libend.so'/>"))
+    assert done.returncode == 0
+    assert done.stdout.startswith("seven 0 7000000")
+
+
+def test_legacy_worldfiles_run_too(place):
+    done = run(place, ROOT / "worlds" / "pioneer2at.world", "--iters", 5)
+    assert (done.returncode, done.stderr) == (0, "")

@@ -210,3 +210,24 @@ def test_pioneer2dx_drives_four_metres_in_twenty_seconds():
         assert y == pytest.approx(0.0, abs=0.5)
         assert z == pytest.approx(0.0, abs=0.01)
         del kept
+
+
+def test_custom_message_is_answered_with_heights():
+    with example("custom_message") as (core, _):
+        survey, answers = msgs.message_type("survey.msgs.Survey"), []
+        node = transport.Node()
+        node.Init("default")
+        kept = node.Subscribe("~/survey/heights", answers.append)
+        publisher = node.Advertise(survey, "~/survey")
+        question = survey(count=5)
+        msgs.Set(question.begin, (-2.0, 0.0, 0.0))
+        msgs.Set(question.end, (2.0, 0.0, 0.0))
+        publisher.Publish(question)
+        core.step(3)
+        (answer,) = answers
+        assert list(answer.height) == pytest.approx([0.0, 1.0, 0.0, 0.8, 0.0], abs=1e-6)
+        assert [name.partition("::")[0] for name in answer.entity] == [
+            "ground_plane", "box", "ground_plane", "ball", "ground_plane",
+        ]  # fmt: skip
+        assert answer.question == question
+        del kept, publisher

@@ -11,13 +11,12 @@ from libgz.classic.math import Rand, Vector3d
 
 
 class RandomVelocity(ModelPlugin):
-    """Elements: `<link>`, its name; `<speed>` [m/s]; `<period>` [s] between new directions; `<max_z>` [m/s]."""
+    """Elements: `<link>`, its name; `<speed>` [m/s]; `<period>` [s] between new directions."""
 
     def Load(self, model, sdf):
         self.link = model.GetLink(sdf.Get(str, "link"))
         self.speed = self.LoadParam(sdf, "speed", 1.0)
         self.period = self.LoadParam(sdf, "period", 2.0)
-        self.max_z = self.LoadParam(sdf, "max_z", 0.0)
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
@@ -31,8 +30,9 @@ class RandomVelocity(ModelPlugin):
         if now >= self.due:
             self.due = now + self.period
             heading = Rand.DblUniform(-math.pi, math.pi)
-            z = Rand.DblUniform(0.0, self.max_z)
-            self.velocity = Vector3d(self.speed * math.cos(heading), self.speed * math.sin(heading), z)
+            self.velocity = Vector3d(self.speed * math.cos(heading), self.speed * math.sin(heading), 0.0)
+        # Up and down is left to physics, or the link would float.
+        self.velocity.Z(self.link.WorldCoGLinearVel().Z())
         self.link.SetLinearVel(self.velocity)
 
 

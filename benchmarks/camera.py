@@ -4,7 +4,7 @@
 
 Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the picture ends in the interface's memory.
 Where MuJoCo and PyBullet are installed they draw a like scene in the same run, in turn with libgz, so that a machine
-whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet PyOpenGL.
+whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet.
 They run in processes of their own, this one's python unless LIBGZ_BENCH_PYTHON names another.
 """
 

@@ -4,6 +4,7 @@ import json
 import math
 import pickle
 import struct
+import types
 
 import numpy as np
 import pytest
@@ -11,6 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from libgz.classic import msgs
+from libgz.classic.common import Time
+from libgz.classic.math import Color, Pose3d, Quaterniond, Vector2d, Vector3d
 from libgz.classic.msgs.table import MESSAGES
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
@@ -276,15 +279,24 @@ def test_own_messages():
 
 
 def test_set_and_convert():
-    pose = GzPose(GzVector(1, 2, 3), GzQuatern(0.5, 0.5, -0.5, 0.5))
+    pose = Pose3d(1, 2, 3, 0.5, 0.5, -0.5, 0.5)
     message = msgs.Convert(pose)
     assert message.GetTypeName() == "gazebo.msgs.Pose"
     assert (message.orientation.w, message.orientation.y) == (0.5, -0.5)
     back = msgs.ConvertIgn(message)
+    assert type(back) is Pose3d
     assert (list(back.pos), list(back.rot)) == ([1, 2, 3], [0.5, 0.5, -0.5, 0.5])
+    assert msgs.Convert(GzPose(GzVector(1, 2, 3), GzQuatern(0.5, 0.5, -0.5, 0.5))) == message
+    for value in (Vector3d(1, 2, 3), Vector2d(1, 2), Quaterniond(0.6, 0.8, 0, 0), Color(1, 0.5, 0, 1), Time(3, 5)):
+        there = msgs.Convert(value)
+        assert type(msgs.Convert(there)) is type(value)
+        assert msgs.ConvertIgn(there) == value
     v = msgs.Vector3d()
     msgs.Set(v, (1, 2, 3))
     assert list(msgs.Convert(v)) == [1, 2, 3]
+    plane = msgs.PlaneGeom()
+    msgs.Set(plane, types.SimpleNamespace(Normal=lambda: (0, 0, 1), Size=lambda: (2, 3), Offset=lambda: 4))
+    assert (plane.normal.z, plane.size.y, plane.d) == (1.0, 3.0, 4.0)
     color = msgs.Convert(GzColor(0.5, 0.25, 0, 0.75))
     assert list(msgs.ConvertIgn(color)) == [0.5, 0.25, 0.0, 0.75]
     stamp = msgs.Convert(-0.25)

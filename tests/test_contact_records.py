@@ -142,7 +142,7 @@ def test_both_forms_record_the_same_bits(monkeypatch):
     for form in FORMS:
         monkeypatch.setenv("LIBGZ_STEP", form)
         twin = Engine(step_time=0.001, solver="quick", seed=3)
-        twin.classic, twin.record_contacts, twin.cone = True, True, True
+        twin.classic = twin.record_contacts = twin.cone = twin.watch_motion = True
         ground(twin, mu=0.8, TORSION=0.5)
         for i in range(40):
             place, spin = (0.4 * (i % 7), 0.3 * (i // 7), 0.6 + 1.1 * (i // 7)), {"MAX_CONTACTS": 3 + i % 5}
@@ -155,7 +155,7 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         for _ in range(120):
             twin.step()
             kept.append(twin.contacts.tobytes())
-        ends.append((kept, twin.states.tobytes()))
+        ends.append((kept, twin.states.tobytes() + twin.body_start.tobytes()))
     assert ends[0] == ends[1]
     assert any(ends[0][0])
 
@@ -217,3 +217,34 @@ def test_a_body_knows_its_model():
         "<gz:world xmlns:gz='g' xmlns:model='m'><model:SimpleSolid><id>s</id></model:SimpleSolid></gz:world>"
     ) as world:
         assert world.model("s").GetBody().model is world.model("s")
+
+
+def test_accelerations_and_applied_forces(engine):
+    engine.gravity = (0, 0, -9.8)
+    body = libgz.Body(engine)
+    libgz.BoxGeom(body, Space(engine), 1, 1, 1).SetMass(2.0)
+    body.SetPosition((0, 0, 5))
+    engine.step()
+    assert tuple(body.GetLinearAccel()) == (0, 0, 0)
+    engine.watch_motion = True
+    body.SetLinearVel((3.0, 0, 0))
+    body.AddForce(4.0, 0, 0)
+    body.AddTorque(0, 0, 1.0)
+    engine.step()
+    assert tuple(body.GetLinearAccel()) == pytest.approx((2.0, 0, -9.8))
+    assert tuple(body.GetAngularAccel()) == pytest.approx((0, 0, 1.0 / (2.0 / 6)))
+    assert (tuple(body.GetAppliedForce()), tuple(body.GetAppliedTorque())) == ((4, 0, 0), (0, 0, 1))
+    engine.step()
+    assert tuple(body.GetAppliedForce()) == (0, 0, 0)
+    assert tuple(body.GetLinearAccel()) == pytest.approx((0, 0, -9.8))
+
+
+def test_velocity_at_a_point_and_energies(engine):
+    body = libgz.Body(engine)
+    libgz.BoxGeom(body, Space(engine), 1, 1, 1).SetMass(3.0)
+    body.SetPosition((0, 0, 2))
+    body.SetLinearVel((1, 0, 0))
+    body.SetAngularVel((0, 0, 2))
+    assert tuple(body.GetPointVel((0, 1, 2))) == pytest.approx((-1, 0, 0))
+    assert body.GetKineticEnergy() == pytest.approx(3.0 / 2 + 0.5 * 0.5 * 4)
+    assert body.GetPotentialEnergy() == pytest.approx(3 * 10 * 2)

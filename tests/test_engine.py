@@ -514,3 +514,28 @@ def test_joints_without_bodies_do_no_harm(kind):
     joint.Attach(one, two)
     one.close()
     engine.step()
+
+
+def test_stops_taken_away_while_they_are_met(monkeypatch):
+    """ODE alone goes on with a row of its solver that is not there any more."""
+    engine = Engine(step_time=0.01, gravity=(0, 0, 0))
+    body = libgz.Body(engine)
+    libgz.BoxGeom(body, None, 1, 1, 1).SetMass(1.0)
+    hinge = libgz.HingeJoint(engine)
+    hinge.Attach(body, None)
+    hinge.SetAxis((0, 0, 1))
+    hinge.SetParam(libgz.dParamHiStop, 0.1)
+    for push in (1.0, -1.0):
+        for _ in range(200):
+            hinge.SetTorque(push)
+            engine.step()
+        if push > 0:
+            assert hinge.GetAngle() == pytest.approx(0.1, abs=1e-3)
+            hinge.SetParam(libgz.dParamHiStop, math.inf)
+            assert hinge.GetParam(libgz.dParamHiStop) == math.inf
+            assert hinge.GetParam(libgz.dParamLoStop) == -math.inf
+    hinge.SetTorque(50.0)
+    for _ in range(300):
+        hinge.SetTorque(5.0)
+        engine.step()
+    assert hinge.GetAngleRate() > 5.0

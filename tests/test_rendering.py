@@ -6,6 +6,8 @@ Golden pictures are made anew, after looking at them, by:  LIBGZ_NEW_GOLDENS=1 .
 import math
 import os
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -17,8 +19,8 @@ from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, G
 from libgz.physics.engine import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
-from libgz.rendering.context import CONTEXTS
-from libgz.rendering.drawers import DRAWERS
+from libgz.rendering.context import CONTEXTS, open_context
+from libgz.rendering.drawers import DRAWERS, meshes_of
 from libgz.rendering.skin import read_skin
 from libgz.worldfile.attributes import installed_worlds
 
@@ -120,6 +122,40 @@ def test_golden_pictures(case, context, monkeypatch):
         raise AssertionError(f"mean difference {difference.mean():.2f}; see {folder}/{case}-{context}-*.png")
 
 
+SIDE_BY_SIDE = """
+import os, sys
+from OpenGL.platform import ctypesloader
+if sys.argv[1] == "alone":
+    ctypesloader.loadLibrary = lambda *words, **more: None
+import libgz, numpy as np
+from libgz.rendering.camera import Camera
+pictures, cameras = [], []
+for choice in ("osmesa", "egl"):
+    os.environ["LIBGZ_GL"] = choice
+    world = libgz.World.from_string(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:LightSource><xyz>-4 3 6</xyz></model:LightSource>"
+        "<model:SimpleSolid><xyz>3 0 0</xyz></model:SimpleSolid></gz:world>")
+    cameras.append(Camera(world, 160, 120))
+for _ in range(2):
+    pictures = [camera.Update().astype(int) for camera in cameras]
+print([camera._scene.context.name for camera in cameras], np.ptp(pictures[0]) > 30,
+      np.abs(pictures[0] - pictures[1]).max() <= 16)
+"""
+
+
+@pytest.mark.parametrize("libraries", ["all", "alone"])
+def test_both_kinds_of_contexts_stand_side_by_side_and_need_no_other_gl_library(libraries):
+    run = subprocess.run([sys.executable, "-c", SIDE_BY_SIDE, libraries], capture_output=True, text=True)
+    assert run.stdout == "['osmesa', 'egl'] True True\n", run.stderr
+
+
+def test_a_name_that_opengl_lacks_is_told():
+    context = open_context()
+    with pytest.raises(AttributeError, match="OpenGL has no glBegun"):
+        _ = context.gl.glBegun
+    context.close()
+
+
 # Meshes ----------------------------------------------------------------------------------------------------------
 
 
@@ -158,6 +194,26 @@ def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatc
         monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
         geom.SetColor(GzColor(1, 0, 0))
         assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
+
+
+def test_a_tires_missing_inner_side_is_not_missed(monkeypatch):
+    def whole(geom, segments):
+        discs = [mesh.disc(0.8 * geom.radius, 0.8 * geom.tire_radius * up, segments, up) for up in (1.0, -1.0)]
+        return [mesh.torus(geom.radius - geom.tire_radius, geom.tire_radius, segments), *discs]
+
+    for tire in (0.03, 0.08, 0.14):  # the thinnest has gaps beside its discs, and so an inner side
+        with world_of(LIGHT) as world:
+            wheel = libgz.WheelGeom(libgz.Body(world), Space(world.engine), 0.4, tire)
+            wheel.body.SetPose(GzPose(GzVector(1.5, 0, 0), GzQuaternFromEuler(0.3, 1.0, 0.2)))
+            wheel.SetColor(GzColor(0.9, 0.5, 0.2))
+            drawn = look(world).astype(int)
+            with monkeypatch.context() as patch:
+                patch.setitem(DRAWERS, libgz.WheelGeom, whole)
+                wheel.SetColor(GzColor(0.9, 0.5, 0.2))
+                difference = np.abs(look(world) - drawn).max(axis=2)
+        parts = meshes_of(wheel, 32)[0].vertices
+        assert (len(parts) < len(whole(wheel, 32)[0].vertices)) == (tire > 0.05)
+        assert (difference > 24).mean() < 0.015  # where edges lie a pixel beside
 
 
 def test_what_has_no_normals_is_drawn_unlit(monkeypatch):
@@ -305,6 +361,20 @@ def test_the_grounds_texture_stays_where_it_is(tmp_path):
         for x, y in ((0.0, 0.75), (0.3, 2.25), (7.1, 9.75), (-11.0, -0.75), (-4.4, -2.25), (100.2, 300.75)):
             value = look(world, place=(x, y, 2), at=(x + 0.001, y, 0))[60, 80].mean()
             assert (value > 128) == (y % 3.0 < 1.5), (x, y)
+
+
+def test_textures_are_made_once_and_not_as_part_of_a_list():
+    texture = f"<textureFile>{installed_worlds()}/grid.png</textureFile>"
+    bodies = f"<model:GroundPlane>{texture}</model:GroundPlane><model:SimpleSolid>{texture}</model:SimpleSolid>"
+    with world_of(LIGHT + bodies) as world, Camera(world, 160, 120) as camera:
+        gl, calls = camera._scene._renderer.gl, []
+        for name in ("glNewList", "glEndList", "glTexImage2D"):
+            real = getattr(gl, name)
+            setattr(gl, name, lambda *words, name=name, real=real: (calls.append(name), real(*words))[1])
+        camera.Update()
+        assert calls.count("glTexImage2D") == 1
+        before = calls[: calls.index("glTexImage2D")]
+        assert before.count("glNewList") == before.count("glEndList")
 
 
 def test_a_damaged_picture_is_one_warning(tmp_path, caplog):

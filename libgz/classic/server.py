@@ -60,9 +60,10 @@ class WorldServer:
         self.world = World(core, self)
         self.world_plugins: dict[str, LoadedPlugin] = {}
         self.sensors: WorldSensors | None = None
-        self.topics = WorldTopics(self.world)
+        self.topics = WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
+        self._to_step, self._stepping = 0, False
         self._new: list[CoreModel] = list(core.models)
         self._started = False
 
@@ -93,6 +94,8 @@ class WorldServer:
             added, self._new = self._new, []
             self._add_sensors(added)
             self._load_model_plugins(added)
+            for model in self._models(added):
+                self.topics.model_added(model)
 
     def _add_sensors(self, added: list[CoreModel]) -> None:
         for core in added:
@@ -197,6 +200,10 @@ class WorldServer:
             self.visuals.remove_of(view)
         self.world.forget(view)
 
+    def step_paused(self, count: int) -> None:
+        """Run so many iterations although the world is paused, after this one."""
+        self._to_step += count
+
     def remove(self, family: list[CoreModel]) -> None:
         """Take models out, those first that are inside others."""
         delete_models(self.core, list(reversed(family)))
@@ -212,6 +219,11 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.update()
         self.topics.update()
+        if self._to_step and not self._stepping:
+            steps, self._to_step = self._to_step, 0
+            self._stepping = True
+            self.world.Step(steps)
+            self._stepping = False
 
     def time_was_reset(self) -> None:
         """The clock was set back."""

@@ -25,6 +25,7 @@ __all__ = [
     "Tables",
     "read_body",
     "read_joint",
+    "watch_body",
 ]
 
 MAX_CONTACTS = 10  # of a pair of geoms
@@ -79,6 +80,8 @@ class StepContext(ctypes.Structure):
         ("bodies", c_void_p),
         ("com", c_void_p),
         ("body_state", c_void_p),
+        ("watch", c_int64),
+        ("body_start", c_void_p),
         ("joint_count", c_int64),
         ("joints", c_void_p),
         ("joint_types", c_void_p),
@@ -93,6 +96,7 @@ class Tables(Protocol):
     owner: NDArray[np.int64]
     com: NDArray[np.float64]
     body_state: NDArray[np.float64]
+    body_start: NDArray[np.float64]
     joint_state: NDArray[np.float64]
     joint_types: NDArray[np.int64]
     body_ids: NDArray[np.uintp]
@@ -160,6 +164,16 @@ _TURN = 6.2831853071795862  # 2 pi
 def _unwind(before: float, angle: float) -> float:
     """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
     return angle + _TURN * round((before - angle) / _TURN)
+
+
+def watch_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
+    """Note what a body does, and what is done to it, as a step begins; watch_bodies in step.c."""
+    body = int(tables.body_ids[row])
+    state = tables.body_start[row]
+    for column, get in enumerate(
+        (ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel, ode_.dBodyGetForce, ode_.dBodyGetTorque)
+    ):
+        state[3 * column : 3 * column + 3] = get(body).contents[:3]
 
 
 def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = False) -> None:

@@ -70,6 +70,8 @@ typedef struct {
     X(const double *, dBodyGetQuaternion, (void *))                             \
     X(const double *, dBodyGetLinearVel, (void *))                              \
     X(const double *, dBodyGetAngularVel, (void *))                             \
+    X(const double *, dBodyGetForce, (void *))                                  \
+    X(const double *, dBodyGetTorque, (void *))                                 \
     X(double, dJointGetHingeAngle, (void *))                                    \
     X(double, dJointGetHingeAngleRate, (void *))                                \
     X(double, dJointGetSliderPosition, (void *))                                \
@@ -141,6 +143,8 @@ typedef struct {
     void *const *bodies;   /* NULL: a free row */
     const double *com;     /* centre of mass in the body frame, 3 a row */
     double *body_state;    /* 16 a row: position, quaternion, centre of mass, linear and angular velocity */
+    int64_t watch;         /* 1: body_start is filled */
+    double *body_start;    /* 12 a row, as a step begins: linear and angular velocity, force and torque put on it */
     int64_t joint_count;
     void *const *joints;
     const int64_t *joint_types;
@@ -544,6 +548,22 @@ static void read_bodies(context *c)
     }
 }
 
+/* What bodies do, and what is done to them, as a step begins. */
+static void watch_bodies(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        double *row = c->body_start + 12 * i;
+        if (!body)
+            continue;
+        memcpy(row, dBodyGetLinearVel(body), 3 * sizeof(double));
+        memcpy(row + 3, dBodyGetAngularVel(body), 3 * sizeof(double));
+        memcpy(row + 6, dBodyGetForce(body), 3 * sizeof(double));
+        memcpy(row + 9, dBodyGetTorque(body), 3 * sizeof(double));
+    }
+}
+
 /* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
@@ -644,6 +664,8 @@ int gz_solve(context *c)
     int done;
     dRandSetSeed((unsigned long)c->seed);
     ask_contacts(c);
+    if (c->watch)
+        watch_bodies(c);
     done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
     read_contacts(c);
     dJointGroupEmpty(c->contacts);

@@ -11,11 +11,14 @@ from libgz.geometry import (
     GzCoordPoseAdd,
     GzPose,
     GzQuatern,
+    GzQuaternInverse,
     GzQuaternMul,
     GzQuaternNormal,
     GzQuaternSetVector,
     GzVector,
     GzVectorAdd,
+    GzVectorCross,
+    GzVectorSub,
     rotate,
 )
 from libgz.ode.lib import ode
@@ -24,7 +27,7 @@ from libgz.physics.check import LARGEST, finite_tuple, not_negative
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from libgz.geometry import QuaternLike, VectorLike
     from libgz.physics.geom import Geom
@@ -200,6 +203,53 @@ class Body:
             if self.sleepy:
                 self.Enable(True)
             self.engine.body_moved(self.row)
+
+    def GetPointVel(self, point: VectorLike) -> GzVector:
+        """Velocity of the body at a global point [m/s], global."""
+        arm = GzVectorSub(point, self.GetCoMPose().pos)
+        return GzVectorAdd(self.GetLinearVel(), GzVectorCross(self.GetAngularRate(), arm))
+
+    def GetLinearAccel(self) -> GzVector:
+        """Acceleration of the centre of mass in the last step [m/s^2], global, gravity and contacts included.
+
+        Zero unless the engine's `watch_motion` is on.
+        """
+        return self._accel(0, self.GetLinearVel)
+
+    def GetAngularAccel(self) -> GzVector:
+        """Angular acceleration in the last step [rad/s^2], global; zero unless the engine's `watch_motion` is on."""
+        return self._accel(3, self.GetAngularRate)
+
+    def _accel(self, column: int, velocity: Callable[[], GzVector]) -> GzVector:
+        if self.row < 0 or not self.engine.watch_motion:
+            return GzVector()
+        start = self.engine.body_start[self.row, column : column + 3].tolist()
+        return GzVector(*((v - s) / self.engine.step_time for v, s in zip(velocity(), start, strict=True)))
+
+    def GetAppliedForce(self) -> GzVector:
+        """The force that was put on the body in the last step [N], global; without gravity, contacts and joints.
+
+        Zero unless the engine's `watch_motion` is on.
+        """
+        return GzVector(*self.engine.body_start[self.row, 6:9].tolist()) if self.row >= 0 else GzVector()
+
+    def GetAppliedTorque(self) -> GzVector:
+        """The torque likewise [N m]."""
+        return GzVector(*self.engine.body_start[self.row, 9:12].tolist()) if self.row >= 0 else GzVector()
+
+    def GetKineticEnergy(self) -> float:
+        """Energy of motion [J]: m v^2 / 2 + w I w / 2."""
+        mass, spin = self.GetMass(), self.GetAngularRate()
+        w = rotate(GzQuaternInverse(self.GetRotation()), spin)
+        turning = sum(w[i] * mass.I[4 * i + j] * w[j] for i in range(3) for j in range(3))
+        return 0.5 * float(mass.mass * sum(v * v for v in self.GetLinearVel()) + turning)
+
+    def GetPotentialEnergy(self) -> float:
+        """Energy of height in the world's gravity [J], from the origin; 0 where gravity does not act."""
+        if not self.GetGravityMode():
+            return 0.0
+        height = sum(g * x for g, x in zip(self.engine.gravity, self.GetCoMPose().pos, strict=True))
+        return -self.mass * height
 
     # Switches ----------------------------------------------------------------------------------------------------
 

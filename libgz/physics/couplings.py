@@ -27,7 +27,7 @@ from libgz.ode.lib import ode
 from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
 from libgz.physics.check import finite
-from libgz.physics.joint import HingeJoint, Joint, SliderJoint
+from libgz.physics.joint import FixedJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.mass import given_mass
 
 if TYPE_CHECKING:
@@ -38,6 +38,8 @@ __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
 FLANK = math.sqrt(0.5)  # sine and cosine of the angle between a thread's flank and its axis
 RACK = 0.1  # mass of a gear's rack as a share of what it drives
+LEVER = 20.0  # radii at the rack, in radii of gyration
+MOMENT = 1.0  # inertia of a rack on a base that moves, as a share of what it drives
 STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
 
 
@@ -100,6 +102,14 @@ def _perpendicular(axis: GzVector) -> GzVector:
     """Some unit vector at right angles to an axis."""
     other = GzVector(1.0, 0.0, 0.0) if abs(axis.x) < 0.9 else GzVector(0.0, 1.0, 0.0)
     return GzVectorUnit(GzVectorCross(axis, other))
+
+
+def _stands(body: Body | None) -> bool:
+    """Whether a body is the world, or fixed to it."""
+    if body is None or body.dummy:
+        return True
+    welds = (joint.bodies for joint in body.joints if isinstance(joint, FixedJoint))
+    return any(other is None or other.dummy for pair in welds for other in pair)
 
 
 class Thread:
@@ -172,19 +182,21 @@ class Gears:
         self._tie = TieJoint(world, name="gears")
         self._tie.Attach(*bodies)
         self._slider: SliderJoint | None = None
-        if reference is not None and not reference.dummy:
+        if reference is not None and not _stands(reference):
             self._slider = SliderJoint(world, name="rack")
             self._slider.Attach(self.rack, reference)
 
     def _weigh_rack(self) -> None:
-        """A share of the smaller of both bodies, as seen at the rack."""
-        seen = []
-        for body, local, radius in zip(self.bodies, self._local, (self.ratio, 1.0), strict=True):
-            rows = body.GetMass().I
-            inertia = sum(local[i] * rows[4 * i + j] * local[j] for i in range(3) for j in range(3))
-            seen.append(inertia / radius**2)
-        self._mass = RACK * min(seen)
-        moment = STIFF if self.reference is None or self.reference.dummy else 0.1 * min(seen)
+        """Choose radii so large that the bodies feel a torque and little force; weigh a share of the smaller body."""
+        inertias, arms = [], []
+        for body, local, share in zip(self.bodies, self._local, (self.ratio, 1.0), strict=True):
+            mass = body.GetMass()
+            inertias.append(sum(local[i] * mass.I[4 * i + j] * local[j] for i in range(3) for j in range(3)) / share**2)
+            arms.append(math.sqrt(inertias[-1] / mass.mass))
+        radius = LEVER * max(arms)
+        self._radii = (-self.ratio * radius, radius)
+        self._mass = RACK * min(inertias) / radius**2
+        moment = STIFF if _stands(self.reference) else MOMENT * min(inertias)
         self.rack.SetMassMatrix(given_mass(self._mass, (moment, moment, moment, 0.0, 0.0, 0.0), GzPose()))
         self.rack.SetGravityMode(False)
 
@@ -233,10 +245,10 @@ class Gears:
         along = GzVectorMul(1.0 / math.sqrt(square), along) if square > 1e-6 else _perpendicular(axes[0])
         points = [
             GzVectorAdd(GzVectorAdd(pose.pos, rotate(pose.rot, hub)), GzVectorMul(radius, GzVectorCross(along, axis)))
-            for pose, hub, axis, radius in zip(poses, self._hubs, axes, (-self.ratio, 1.0), strict=True)
+            for pose, hub, axis, radius in zip(poses, self._hubs, axes, self._radii, strict=True)
         ]
-        self._place_rack(poses[1], along, rates[1], step)
-        error = self.angles[1] + self.ratio * self.angles[0]
+        self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
+        error = self._radii[1] * (self.angles[1] + self.ratio * self.angles[0])
         for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
             line.lay(point, along, off)
 
@@ -245,7 +257,7 @@ class Gears:
         rack, base = self.rack, self.reference
         rack.SetPose(pose)
         carried, spin = GzVector(), GzVector()
-        if base is not None and not base.dummy:
+        if base is not None and self._slider is not None:
             spin = base.GetAngularRate()
             arm = GzVectorSub(pose.pos, base.GetCoMPose().pos)
             carried = GzVectorAdd(base.GetLinearVel(), GzVectorCross(spin, arm))

@@ -170,6 +170,7 @@ class Engine(EngineSettings):
         self._free_rows: dict[str, list[int]] = {"body": [], "joint": [], "geom": []}
         self.com = np.zeros((16, 3))
         self.body_state = np.zeros((16, 16))
+        self.body_start = np.zeros((16, 12))
         self.body_ids = np.zeros(16, dtype=np.uintp)
         self.joint_state = np.zeros((16, 4))
         self.joint_types = np.zeros(16, dtype=np.int64)
@@ -179,7 +180,7 @@ class Engine(EngineSettings):
         self.surface_edits = 0
 
     _TABLES = {
-        "body": ("com", "body_state", "body_ids"),
+        "body": ("com", "body_state", "body_start", "body_ids"),
         "joint": ("joint_state", "joint_types", "joint_ids"),
         "geom": ("surface", "owner"),
     }
@@ -200,6 +201,7 @@ class Engine(EngineSettings):
         context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
         context.bodies, context.com = self.body_ids.ctypes.data, self.com.ctypes.data
         context.body_state, context.joint_state = self.body_state.ctypes.data, self.joint_state.ctypes.data
+        context.body_start = self.body_start.ctypes.data
         context.joints, context.joint_types = self.joint_ids.ctypes.data, self.joint_types.ctypes.data
         context.body_count, context.joint_count = self.bodies_used, self.joints_used
         self.body_values = _flat(self.body_state)
@@ -216,6 +218,7 @@ class Engine(EngineSettings):
         row, self.bodies_used = self._new_row("body", self.bodies_used)
         self.body_ids[row] = handle
         self.com[row] = 0.0
+        self.body_start[row] = 0.0
         self.bodies[row] = body
         self._publish_tables()
         return row

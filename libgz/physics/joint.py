@@ -11,12 +11,21 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import math
 from typing import TYPE_CHECKING, ClassVar
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzVector
 from libgz.ode.lib import ode
-from libgz.ode.types import JOINT_PARAMETERS, JointFeedback, JointType, dParamFMax, dParamFMax2
+from libgz.ode.types import (
+    JOINT_PARAMETERS,
+    JointFeedback,
+    JointType,
+    dParamFMax,
+    dParamFMax2,
+    dParamHiStop,
+    dParamLoStop,
+)
 from libgz.physics.check import finite, finite_tuple, unit_axis
 from libgz.physics.engine import Engine, HasEngine
 
@@ -241,6 +250,31 @@ class HingeJoint(Joint):
     """One axis of rotation."""
 
     kind, ode_name, motors = JointType.HINGE, "Hinge", (dParamFMax,)
+    _stops: tuple[float, float] = (-math.inf, math.inf)  # as wanted
+    _stopped = False  # whether ODE ever had stops to look at
+
+    def SetParam(self, parameter: int, value: float) -> None:
+        """As that of all joints.
+
+        ODE looks at a hinge's stops only where they can be met, and else goes on with what it last found, writing into
+        memory that is not its own. So a hinge that had stops once keeps one that is never met.
+        """
+        super().SetParam(parameter, value)
+        if parameter not in (dParamLoStop, dParamHiStop):
+            return
+        low, high = self._stops
+        low, high = self._stops = (float(value), high) if parameter == dParamLoStop else (low, float(value))
+        met = (low >= -math.pi or high <= math.pi) and low <= high
+        if met or self._stopped:
+            self._stopped = True
+            super().SetParam(dParamLoStop, low if met else -math.pi)
+            super().SetParam(dParamHiStop, high if met else math.inf)
+
+    def GetParam(self, parameter: int) -> float:
+        """As that of all joints."""
+        if parameter in (dParamLoStop, dParamHiStop):
+            return self._stops[parameter == dParamHiStop]
+        return super().GetParam(parameter)
 
     def SetAxis(self, axis: VectorLike) -> None:
         """The axis, global."""

@@ -159,6 +159,15 @@ class EngineSettings:
         self._context.record = int(value)
 
     @property
+    def watch_motion(self) -> bool:
+        """Whether bodies know their accelerations and what was put on them in the last step; off at first."""
+        return bool(self._context.watch)
+
+    @watch_motion.setter
+    def watch_motion(self, value: bool) -> None:
+        self._context.watch = int(value)
+
+    @property
     def contacts(self) -> NDArray[np.void]:
         """The contact points of the last step, a copy; empty unless `record_contacts` is on.
 

@@ -5,6 +5,7 @@ A new kind gets a row in `DRAWERS`; one that derives from a kind that is there a
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -30,9 +31,12 @@ Drawer = Callable[[Any, int], list[Mesh]]
 
 
 def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
-    tire = geom.tire_radius
-    parts = [mesh.torus(max(geom.radius - tire, 0.0), tire, segments)]
-    return parts + [mesh.disc(HUB * geom.radius, HUB * tire * up, segments, up) for up in (1.0, -1.0)]
+    """A tire, and a disc on each side; where the discs close it, the tire has no inner side."""
+    tire, ring, hub = geom.tire_radius, max(geom.radius - geom.tire_radius, 0.0), HUB * geom.radius
+    inner = math.pi - math.asin(HUB)  # where the tire meets a disc's plane
+    closed = ring + tire * math.cos(inner) < hub * math.cos(math.pi / segments)
+    parts = [mesh.torus(ring, tire, segments, inner if closed else math.pi)]
+    return parts + [mesh.disc(hub, HUB * tire * up, segments, up) for up in (1.0, -1.0)]
 
 
 def _texture_size(geom: Geom) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +18,7 @@ from libgz.rendering.mesh import Material, Mesh, grid
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["Compiled", "Library", "Look"]
+__all__ = ["Compiled", "Library", "Look", "Table"]
 
 log = logging.getLogger("libgz.rendering")
 
@@ -38,6 +39,26 @@ class Compiled:
         self.list, self.radius = number, radius
 
 
+class Table:
+    """Lists and radii [m] of all items of a content, which are shown in one way."""
+
+    def __init__(self, library: Library, content: Content, look: Look, plain: bool) -> None:
+        def find(i: int, level: int) -> Compiled:
+            return library.item(content.items[i], look, level, plain)
+
+        self._find = find
+        least = [find(i, 2) for i in range(len(content.items))]
+        self.radii = np.array([compiled.radius for compiled in least])
+        self._lists = ([0] * len(least), [0] * len(least), [compiled.list for compiled in least])
+
+    def list(self, i: int, level: int) -> int:
+        """The list of an item by its place in the content; level: 0, 1, 2 as in `SEGMENTS`."""
+        found = self._lists[level][i]
+        if not found:
+            found = self._lists[level][i] = self._find(i, level).list
+        return found
+
+
 class Library:
     """Display lists by item, looks and detail; textures and skins by file."""
 
@@ -49,18 +70,27 @@ class Library:
         self._textures: dict[tuple[Path, bool], int] = {}
         self._skins: dict[Path, list[Mesh]] = {}
         self._content: Content | None = None
+        self._tables: dict[tuple[Look, bool], Table] = {}
 
     def use(self, content: Content) -> None:
         """Let go what is not in the content any more."""
         if content is self._content:
             return
         self._content = content
+        self._tables.clear()
         keys = {item.key for item in content.items}
         for key in [k for k in self._items if k[0] not in keys]:
             self.gl.glDeleteLists(self._items.pop(key).list, 1)
         for compiled in self._planes.values():
             self.gl.glDeleteLists(compiled.list, 1)
         self._planes.clear()
+
+    def table(self, content: Content, look: Look, plain: bool) -> Table:
+        """The lists of all items of the content in use; plain: their shapes alone, without materials."""
+        found = self._tables.get((look, plain))
+        if found is None:
+            found = self._tables[look, plain] = Table(self, content, look, plain)
+        return found
 
     def item(self, item: Item, look: Look, level: int, plain: bool) -> Compiled:
         """The list of an item; plain: its shape alone, without materials."""
@@ -77,6 +107,8 @@ class Library:
         if found is None:
             size = geom.appearance.texture_size
             shape = grid(far + 2.0 * PATCH, PATCH, (size.x, size.y))
+            if not plain:
+                self._load_texture(geom, look)
             number = self._begin()
             if plain:
                 self._draw(shape, False)
@@ -86,12 +118,12 @@ class Library:
             found = self._planes[key] = Compiled(number, far)
         return found
 
-    def shape(self, name: str, shape: Mesh) -> Compiled:
-        """The list of a mesh that has no geom."""
+    def shape(self, name: str, build: Callable[[], Mesh]) -> Compiled:
+        """The list of a mesh that has no geom, built when it is first asked for."""
         found = self._shapes.get(name)
         if found is None:
             number = self._begin()
-            self._draw(shape, True)
+            self._draw(build(), True)
             self.gl.glEndList()
             found = self._shapes[name] = Compiled(number, 0.0)
         return found
@@ -110,8 +142,8 @@ class Library:
                     radius = max(radius, float(np.linalg.norm(shape.vertices, axis=1).max()))
             work.append((geom, meshes))
         if not plain:
-            for geom, _ in work:  # before the list begins: a texture made inside would become part of it
-                self.texture(geom.appearance.texture_file if look[2] else None)
+            for geom, _ in work:
+                self._load_texture(geom, look)
         number = self._begin()
         for geom, meshes in work:
             if plain:
@@ -144,6 +176,10 @@ class Library:
                 log.warning("%s; the shape below is shown instead", fault)
                 self._skins[path] = []
         return self._skins[path]
+
+    def _load_texture(self, geom: Geom, look: Look) -> None:
+        """Before a list begins: a texture made inside would be part of it, and be made anew in every picture."""
+        self.texture(geom.appearance.texture_file if look[2] else None)
 
     def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
         """Draw meshes with the material and texture of their geom, or their own."""
@@ -227,7 +263,7 @@ class Library:
         pixels = np.ascontiguousarray(read_image(path)[::-1])  # GL's rows begin at the bottom
         gl, kind = self.gl, Constant.TEXTURE_2D
         number = ctypes.c_uint()
-        gl.glGenTextures(1, number)
+        gl.glGenTextures(1, ctypes.byref(number))
         gl.glBindTexture(kind, number.value)
         gl.glPixelStorei(Constant.UNPACK_ALIGNMENT, 1)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)

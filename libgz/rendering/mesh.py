@@ -154,9 +154,12 @@ def disc(radius: float, z: float, segments: int, up: float) -> Mesh:
     return Mesh(_f(rim), _f(np.tile([0.0, 0.0, up], (segments, 1))), None, indices)
 
 
-def torus(radius: float, tube: float, segments: int) -> Mesh:
-    """A torus about z: radius of the ring's middle and of its tube [m]."""
-    angle = np.linspace(-math.pi, math.pi, segments // 2 + 1)
+def torus(radius: float, tube: float, segments: int, reach: float = math.pi) -> Mesh:
+    """A torus about z: radius of the ring's middle and of its tube [m].
+
+    `reach`: how far around the tube it goes, to both sides from the outermost circle [rad]; pi closes it.
+    """
+    angle = np.linspace(-reach, reach, max(2, round(segments // 2 * reach / math.pi)) + 1)
     cos, sin = np.cos(angle), np.sin(angle)
     rings = _f(radius + tube * cos)
     return _revolved(rings, _f(tube * sin), _f(cos), _f(sin), _f((angle / math.pi + 1.0) / 2.0), segments)

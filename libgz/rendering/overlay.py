@@ -26,6 +26,11 @@ EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if np.abs(CORNER
 def overlay_lines(view: View, engine: Engine) -> tuple[Lines, ...]:
     """The lines that a view's options ask for."""
     options, found = view.options, []
+    wanted = (
+        options.displayBBox, options.displayAxes, options.displayCoM, options.displayRays, options.displayFrustrums
+    )  # fmt: skip
+    if not any(wanted):
+        return ()
     geoms = list(engine.geoms.values())
     bodies = list(dict.fromkeys(geom.body for geom in geoms))
     if options.displayBBox:

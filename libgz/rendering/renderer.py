@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Iterable
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -77,6 +79,7 @@ class Renderer:
         self._dome(shot, eye)
         self._lights(shot, eye)
         self.gl.glEnable(Constant.LIGHTING)
+        self._ground(shot, eye, plain=False)
         self._items(shot, eye, plain=False)
         self.gl.glDisable(Constant.LIGHTING)
         self._lines(shot, eye)
@@ -89,6 +92,7 @@ class Renderer:
         """Draw which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
         self._bind(shot.view.width, shot.view.height)
         eye = self._begin(shot, black=True)
+        self._ground(shot, eye, plain=True)
         self._items(shot, eye, plain=True)
         self.gl.glColor3f(1.0, 1.0, 1.0)
         self.gl.check()
@@ -139,32 +143,24 @@ class Renderer:
                 gl.glLightf(number, name, factor)
 
     def _items(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
-        """Opaque items, then planes, then what is transparent, from back to front."""
-        gl, view, items = self.gl, shot.view, shot.content.items
-        if items:
-            matrices = eye @ shot.poses
-            columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
-            start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
-            places = matrices[:, :3, 3].tolist()
-            limits, find, look = _Limits(view), self.library.item, _look_of(view.options)
-            later: list[tuple[float, int, int]] = []
-            for i, (item, (x, y, z)) in enumerate(zip(items, places, strict=True)):
-                compiled = find(item, look, 2, plain)
-                if limits.outside(x, y, z, compiled.radius):
-                    continue
-                pixels = compiled.radius * view.focal / max(-z, view.near)
-                if pixels > TINY:
-                    compiled = find(item, look, 0 if pixels > SMALL else 1, plain)
-                if item.transparent and not plain:
-                    later.append((x * x + y * y + z * z, i, compiled.list))
-                    continue
-                if plain:
-                    self._id_color(item.model_id)
-                load(start + 128 * i)
-                call(compiled.list)
-        for plane in shot.planes:
-            self._plane(shot, eye, plane, plain)
-        if items and later:
+        """Opaque items, then what is transparent, from back to front."""
+        gl, content = self.gl, shot.content
+        matrices = eye @ shot.poses
+        columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
+        start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
+        table = self.library.table(content, _look_of(shot.view.options), plain)
+        places = matrices[:, :3, 3]
+        later: list[tuple[float, int, int]] = []
+        for i, level in _visible(shot.view, places, table.radii):
+            number, item = table.list(i, level), content.items[i]
+            if plain:
+                self._id_color(item.model_id)
+            elif item.transparent:
+                later.append((float(places[i] @ places[i]), i, number))
+                continue
+            load(start + 128 * i)
+            call(number)
+        if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
             for _, i, number in sorted(later, reverse=True):
@@ -176,12 +172,19 @@ class Renderer:
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
 
+    def _ground(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
+        """All planes: most of the pixels, which are drawn by Mesa's threads while this one goes on to the items."""
+        for plane in shot.planes:
+            self._plane(shot, eye, plane, plain)
+        if shot.planes:
+            self.gl.glFlush()
+
     def _plane(self, shot: Shot, eye: NDArray[np.float64], geom: Geom, plain: bool) -> None:
         """A plane as patches around the camera; they keep their places in the world, and so does the texture."""
         if not isinstance(geom, PlaneGeom):
             return
         view, gl = shot.view, self.gl
-        frame = plane_frame(geom)
+        frame = _plane_frame((*geom.normal,), geom.altitude)
         camera = np.array(view.pose.pos) - frame[:3, 3]
         size = geom.appearance.texture_size
         shift = [math.floor(float(camera @ frame[:3, k]) / PATCH) * PATCH for k in (0, 1)]
@@ -211,7 +214,7 @@ class Renderer:
         gl, far, camera = self.gl, 0.8 * shot.view.far, shot.view.pose.pos
         matrix = np.diag([far, far, far, 1.0])
         matrix[:3, 3] = (camera.x, camera.y, -0.1)
-        compiled = self.library.shape("dome", dome_mesh())
+        compiled = self.library.shape("dome", dome_mesh)
         gl.glDisable(Constant.FOG)
         gl.glDepthMask(0)
         gl.glEnable(Constant.TEXTURE_2D)
@@ -255,34 +258,33 @@ class Renderer:
             depth[nothing] = np.inf
 
 
-class _Limits:
-    """The sides of a view: what lies beyond one of them is not drawn."""
-
-    def __init__(self, view: View) -> None:
-        self.near, self.far = view.near, view.far
-        self.tx, self.ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
-        self.nx, self.ny = math.hypot(1.0, self.tx), math.hypot(1.0, self.ty)
-
-    def outside(self, x: float, y: float, z: float, radius: float) -> bool:
-        """Whether a ball in the eye frame [m] cannot be seen."""
-        if -z + radius < self.near or -z - radius > self.far:
-            return True
-        return abs(x) + self.tx * z > radius * self.nx or abs(y) + self.ty * z > radius * self.ny
+def _visible(view: View, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Iterable[tuple[int, int]]:
+    """Which balls in the eye frame [m] are inside the view's sides, and with which level of detail each is drawn."""
+    x, y, z = places.T
+    tx, ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
+    seen = (radii - z >= view.near) & (-z - radii <= view.far)
+    seen &= np.abs(x) + tx * z <= radii * math.hypot(1.0, tx)
+    seen &= np.abs(y) + ty * z <= radii * math.hypot(1.0, ty)
+    found = np.flatnonzero(seen)
+    pixels = radii[found] * view.focal / np.maximum(-z[found], view.near)
+    levels = np.where(pixels > SMALL, 0, np.where(pixels > TINY, 1, 2))
+    return zip(found.tolist(), levels.tolist(), strict=True)
 
 
 def _look_of(options: RenderOptions) -> Look:
     return options.displaySkins, options.displayMaterials, options.displayTextures
 
 
-def plane_frame(geom: PlaneGeom) -> NDArray[np.float64]:
+@lru_cache
+def _plane_frame(normal: tuple[float, float, float], altitude: float) -> NDArray[np.float64]:
     """A frame on a plane: z along its normal, x along the world's x where that can be, shape (4, 4)."""
-    z: NDArray[Any] = np.array(geom.normal)
+    z: NDArray[Any] = np.array(normal)
     x = np.array((1.0, 0.0, 0.0)) - z[0] * z
     if np.linalg.norm(x) < 1e-6:
         x = np.array((0.0, 1.0, 0.0)) - z[1] * z
     x /= np.linalg.norm(x)
     frame = np.eye(4)
-    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, geom.altitude * z
+    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, altitude * z
     return frame
 
 

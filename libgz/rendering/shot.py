@@ -121,8 +121,15 @@ class Shot:
 
 def pose_matrix(pose: GzPose) -> NDArray[np.float64]:
     """A pose as a matrix, shape (4, 4)."""
-    matrices = pose_matrices(np.array([(*pose.pos, *pose.rot)]))
-    return matrices.reshape(4, 4)
+    u, x, y, z = pose.rot
+    return np.array(
+        (
+            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - u * z), 2.0 * (x * z + u * y), pose.pos.x),
+            (2.0 * (x * y + u * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - u * x), pose.pos.y),
+            (2.0 * (x * z - u * y), 2.0 * (y * z + u * x), 1.0 - 2.0 * (x * x + y * y), pose.pos.z),
+            (0.0, 0.0, 0.0, 1.0),
+        )
+    )
 
 
 def pose_matrices(states: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,6 +14,8 @@ from libgz.geometry import (
     GzVector,
     GzVectorAdd,
     GzVectorCross,
+    GzVectorDot,
+    GzVectorMag,
     GzVectorMul,
     GzVectorSub,
     rotate,
@@ -40,6 +42,7 @@ KINDS: dict[str, type[Joint]] = {
     "gearbox": TieJoint,
 }
 UNKNOWN = "is not a kind of joint here; allowed are " + ", ".join(KINDS)
+SKEW = 1e-3  # cosine up to which two axes are at right angles
 TWO_AXES = ("universal", "revolute2", "gearbox")
 
 
@@ -108,15 +111,23 @@ class SdfJoint(JointLimits):
         if self.kind == "gearbox":
             self._attach_gears()
             return
-        both = _is_real(self.parent) and _is_real(self.child)
-        # ODE's Hinge2 wants two bodies; without its suspension a universal joint is the same.
-        kind = UniversalJoint if self.kind == "revolute2" and not both else KINDS[self.kind]
+        kind = UniversalJoint if self.kind == "revolute2" and not self._needs_hinge2() else KINDS[self.kind]
         self.joint = kind(self.engine, name=self.name)
         self._join(self.joint, anchor.pos)
         self._set_parameters()
         if isinstance(self.joint, PistonJoint):
             self._coupling = Thread(self.joint, self.plan.pitch)
         self.provide_feedback(self.plan.feedback)
+
+    def _needs_hinge2(self) -> bool:
+        """Whether two axes are ODE's Hinge2: it has a suspension, and its axes may meet at any angle.
+
+        But its second axis knows no stops, and it wants two bodies. Else a universal joint is the same and does more.
+        """
+        first, second = (axis.direction for axis in self.axes)
+        skew = abs(GzVectorDot(first, second)) > SKEW * GzVectorMag(first) * GzVectorMag(second)
+        sprung = any(key.startswith("suspension") for key in self.plan.parameters)
+        return (skew or sprung) and _is_real(self.parent) and _is_real(self.child)
 
     def _join(self, joint: Joint, anchor: GzVector) -> None:
         """Anchor and axes, so that positive motion is that of the child."""

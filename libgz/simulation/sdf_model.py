@@ -67,7 +67,8 @@ class SdfModel(Model):
 
     def build_joints(self) -> None:
         """Make the joints of this model and of those nested in it, and let what has none fall asleep at rest."""
-        for element in self.sdf.named("joint"):
+        # Gears look for the hinges of what they join.
+        for element in sorted(self.sdf.named("joint"), key=lambda e: e.Get(str, "type") == "gearbox"):
             self._guard(element, self.add_joint, element)
         for model in self.nested.values():
             model.build_joints()

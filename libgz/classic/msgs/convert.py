@@ -7,6 +7,12 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
+from libgz.classic.common.time import Time
+from libgz.classic.math.color import Color
+from libgz.classic.math.pose import Pose3d
+from libgz.classic.math.quaternion import Quaterniond
+from libgz.classic.math.vector2 import Vector2d
+from libgz.classic.math.vector3 import Vector3d
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
 from libgz.errors import ParameterError
@@ -156,16 +162,19 @@ _SETTERS: dict[str, Callable[[Any, Any], None]] = {
 }
 
 _GETTERS: dict[str, Callable[[Any], Any]] = {
-    "Vector3d": lambda msg: GzVector(msg.x, msg.y, msg.z),
-    "Quaternion": lambda msg: GzQuatern(msg.w, msg.x, msg.y, msg.z),
-    "Pose": lambda msg: GzPose(ConvertIgn(msg.position), ConvertIgn(msg.orientation)),
-    "Color": lambda msg: GzColor(msg.r, msg.g, msg.b, msg.a),
+    "Vector3d": lambda msg: Vector3d(msg.x, msg.y, msg.z),
+    "Vector2d": lambda msg: Vector2d(msg.x, msg.y),
+    "Quaternion": lambda msg: Quaterniond(msg.w, msg.x, msg.y, msg.z),
+    "Pose": lambda msg: Pose3d(ConvertIgn(msg.position), ConvertIgn(msg.orientation)),
+    "Color": lambda msg: Color(msg.r, msg.g, msg.b, msg.a),
+    "Time": lambda msg: Time(msg.sec, msg.nsec),
 }
 
 _KINDS: tuple[tuple[str, Callable[[Any], bool]], ...] = (
     ("Vector3d", lambda value: isinstance(value, GzVector)),
+    ("Vector2d", lambda value: isinstance(value, Vector2d)),
     ("Quaternion", lambda value: isinstance(value, GzQuatern)),
     ("Pose", lambda value: isinstance(value, GzPose)),
     ("Color", lambda value: isinstance(value, GzColor)),
-    ("Time", lambda value: isinstance(value, (int, float)) or (hasattr(value, "sec") and hasattr(value, "nsec"))),
+    ("Time", lambda value: isinstance(value, (int, float, Time))),
 )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.classic.math import AxisAlignedBox, Color
+from libgz.classic.math import AxisAlignedBox, Color, Vector3d
 from libgz.classic.physics.base import Base, Entity
-from libgz.geometry import GzColor, GzPose
+from libgz.geometry import GzColor, GzPose, GzVector, VectorLike
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -51,6 +51,34 @@ class Light(Entity):
     def SetSpecularColor(self, color: GzColor) -> None:
         """Set the colour of its highlights."""
         self.core.light.SetSpecularColor(GzColor(*color))
+
+    def Direction(self) -> Vector3d:
+        """Where a directional or spot light shines."""
+        return Vector3d(*self.core.direction)
+
+    def SetDirection(self, direction: VectorLike) -> None:
+        """Set where a directional or spot light shines."""
+        self.core.direction = GzVector(*direction)
+
+    def Range(self) -> float:
+        """How far it reaches [m]."""
+        return self.core.range
+
+    def SetRange(self, distance: float) -> None:
+        """Set how far it reaches [m]."""
+        self.core.range = float(distance)
+
+    def CastShadows(self) -> bool:
+        """Whether it is meant to cast shadows."""
+        return self.core.cast_shadows
+
+    def Attenuation(self) -> tuple[float, ...]:
+        """Constant, linear [1/m] and quadratic [1/m^2] fading."""
+        return tuple(self.core.light.attenuation)
+
+    def SetAttenuation(self, constant: float, linear: float, quadratic: float) -> None:
+        """Set constant, linear [1/m] and quadratic [1/m^2] fading."""
+        self.core.light.SetAttenuation((constant, linear, quadratic))
 
     def BoundingBox(self) -> AxisAlignedBox:
         """A light has no extent."""

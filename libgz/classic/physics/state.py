@@ -13,7 +13,7 @@ from libgz.sdf.element import Element
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["WorldState", "save_world"]
+__all__ = ["WorldState", "save_world", "world_text"]
 
 
 class WorldState:
@@ -53,11 +53,11 @@ class WorldState:
                     link.body.SetAngularVel(known[2])
 
 
-def save_world(world: World, path: Path) -> None:
-    """Write a world as SDF with the present poses.
+def world_text(world: World) -> str:
+    """A world as SDF with the present poses.
 
     Raises:
-        WorldFileError: the file cannot be written, or the world has no SDF.
+        WorldFileError: the world was not made from SDF.
     """
     sdf = world.SDF()
     if sdf is None:
@@ -70,14 +70,23 @@ def save_world(world: World, path: Path) -> None:
         if own is not None:
             copy.InsertElement(_placed(own.Clone(), part.pose()))
     for model in world.Models():
-        placed = next(e for e in copy.named("model") if e.Get(str, "name") == model.GetName())
+        placed = next((e for e in copy.named("model") if e.Get(str, "name") == model.GetName()), Element("model"))
         for link in model.GetLinks():
             for inner in placed.named("link"):
                 if inner.Get(str, "name") == link.GetName():
                     _placed(inner, GzCoordPoseSub(link.pose(), model.pose()))
     version = world.core.sdf.version if world.core.sdf is not None else "1.6"
+    return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{copy.ToString("  ")}</sdf>\n'
+
+
+def save_world(world: World, path: Path) -> None:
+    """Write a world as SDF with the present poses.
+
+    Raises:
+        WorldFileError: the file cannot be written, or the world was not made from SDF.
+    """
     try:
-        path.write_text(f'<?xml version="1.0"?>\n<sdf version="{version}">\n{copy.ToString("  ")}</sdf>\n')
+        path.write_text(world_text(world))
     except OSError as fault:
         raise WorldFileError(f"{path}: cannot be written: {fault.strerror}") from None
 

@@ -244,7 +244,7 @@ def _direct(callback: Callable[[Any], None]) -> Any:
     """A callback that the library calls in its network thread: otherwise each has a thread, for which the process's end
     would wait.
     """
-    return zenoh.handlers.Callback(callback, indirect=False)
+    return zenoh.handlers.Callback(callback, None, indirect=False)
 
 
 def _matches(publisher: Any) -> bool:

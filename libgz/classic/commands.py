@@ -1,0 +1,263 @@
+"""Commands: what a world does when it is told to by messages."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic import msgs
+from libgz.classic.common import PID
+from libgz.classic.describe import entity_message, physics_message, scene_message
+from libgz.classic.physics.base import Base
+from libgz.classic.physics.light import Light
+from libgz.classic.physics.model import Model
+from libgz.classic.physics.state import world_text
+from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.sdf.element import Element
+from libgz.sdf.paths import find_model
+from libgz.sdf.reader import SdfFile
+
+if TYPE_CHECKING:
+    from libgz.classic.server import WorldServer
+
+__all__ = ["Commands"]
+
+log = logging.getLogger("libgz.classic")
+
+
+class Commands:
+    """Acts on messages, between iterations. What is wrong with one is logged, and nothing is done.
+
+    Args:
+        server: of the world.
+        respond: sends answers to requests.
+    """
+
+    def __init__(self, server: WorldServer, respond: Callable[[Any], object]) -> None:
+        self._server, self._world, self._respond = server, server.world, respond
+
+    def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
+        """A subscriber's callback for a handler."""
+
+        def on_message(message: Any) -> None:
+            try:
+                handler(message)
+            except GazeboError as fault:
+                log.error("%s: %s", topic, fault)
+
+        return on_message
+
+    # The world ---------------------------------------------------------------------------------------------------
+
+    def world_control(self, message: Any) -> None:
+        """~/world_control: pause, step, reset, seed."""
+        if message.HasField("seed"):
+            self._world.Physics().SetSeed(message.seed)
+        if message.HasField("pause"):
+            self._world.SetPaused(message.pause)
+        steps = message.multi_step if message.HasField("multi_step") else int(message.step)
+        if steps:
+            self._server.step_paused(steps)
+        if message.HasField("reset"):
+            self._reset(message.reset)
+
+    def _reset(self, reset: Any) -> None:
+        if reset.time_only:
+            self._world.ResetTime()
+        elif reset.model_only:
+            self._world.ResetEntities(Base.MODEL)
+        else:
+            self._world.Reset()
+
+    def physics(self, message: Any) -> None:
+        """~/physics: parameters of the engine."""
+        if message.HasField("profile_name") and message.profile_name:
+            self._world.PresetMgr().CurrentProfile(message.profile_name)
+        if message.HasField("gravity"):
+            self._world.SetGravity(msgs.ConvertIgn(message.gravity))
+        if message.HasField("enable_physics"):
+            self._world.SetPhysicsEnabled(message.enable_physics)
+        for key in ("max_step_size", "real_time_update_rate", "solver_type", "iters", "sor", "erp", "cfm"):
+            if message.HasField(key):
+                self._world.Physics().SetParam(key, getattr(message, key))
+        if message.HasField("contact_max_correcting_vel"):
+            self._world.Physics().SetParam("contact_max_correcting_vel", message.contact_max_correcting_vel)
+
+    def server_control(self, message: Any) -> None:
+        """/gazebo/server/control: stop, or save the world."""
+        if message.save_world_name == self._world.Name() and message.save_filename:
+            self._world.Save(message.save_filename)
+        if message.stop:
+            self._world.Stop()
+
+    # Models and lights -------------------------------------------------------------------------------------------
+
+    def factory(self, message: Any) -> None:
+        """~/factory: a new model, from SDF, from a file, or as a copy."""
+        root = self._factory_sdf(message)
+        entities = [child for child in (next(root.named("world"), root)).children if child.name in ("model", "light")]
+        if not entities:
+            raise ParameterError("there is no model or light in the message")
+        for entity in entities:
+            if message.HasField("pose"):
+                place = next(entity.named("pose"), None) or entity.AddElement("pose")
+                place.Set(msgs.ConvertIgn(message.pose))
+            self._name(entity, message)
+        self._world.InsertModelString(root.ToString())
+
+    def _name(self, entity: Element, message: Any) -> None:
+        name = message.edit_name or entity.Get(str, "name")
+        if self._world.BaseByName(name) is not None and message.allow_renaming:
+            taken = {part.GetName() for part in self._world.children()}
+            name = next(f"{name}_{i}" for i in range(len(taken) + 1) if f"{name}_{i}" not in taken)
+        entity.set_attribute("name", name)
+
+    def _factory_sdf(self, message: Any) -> Element:
+        if message.sdf:
+            file = SdfFile.from_string(message.sdf)
+        elif message.sdf_filename:
+            file = SdfFile.load(find_model(message.sdf_filename))
+        elif message.clone_model_name:
+            sdf = self._find(message.clone_model_name, Model).GetSDF()
+            version = self._world.core.sdf.version if self._world.core.sdf is not None else "1.6"
+            file = SdfFile.from_string(f"<sdf version='{version}'>{sdf.ToString() if sdf is not None else ''}</sdf>")
+            for entity in file.root.children:
+                entity.set_attribute("name", f"{message.clone_model_name}_clone")
+        else:
+            raise ParameterError("it names neither sdf, sdf_filename nor clone_model_name")
+        file.faults.raise_errors()
+        return file.root
+
+    def factory_light(self, message: Any) -> None:
+        """~/factory/light: a new light."""
+        kind = ("point", "spot", "directional")[max(0, message.type - 1)]
+        element = SdfFile.from_string("<sdf version='1.6'><light name='' type='point'/></sdf>").root.child("light")
+        element.set_attribute("name", message.name)
+        element.set_attribute("type", kind)
+        root = Element("sdf")
+        root.set_attribute("version", "1.6")
+        root.InsertElement(element)
+        self._world.InsertModelString(root.ToString())
+        self.light_modify(message)
+
+    def light_modify(self, message: Any) -> None:
+        """~/light/modify: colours, place, reach of a light."""
+        light = self._find(message.name, Light)
+        for key, setter in (
+            ("pose", light.SetWorldPose),
+            ("diffuse", light.SetDiffuseColor),
+            ("specular", light.SetSpecularColor),
+            ("direction", light.SetDirection),
+        ):
+            if message.HasField(key):
+                setter(msgs.ConvertIgn(getattr(message, key)))
+        if message.HasField("range"):
+            light.SetRange(message.range)
+        fading = [f"attenuation_{key}" for key in ("constant", "linear", "quadratic")]
+        if any(message.HasField(key) for key in fading):
+            now = light.Attenuation()
+            light.SetAttenuation(
+                *(getattr(message, key) if message.HasField(key) else now[i] for i, key in enumerate(fading))
+            )
+
+    def model_modify(self, message: Any) -> None:
+        """~/model/modify: place, scale and links of a model."""
+        model = self._find(message.name, Model)
+        if message.HasField("pose"):
+            model.SetRelativePose(msgs.ConvertIgn(message.pose))
+        if message.HasField("scale"):
+            model.SetScale(msgs.ConvertIgn(message.scale))
+        for part in message.link:
+            link = model.GetLink(part.name.rpartition("::")[2])
+            if link is None:
+                raise NotFoundError(f"model {model.GetName()!r} has no link {part.name!r}")
+            for key, setter in (
+                ("gravity", link.SetGravityMode),
+                ("kinematic", link.SetKinematic),
+                ("self_collide", link.SetSelfCollide),
+            ):
+                if part.HasField(key):
+                    setter(getattr(part, key))
+            if part.HasField("pose"):
+                link.SetRelativePose(msgs.ConvertIgn(part.pose))
+
+    def joint(self, message: Any) -> None:
+        """~/joint: force, or targets and gains, of a joint by scoped name."""
+        found = self._world.BaseByName(message.name)
+        model = found.GetParentModel() if found is not None and found.HasType(Base.JOINT) else None
+        if model is None or found is None:
+            raise NotFoundError(f"there is no joint {message.name!r}")
+        controller, name = model.GetJointController(), found.GetScopedName()
+        if message.reset:
+            controller.Reset()
+        if message.HasField("force"):
+            controller.SetForce(name, message.force)
+        for key, pids, set_pid, set_target in (
+            ("position", controller.GetPositionPIDs, controller.SetPositionPID, controller.SetPositionTarget),
+            ("velocity", controller.GetVelocityPIDs, controller.SetVelocityPID, controller.SetVelocityTarget),
+        ):
+            if message.HasField(key):
+                told = getattr(message, key)
+                set_pid(name, _gains(pids()[name], told))
+                if told.HasField("target"):
+                    set_target(name, told.target)
+
+    def _find(self, name: str, kind: type[Any]) -> Any:
+        found = self._world.EntityByName(name)
+        if not isinstance(found, kind):
+            names = [part.GetName() for part in self._world.children()]
+            raise NotFoundError(f"there is no {kind.__name__.lower()} {name!r}{nearest(name, names)}")
+        return found
+
+    # Requests ----------------------------------------------------------------------------------------------------
+
+    def request(self, message: Any) -> None:
+        """~/request: questions, answered on ~/response, and deletions."""
+        answers: dict[str, Callable[[str], Any]] = {
+            "entity_delete": self._delete,
+            "entity_info": lambda name: entity_message(self._world.BaseByName(name)),
+            "entity_list": self._list,
+            "physics_info": lambda _name: physics_message(self._world),
+            "scene_info": lambda _name: scene_message(self._world),
+            "world_sdf": lambda _name: msgs.GzString(data=self._sdf()),
+        }
+        if message.request not in answers:
+            return  # somebody else's
+        answer = answers[message.request](message.data)
+        response = msgs.Response(id=message.id, request=message.request, response="success")
+        if answer is None:
+            response.response = "nonexistent"
+        elif answer is not True:
+            response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
+        self._respond(response)
+
+    def _delete(self, name: str) -> Any:
+        if not isinstance(self._world.EntityByName(name), Model | Light):
+            return None
+        self._world.RemoveModel(name)
+        return True
+
+    def _list(self, _name: str) -> Any:
+        return msgs.GzString_V(data=[part.GetScopedName() for part in self._world.children()])
+
+    def _sdf(self) -> str:
+        """The world as SDF, with everything that has come since it was loaded."""
+        return world_text(self._world)
+
+
+def _gains(pid: PID, told: Any) -> PID:
+    """A PID with the gains that a message names."""
+    for key, setter in (
+        ("p_gain", pid.SetPGain),
+        ("i_gain", pid.SetIGain),
+        ("d_gain", pid.SetDGain),
+        ("i_max", pid.SetIMax),
+        ("i_min", pid.SetIMin),
+    ):
+        if told.HasField(key):
+            setter(getattr(told, key))
+    if told.HasField("limit"):
+        pid.SetCmdMax(abs(told.limit))
+        pid.SetCmdMin(-abs(told.limit))
+    return pid

@@ -1,0 +1,220 @@
+"""Messages that describe a world and what is in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+from libgz.classic import msgs
+from libgz.classic.physics.base import Entity
+from libgz.classic.physics.collision import Collision
+from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
+from libgz.classic.physics.model import Model
+from libgz.classic.physics.shape import BoxShape, CylinderShape, PlaneShape, SphereShape
+from libgz.classic.physics.world import World
+
+__all__ = [
+    "contacts_message",
+    "entity_message",
+    "light_message",
+    "model_message",
+    "physics_message",
+    "poses_message",
+    "scene_message",
+    "statistics_message",
+]
+
+JOINT_KINDS = ("revolute", "revolute2", "prismatic", "universal", "ball", "screw", "gearbox", "fixed")  # 1, 2, ...
+LIGHT_KINDS = ("point", "spot", "directional")
+
+
+def statistics_message(world: World) -> Any:
+    """~/world_stats."""
+    message = msgs.WorldStatistics(
+        paused=world.IsPaused(), iterations=world.Iterations(), model_count=world.ModelCount()
+    )
+    msgs.Set(message.sim_time, world.SimTime())
+    msgs.Set(message.pause_time, world.PauseTime())
+    msgs.Set(message.real_time, world.RealTime())
+    return message
+
+
+def poses_message(world: World) -> Any:
+    """~/pose/info: each model, link and light, in what it is a part of."""
+    message = msgs.PosesStamped()
+    msgs.Set(message.time, world.SimTime())
+    for entity in _placed(world):
+        pose = message.pose.add()
+        msgs.Set(pose, entity.RelativePose())
+        pose.name, pose.id = entity.GetScopedName(), entity.GetId()
+    return message
+
+
+def _placed(world: World) -> Iterator[Entity]:
+    for model in world.all_models():
+        yield model
+        yield from model.GetLinks()
+    yield from world.Lights()
+
+
+def physics_message(world: World) -> Any:
+    """~/physics, as it is now."""
+    physics = world.Physics()
+    message = msgs.Physics(
+        solver_type=physics.GetParam("solver_type"),
+        iters=physics.GetParam("iters"),
+        sor=physics.GetParam("sor"),
+        cfm=physics.GetParam("cfm"),
+        erp=physics.GetParam("erp"),
+        enable_physics=world.PhysicsEnabled(),
+        real_time_factor=physics.GetTargetRealTimeFactor(),
+        real_time_update_rate=physics.GetRealTimeUpdateRate(),
+        max_step_size=physics.GetMaxStepSize(),
+        profile_name=world.PresetMgr().CurrentProfile(),
+    )
+    fastest = physics.GetParam("contact_max_correcting_vel")
+    if math.isfinite(fastest):
+        message.contact_max_correcting_vel = fastest
+    msgs.Set(message.gravity, world.Gravity())
+    msgs.Set(message.magnetic_field, world.MagneticField())
+    return message
+
+
+def contacts_message(world: World) -> Any:
+    """~/physics/contacts: the contacts of the last step."""
+    message = msgs.Contacts()
+    msgs.Set(message.time, world.SimTime())
+    for contact in world.Physics().GetContactManager().GetContacts():
+        part = message.contact.add()
+        part.world = world.Name()
+        part.collision1, part.collision2 = contact.collision1.GetScopedName(), contact.collision2.GetScopedName()
+        msgs.Set(part.time, contact.time)
+        part.depth.extend(contact.depths)
+        for position, normal, wrench in zip(contact.positions, contact.normals, contact.wrench, strict=True):
+            msgs.Set(part.position.add(), position)
+            msgs.Set(part.normal.add(), normal)
+            both = part.wrench.add()
+            both.body_1_name, both.body_2_name = part.collision1, part.collision2
+            for words, force, torque in (
+                (both.body_1_wrench, wrench.body1Force, wrench.body1Torque),
+                (both.body_2_wrench, wrench.body2Force, wrench.body2Torque),
+            ):
+                msgs.Set(words.force, force)
+                msgs.Set(words.torque, torque)
+    return message
+
+
+def model_message(model: Model) -> Any:
+    """A model with its links, joints and nested models."""
+    message = msgs.Model(name=model.GetScopedName(), id=model.GetId(), is_static=model.IsStatic())
+    msgs.Set(message.pose, model.RelativePose())
+    for link in model.GetLinks():
+        message.link.append(_link_message(link))
+    for joint in model.GetJoints():
+        message.joint.append(_joint_message(joint))
+    for nested in model.NestedModels():
+        message.model.append(model_message(nested))
+    sdf = model.GetSDF()
+    for element in sdf.named("plugin") if sdf is not None else ():
+        message.plugin.add(name=element.Get(str, "name"), filename=element.Get(str, "filename"))
+    return message
+
+
+def _link_message(link: Link) -> Any:
+    message = msgs.Link(
+        name=link.GetScopedName(),
+        id=link.GetId(),
+        gravity=link.GetGravityMode(),
+        kinematic=link.GetKinematic(),
+        enabled=link.GetEnabled(),
+    )
+    msgs.Set(message.pose, link.RelativePose())
+    inertial, part = link.GetInertial(), message.inertial
+    part.mass = inertial.Mass()
+    part.ixx, part.ixy, part.ixz = inertial.IXX(), inertial.IXY(), inertial.IXZ()
+    part.iyy, part.iyz, part.izz = inertial.IYY(), inertial.IYZ(), inertial.IZZ()
+    msgs.Set(part.pose, inertial.Pose())
+    for collision in link.GetCollisions():
+        message.collision.append(_collision_message(collision))
+    return message
+
+
+def _collision_message(collision: Collision) -> Any:
+    message = msgs.Collision(
+        name=collision.GetScopedName(),
+        id=collision.GetId(),
+        laser_retro=collision.GetLaserRetro(),
+        max_contacts=collision.GetMaxContacts(),
+    )
+    msgs.Set(message.pose, collision.RelativePose())
+    shape, geometry = collision.GetShape(), message.geometry
+    kinds = type(geometry)
+    if isinstance(shape, BoxShape):
+        geometry.type = kinds.BOX
+        msgs.Set(geometry.box.size, shape.Size())
+    elif isinstance(shape, SphereShape):
+        geometry.type = kinds.SPHERE
+        geometry.sphere.radius = shape.GetRadius()
+    elif isinstance(shape, CylinderShape):
+        geometry.type = kinds.CYLINDER
+        geometry.cylinder.radius, geometry.cylinder.length = shape.GetRadius(), shape.GetLength()
+    elif isinstance(shape, PlaneShape):
+        geometry.type = kinds.PLANE
+        msgs.Set(geometry.plane.normal, shape.Normal())
+    return message
+
+
+def _joint_message(joint: Joint) -> Any:
+    kind = JOINT_KINDS.index(joint.GetMsgType()) + 1
+    message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=kind)
+    for end, link in (("parent", joint.GetParent()), ("child", joint.GetChild())):
+        setattr(message, end, link.GetScopedName() if link is not None else "world")
+        setattr(message, f"{end}_id", link.GetId() if link is not None else 0)
+    for index in range(len(joint.core.axes)):
+        message.angle.append(joint.Position(index))
+        axis = message.axis1 if index == 0 else message.axis2
+        msgs.Set(axis.xyz, joint.LocalAxis(index))
+        axis.limit_lower, axis.limit_upper = joint.LowerLimit(index), joint.UpperLimit(index)
+        axis.limit_effort, axis.limit_velocity = joint.GetEffortLimit(index), joint.GetVelocityLimit(index)
+        axis.damping = joint.GetDamping(index)
+    return message
+
+
+def light_message(light: Light) -> Any:
+    """A light."""
+    message = msgs.Light(name=light.GetName(), id=light.GetId(), type=LIGHT_KINDS.index(light.LightType()) + 1)
+    msgs.Set(message.pose, light.RelativePose())
+    msgs.Set(message.diffuse, light.DiffuseColor())
+    msgs.Set(message.specular, light.SpecularColor())
+    msgs.Set(message.direction, light.Direction())
+    message.range, message.cast_shadows = light.Range(), light.CastShadows()
+    constant, linear, quadratic = light.Attenuation()
+    message.attenuation_constant, message.attenuation_linear = constant, linear
+    message.attenuation_quadratic = quadratic
+    return message
+
+
+def scene_message(world: World) -> Any:
+    """All models and lights."""
+    message = msgs.Scene(name=world.Name())
+    for model in world.Models():
+        message.model.append(model_message(model))
+    for light in world.Lights():
+        message.light.append(light_message(light))
+    return message
+
+
+def entity_message(entity: object) -> Any:
+    """A model, link, collision, joint or light; None for anything else."""
+    if isinstance(entity, Model):
+        return model_message(entity)
+    if isinstance(entity, Link):
+        return _link_message(entity)
+    if isinstance(entity, Collision):
+        return _collision_message(entity)
+    if isinstance(entity, Joint):
+        return _joint_message(entity)
+    return light_message(entity) if isinstance(entity, Light) else None

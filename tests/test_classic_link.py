@@ -203,6 +203,24 @@ def test_who_publishes_and_who_listens(uri, node):
         wait(lambda: not pub.HasConnections() and getAdvertisedTopics() == ["/gazebo/w/a"])
 
 
+def test_a_topic_may_be_advertised_again_and_with_another_type(uri, node):
+    with serve():
+        process = client(
+            """
+            sub = node.Subscribe("~/a", lambda m: print(m.GetTypeName(), flush=True))
+            wait(lambda: node.GetMsgType("~/a") == "gazebo.msgs.GzString")
+            wait(lambda: not getAdvertisedTopics())
+            """
+        )
+        for kind in (msgs.Int, msgs.Int, msgs.Pose, msgs.GzString):
+            pub = node.Advertise(kind, "~/a")
+            assert pub.WaitForConnection(PATIENCE)
+            pub.Publish(kind())
+            assert process.stdout.readline() == kind.GetTypeName() + "\n"
+            pub.Fini()
+        finish(process)
+
+
 def test_nothing_is_serialized_for_nobody(uri, node, monkeypatch):
     with serve():
         got = []
@@ -231,6 +249,32 @@ def test_a_message_of_an_unknown_type_is_reported(uri, node, caplog):
         assert "there is no message type 'my.Own'" in caplog.text
         assert not got
         assert sub
+
+
+def test_a_hostile_client_does_no_harm(uri, node, caplog):
+    with serve():
+        got = []
+        sub = node.Subscribe("~/a", got.append)
+        pub = node.Advertise(msgs.Int, "~/a")
+        process = client(
+            """
+            session, topic = manager.remote._session, "%2Fgazebo%2Fw%2Fa"
+            keys = "libgz/pub", f"libgz/pub/{topic}/x/me", "libgz/a/b/c/e.f:g"
+            tokens = [session.liveliness().declare_token(key) for key in keys]
+            for attachment in (None, b"", b"a b c", b"\\xff 1 gazebo.msgs.Int", b"a 1 gazebo.msgs.Pose", b"a 1 os.sys"):
+                session.put(f"libgz/topic/{topic}", b"\\x08", attachment=attachment)
+            up = node.Advertise(msgs.Int, "~/a")
+            assert up.WaitForConnection(20)
+            up.Publish(msgs.Int(data=5))
+            """
+        )
+        finish(process)
+        wait(lambda: got)
+        assert [m.data for m in got] == [5]
+        assert caplog.text.count("a message that came was dropped: the message is damaged") == 1
+        assert caplog.text.count("that came was dropped") == 3
+        assert len(manager.TopicInfo("/gazebo/w/a").publisher) >= 1
+        assert all((sub, pub))
 
 
 def test_clients_pump_in_a_thread(uri, node):
@@ -294,6 +338,19 @@ def test_a_client_waits_for_its_server(uri):
     with serve():
         manager.AddTopicNamespace("w")
         assert finish(process) == "w\n"
+
+
+def test_a_client_notices_the_end_of_its_server(uri):
+    code = "from libgz.classic.transport import serve; link = serve(); print('here', flush=True); input()"
+    command = [sys.executable, "-c", code]
+    for end in ("kill", "terminate"):
+        server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        with connect(timeout=PATIENCE) as link:
+            assert link.connected()
+            getattr(server, end)()
+            server.communicate(timeout=PATIENCE)
+            wait(lambda link=link: not link.connected())
+            Node().Init("w")
 
 
 BLOCK = """

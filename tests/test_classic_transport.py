@@ -140,6 +140,16 @@ def test_a_dropped_subscriber_or_publisher_ends(node):
     assert not manager.topic("/gazebo/here/a").subscribers
 
 
+def test_a_subscriber_that_is_not_kept_is_told(node, caplog, monkeypatch):
+    monkeypatch.setattr("libgz.classic.transport.subscriber.clock.monotonic", lambda: 5.0)
+    node.Subscribe("~/a", print).Unsubscribe()
+    assert not caplog.records
+    node.Subscribe("~/a", print)
+    assert caplog.messages == [
+        "the subscription to /gazebo/here/a ended right after it began: keep what Subscribe returns"
+    ]
+
+
 def test_a_callback_may_unsubscribe_itself_and_others(node):
     got = []
     subs = {}

@@ -27,6 +27,7 @@ COMMANDS = {
     "schema": "print a grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
     "set": "write fields of an interface of a running server",
+    "topic": "list, print, measure and publish the topics of a running server of SDF worlds",
     "upgrade": "rewrite a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7",
 }
 

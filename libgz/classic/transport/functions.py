@@ -152,8 +152,8 @@ def request(worldName: str, request: str, data: str = "", timeout: float = 10.0)
     subscriber = node.Subscribe("~/response", OnResponse)
     publisher = node.Advertise(message_type("Request"), "~/request")
     end = clock.monotonic() + timeout
-    publisher.WaitForConnection(timeout)
-    publisher.Publish(asked, block=True)
+    if publisher.WaitForConnection(timeout):
+        publisher.Publish(asked, block=True)
     while not answers and clock.monotonic() < end:
         TopicManager.Instance().ProcessNodes()
         clock.sleep(0.001)

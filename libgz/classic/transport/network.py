@@ -17,6 +17,7 @@ import contextlib
 import functools
 import json
 import os
+import re
 import socket
 import threading
 import weakref
@@ -125,7 +126,9 @@ class Network:
         if len(parts) != 5 or parts[4].startswith(self._id + "."):
             return
         _, what, name, type_name, who = parts
-        self._tokens[key] = (what, name, type_name, who.partition(".")[2])
+        process = who.partition(".")[2]
+        if re.fullmatch(r".+:\d{1,9}", process):  # anybody may connect, and say anything
+            self._tokens[key] = (what, name, type_name, process)
 
     def _forget(self, key: str) -> None:
         self._tokens.pop(key, None)
@@ -194,7 +197,7 @@ class Network:
             _direct(lambda query: manager.queue.append(functools.partial(_answer, me, to, query))),
             allowed_origin=zenoh.Locality.REMOTE,
         )
-        way.publishing = [self._token("pub", topic.name, type_name), listener, queryable, publisher]
+        way.publishing = [publisher, listener, queryable, self._token("pub", topic.name, type_name)]
         topic.remote = _matches(publisher)
 
     def _listen(self, topic: Topic) -> Any:
@@ -254,8 +257,10 @@ def _matches(publisher: Any) -> bool:
 
 
 def _undeclare(things: list[Any]) -> None:
+    """Take back what was declared, the last first."""
     while things:
-        things.pop().undeclare()
+        with contextlib.suppress(zenoh.ZError):
+            things.pop().undeclare()
 
 
 def _on_token(network: weakref.ref[Network], sample: Any) -> None:

@@ -71,8 +71,8 @@ class Publisher:
             self._outbox.append(entry)
             if block:
                 self.SendMessage()
-        if topic.remote and self._manager.remote is not None:
-            self._manager.remote.send(topic, self.id, *entry)
+        if topic.remote and (remote := self._manager.remote) is not None:
+            remote.send(topic, self.id, *entry)
 
     def SendMessage(self) -> None:
         """Deliver to the subscribers of this process what waits, now."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 import types
 import weakref
 from collections.abc import Callable
@@ -13,6 +14,8 @@ from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.simulation.plugins import own_traceback
 
 __all__ = ["Subscriber"]
+
+HASTE = 0.001  # [s]: a subscription dropped sooner was never kept
 
 
 class Subscriber:
@@ -32,6 +35,7 @@ class Subscriber:
         self._what = getattr(callback, "__qualname__", repr(callback))
         self.latching = latching
         self.since = next(sequence)
+        self._born = clock.monotonic()
         topic.subscribers[id(self)] = weakref.ref(self)
         manager = TopicManager.Instance()
         manager.refresh(topic)
@@ -53,6 +57,10 @@ class Subscriber:
         topic = getattr(self, "_topic", None)
         if topic is not None and topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh_later(topic)
+            if clock.monotonic() - self._born < HASTE:
+                log.warning(
+                    "the subscription to %s ended right after it began: keep what Subscribe returns", topic.name
+                )
 
     def take(self, message: Message) -> None:
         """Call back. A callback that raises is reported, and its subscription ends."""

@@ -109,7 +109,7 @@ class WorldServer:
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
-                self._visuals().add(added)
+                self.serve_visuals().add(added)
 
     def _sensors(self) -> WorldSensors:
         if self.sensors is None:
@@ -118,7 +118,8 @@ class WorldServer:
             self.sensors = WorldSensors(self.world)
         return self.sensors
 
-    def _visuals(self) -> VisualPlugins:
+    def serve_visuals(self) -> VisualPlugins:
+        """The world is drawn here: load Visual plugins, those of models that come later, too."""
         if self.visuals is None:
             from libgz.classic.rendering.plugins import VisualPlugins
 

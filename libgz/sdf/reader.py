@@ -168,7 +168,9 @@ class SdfFile:
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
-            if about.default == UNSET:
+            if element.name == "script" and "uri" in description.children:
+                element.AddElement(name)  # of a material: many files name only one of both, or write plain text
+            elif about.default == UNSET:
                 self._fault(xml, f"<{name}> is missing and must be given", "error")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
                 continue

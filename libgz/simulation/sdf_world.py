@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.geometry import GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
@@ -19,6 +19,7 @@ from libgz.simulation.sdf_joint import SdfJoint
 from libgz.simulation.sdf_model import SdfModel, model_pose
 from libgz.simulation.sdf_settings import apply_settings
 from libgz.simulation.sdf_state import apply_state
+from libgz.simulation.sdf_visual import set_light
 from libgz.simulation.world import World
 
 __all__ = ["SdfLight", "WorldJoints", "add_entities", "insert_sdf", "load_sdf"]
@@ -41,11 +42,7 @@ class SdfLight(Model):
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
-        self.light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
-        self.light.SetSpecularColor(element.Get(GzColor, "specular"))
-        fading = element.child("attenuation")
-        self.range = fading.Get(float, "range")
-        self.light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        set_light(self.light, element)
 
 
 class WorldJoints(Model):

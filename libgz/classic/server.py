@@ -102,16 +102,17 @@ class WorldServer:
             for part in self._models([core]):
                 for link in part.GetLinks():
                     for element in _named(link.GetSDF(), "sensor"):
-                        self._sensors().create(link, element)
+                        self.all_sensors().create(link, element)
                 for joint in part.GetJoints():
                     for element in _named(joint.GetSDF(), "sensor"):
-                        self._sensors().create(joint, element)
+                        self.all_sensors().create(joint, element)
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
                 self.serve_visuals().add(added)
 
-    def _sensors(self) -> WorldSensors:
+    def all_sensors(self) -> WorldSensors:
+        """The world's sensors, though there may be none yet."""
         if self.sensors is None:
             from libgz.classic.sensors.manager import WorldSensors
 

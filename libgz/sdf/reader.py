@@ -150,10 +150,10 @@ class SdfFile:
         if name == "include" and description is not None and "include" in description.children:
             self._include(xml, parent, description.children["include"])
             return
-        if name == "frame" and description is not None and not description.open:
+        known = description.children.get(name) if description is not None and not description.open else None
+        if name == "frame" and known is None and description is not None and not description.open:
             self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
             return
-        known = description.children.get(name) if description is not None and not description.open else None
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
             self._fault(xml, f"stands more than once in <{parent.name}>; the first one holds", "warning")
         elif known is None and description is not None and not description.open and description.children:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import libgz
@@ -106,12 +107,13 @@ def test_animated_box_goes_round_and_round():
             assert tuple(box.WorldPose().Pos())[:2] == pytest.approx(corner, abs=0.01)
 
 
-def test_factory_brings_models_by_file_text_and_document():
+def test_factory_brings_models_by_file_text_document_and_message():
     with example("factory") as (core, world):
         core.step(2)
         names = {model.GetName() for model in world.Models()}
         assert {"ground_plane", "pioneer2dx", "sphere", "another_sphere"} <= names
         assert tuple(world.ModelByName("another_sphere").WorldPose().Pos())[:2] == (2.5, 0.0)
+        assert tuple(world.ModelByName("third_sphere").WorldPose().Pos())[:2] == (-2.0, 0.0)
         assert world.ModelByName("pioneer2dx").GetJointCount() == 3
         core.run(1.5)
         assert world.ModelByName("sphere").WorldPose().Pos().Z() == pytest.approx(0.5, abs=0.01)
@@ -231,3 +233,71 @@ def test_custom_message_is_answered_with_heights():
         ]  # fmt: skip
         assert answer.question == question
         del kept, publisher
+
+
+def server_of(core):
+    return core.companions[0]
+
+
+def test_contact_tells_what_touches_and_what_leaves(caplog):
+    with example("contact") as (core, _):
+        core.run(2.0)
+        told = [record.getMessage() for record in caplog.records if record.name == "libgz.classic.console"]
+        first, last = told[0], told[-1]
+        assert {*first.split(" touches ")} == {"ball::link::skin", "bumper::link::plate"}
+        assert last == first.replace(" touches ", " has left ")
+
+
+def test_camera_finds_the_red_ball(tmp_path):
+    text = (EXAMPLES / "camera" / "camera.world").read_text()
+    saving = text.replace(
+        'filename="libcamera.so"/>', f'filename="libcamera.so"><save_folder>{tmp_path}</save_folder></plugin>'
+    )
+    (tmp_path / "camera.world").write_text(saving)
+    (tmp_path / "camera.py").write_text((EXAMPLES / "camera" / "camera.py").read_text())
+    with libgz.World.from_file(tmp_path / "camera.world") as core:
+        (loaded,) = server_of(core).sensors.plugins()
+        finder, ball = loaded.plugin, physics.get_world().ModelByName("ball")
+        for _ in range(3):
+            core.run(0.5)
+            x, y, _ = ball.WorldPose().Pos()
+            # Up to 0.1 s old: the ball does 0.8 m/s, 3 m away.
+            assert finder.bearing == pytest.approx(math.atan2(y, x), abs=0.045)
+        assert finder.frames == pytest.approx(15, abs=1)
+    assert len([*tmp_path.glob("*.jpg"), *tmp_path.glob("*.png")]) == finder.frames
+
+
+def test_visual_blinks():
+    from libgz.classic.sensors import SensorManager
+
+    with example("visual") as (core, _):
+        eye, colors = SensorManager.Instance().GetSensor("eye"), []
+        core.run(0.05)
+        for _ in range(8):
+            core.run(0.1)
+            middle = np.frombuffer(eye.ImageData(), np.uint8).reshape(60, 80, 3)[30, 40].astype(int)
+            red, green, blue = middle
+            assert green < 10
+            colors.append("red" if red > blue + 50 else "blue" if blue > red + 50 else "neither")
+    assert colors.count("red") == pytest.approx(4, abs=1)
+    assert colors.count("blue") == pytest.approx(4, abs=1)
+    assert "neither" not in colors
+
+
+def test_system_gui_watches_the_server(tmp_path):
+    folder = EXAMPLES / "system_gui"
+    command = [sys.executable, "-m", "libgz.apps.gzserver", "-s", "libsystem_gui.so", "--iters", "100", "--verbose"]
+    environment = {
+        "PATH": "/usr/bin:/bin", "HOME": str(tmp_path), "GAZEBO_MASTER_URI": "http://127.0.0.1:0",
+        "GAZEBO_PLUGIN_PATH": str(folder),
+    }  # fmt: skip
+    run = subprocess.run(
+        [*command, str(folder / "system_gui.world")], capture_output=True, text=True, timeout=60, env=environment
+    )
+    assert run.returncode == 0, run.stderr
+    lines = [line.removeprefix("[Msg] ") for line in run.stdout.splitlines()]
+    told = [
+        "world default is there", "default has reached 0.050 s", "default has reached 0.100 s", "100 updates in all",
+    ]  # fmt: skip
+    places = [lines.index(line) for line in told]
+    assert places == sorted(places)

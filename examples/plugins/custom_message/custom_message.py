@@ -1,8 +1,7 @@
 """A World plugin with messages of its own: asked for the heights along a line, it answers what rays find there.
 
-A message type is declared with its fields. Another program that declares it alike can ask, too:
-
-    libgz topic -p /gazebo/default/survey survey.msgs.Survey "begin {x: -2} end {x: 2} count: 5"
+A message type is declared with its fields. Another program that declares it alike, by importing this file for example,
+can ask, too; the test of this example shows how.
 """
 
 from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin, msgs, transport

@@ -3,7 +3,7 @@
 A model's JointController pushes its joints in every iteration, so a plugin only says what it wants, and with which
 gains. Targets that come by a topic work from other programs, too:
 
-    libgz topic -p /gazebo/default/turret/vel_cmd vector3d "x: 3.0"
+    libgz topic -p '~/turret/vel_cmd' -t Vector3d -m 'x: 3'
 """
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin, gzmsg, transport

@@ -123,6 +123,30 @@ def test_row_20_pictures_of_sixteen_bits():
         assert color[0] / 65535 == pytest.approx(0.5, abs=0.005)
 
 
+def test_row_20_a_light_that_turns_green_by_its_topic():
+    from libgz.classic import msgs, transport
+
+    dark = SCENE.replace("<ambient>1 1 1 1", "<ambient>0 0 0 1")
+    mount = f"<model name='m'><static>1</static><link name='link'>{camera(size=(64, 48))}</link></model>"
+    white = BOX.replace("0.1 0.1 0.1 1", "1 1 1 1").replace("3 0 0.5", "3 0 0")
+    with libgz.World.from_string(
+        f"<sdf version='1.6'><world name='default'>{dark}{white}{mount}</world></sdf>"
+    ) as world:
+        node = transport.Node()
+        node.Init("default")
+        publisher = node.Advertise(msgs.Light, "~/light/modify")
+        world.step(2)
+        red, green, blue = pixels(get())[24, 32]
+        assert red == green == blue > 50
+        light = msgs.Light(name="sun")
+        msgs.Set(light.diffuse, (0, 1, 0, 1))
+        publisher.Publish(light)
+        world.step(2)
+        red, green, blue = pixels(get())[24, 32]
+        assert red == blue == 0.0
+        assert green > 50
+
+
 def test_a_stereo_pair_takes_its_pictures_together():
     def eye(name, y):
         return (

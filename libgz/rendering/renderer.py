@@ -187,7 +187,7 @@ class Renderer:
                 later.append((float(places[i] @ places[i]), i, number))
                 continue
             if lamps.near:
-                lamps.switch(*places[i].tolist(), float(table.radii[i]))
+                lamps.switch(places[i].tolist(), float(table.radii[i]))
             load(start + 128 * i)
             call(number)
         lamps.all_on()
@@ -314,10 +314,10 @@ class _Lamps:
                 self.near.append((Constant.LIGHT0 + i, (x, y, z), light.range))
         self._off: set[int] = set()
 
-    def switch(self, x: float, y: float, z: float, radius: float) -> None:
+    def switch(self, middle: list[float], radius: float) -> None:
         """Light a ball in the eye frame [m]."""
         for number, place, reach in self.near:
-            if math.dist(place, (x, y, z)) > reach + radius:
+            if math.dist(place, middle) > reach + radius:
                 self._gl.glDisable(number)
                 self._off.add(number)
             elif number in self._off:

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzPose, GzVector
+from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
@@ -35,8 +35,6 @@ class SdfLight(Model):
         self.sdf = element
         self.SetName("light")
         self.SetId(element.Get(str, "name"))
-        self.kind = element.Get(str, "type")  # point, directional or spot
-        self.direction = element.Get(GzVector, "direction")
         self.cast_shadows = element.Get(bool, "cast_shadows")
         body = Body(world, dummy=True)
         self.AddBody(body, True)

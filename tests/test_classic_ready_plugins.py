@@ -328,6 +328,19 @@ def test_a_flap_adds_lift(run):
     assert plane.WorldLinearVel().Z() / 0.001 == pytest.approx(lift / 1.001, rel=1e-3)
 
 
+def test_a_body_of_revolution_is_lifted_wherever_the_air_comes_from(run):
+    wing = {**WING, "a0": 0.0, "cda": 0.0, "radial_symmetry": "true"}
+    core, world = run(body("rocket", inside=plugin("LiftDragPlugin", **wing), gravity="false"))
+    rocket = world.ModelByName("rocket")
+    lift = 4.0 * math.atan(0.1) * 0.5 * 1.2 * 101.0 * 0.5 / math.sqrt(1.01)
+    for velocity, side in (((10.0, 1.0, 0.0), (-0.1, 1.0, 0.0)), ((10.0, 0.0, -1.0), (-0.1, 0.0, -1.0))):
+        rocket.SetLinearVel(velocity)
+        core.step()
+        force = (rocket.GetLink().WorldCoGLinearVel() - Vector3d(*velocity)) / 0.001
+        # Against the motion to the side, across the velocity.
+        assert tuple(force) == pytest.approx(tuple(Vector3d(*side) * -lift), abs=1e-6)
+
+
 @pytest.mark.parametrize(
     ("shape", "volume"),
     [
@@ -425,3 +438,113 @@ def test_sim_events_tell_what_they_do_not_know(run, caplog):
         caplog.clear()
         run(f"<plugin name='events' filename='libSimEventsPlugin.so'><event><name>a</name>{wrong}</event></plugin>")
         assert "did you mean 'inclusion'" in caplog.text or "there is no region 'nowhere'" in caplog.text
+
+
+# Keys ----------------------------------------------------------------------------------------------------------------
+
+
+def test_plane_demo_is_flown_by_keys(run):
+    text = """
+    <plugin name='plane' filename='libPlaneDemoPlugin.so'>
+      <engine><joint_name>j</joint_name><inc_key>119</inc_key><dec_key>115</dec_key>
+        <inc_val>0.5</inc_val><min_val>-1</min_val><max_val>1</max_val></engine>
+      <thruster><link_name>link</link_name><inc_key>116</inc_key><dec_key>103</dec_key>
+        <inc_val>0 0 2</inc_val><min_val>0 0 0</min_val><max_val>0 0 3</max_val></thruster>
+    </plugin>"""
+    slide = (
+        "<joint name='j' type='revolute'><parent>link</parent><child>rotor</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+    rotor = "<link name='rotor'><gravity>false</gravity></link>"
+    core, world = run(body("plane", inside=rotor + slide + text, gravity="false"))
+    plane = world.ModelByName("plane")
+    node = transport.Node()
+    node.Init("default")
+    publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
+
+    def press(*keys):
+        for key in keys:
+            publisher.Publish(msgs.Any(int_value=key))
+        core.step()
+
+    press(*[ord("w")] * 3, ord("t"), ord("t"), ord("x"))
+    plane.SetLinearVel((0, 0, 0))
+    core.step(100)
+    assert plane.GetJoint("j").GetVelocity(0) == pytest.approx(2.0 * 1.0 * 0.1, rel=1e-3)  # both have 1 kg m^2
+    assert plane.WorldLinearVel().Z() == pytest.approx(3.0 / 2.0 * 0.1, rel=1e-3)  # of 2 kg
+    core.Reset()
+    core.step(50)
+    assert plane.WorldLinearVel().Length() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_plane_demo_holds_its_control_surfaces(run):
+    text = """
+    <plugin name='plane' filename='libPlaneDemoPlugin.so'>
+      <control><joint_name>j</joint_name><inc_key>104</inc_key><dec_key>106</dec_key><inc_val>0.2</inc_val>
+        <min_val>-0.5</min_val><max_val>0.5</max_val><p>50</p><i>0</i><d>10</d></control>
+    </plugin>"""
+    core, world = run(body("plane", inside=HINGE.format(name="j") + text, gravity="false"))
+    joint = world.ModelByName("plane").GetJoint("j")
+    node = transport.Node()
+    node.Init("default")
+    publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
+    for keys, position in (("h", 0.2), ("hh", 0.5), ("jjj", -0.1), ("c", 0.0)):
+        for key in keys:
+            publisher.Publish(msgs.Any(int_value=ord(key)))
+        core.run(3.0)
+        assert joint.Position(0) == pytest.approx(position, abs=0.01), keys
+
+
+# Sensors -------------------------------------------------------------------------------------------------------------
+
+SENSORS = {
+    "CameraPlugin": "<sensor name='s' type='camera'><camera><image><width>8</width><height>6</height></image></camera>",
+    "DepthCameraPlugin": "<sensor name='s' type='depth'><camera><image><width>8</width><height>6</height></image></camera>",
+    "RayPlugin": "<sensor name='s' type='ray'>",
+    "GpuRayPlugin": "<sensor name='s' type='gpu_ray'>",
+    "ContactPlugin": "<sensor name='s' type='contact'><contact><collision>c</collision></contact>",
+    "ImuSensorPlugin": "<sensor name='s' type='imu'>",
+    "SonarPlugin": "<sensor name='s' type='sonar'>",
+    "ForceTorquePlugin": "<sensor name='s' type='force_torque'>",
+}
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_sensor_hooks_switch_the_sensor_on_and_are_called(name, run, monkeypatch):
+    from libgz.classic.plugins import hooks
+
+    kind, calls = getattr(hooks, name), []
+    hook = next(word for word in vars(kind) if word.startswith("On"))
+    monkeypatch.setattr(kind, hook, lambda _self, *values: calls.append(values))
+    sensor = f"{SENSORS[name]}<update_rate>100</update_rate>{plugin(name)}</sensor>"
+    shape = collision("<box><size>1 1 1</size></box>")
+    joint = HINGE.format(name="j").replace("</joint>", f"{sensor}</joint>") if name == "ForceTorquePlugin" else ""
+    core, world = run(body("thing", "0 0 0.5 0 0 0", link=shape + (sensor if not joint else ""), inside=joint))
+    (loaded,) = core.companions[0].sensors.plugins()
+    assert loaded.plugin.sensor.IsActive()
+    core.run(0.1)
+    assert len(calls) == pytest.approx(10, abs=1)
+    assert len(calls[0]) == {"OnNewFrame": 5, "OnNewDepthFrame": 5, "OnNewLaserScans": 0}.get(hook, len(calls[0]))
+
+
+def test_a_hook_is_made_for_deriving(run, tmp_path, monkeypatch, capsys):
+    (tmp_path / "nearest.py").write_text(
+        textwrap.dedent("""
+        from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN
+        from libgz.classic.plugins.hooks import RayPlugin
+
+        class Nearest(RayPlugin):
+            def OnNewLaserScans(self):
+                print(f"{min(self.sensor.Ranges()):.2f}")
+
+        GZ_REGISTER_SENSOR_PLUGIN(Nearest)
+        """)
+    )
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    scan = "<ray><scan><horizontal><samples>3</samples><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></horizontal></scan>"
+    ray = (
+        f"<sensor name='s' type='ray'>{scan}<range><min>0.1</min><max>9</max></range></ray>{plugin('nearest')}</sensor>"
+    )
+    wall = body("wall", "3 0 0 0 0 0", link=collision("<box><size>1 9 9</size></box>"), gravity="false")
+    core, _ = run(body("eye", link=ray, gravity="false"), wall)
+    core.step()
+    assert capsys.readouterr().out.split() == ["2.50"]

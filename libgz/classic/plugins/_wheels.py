@@ -5,39 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.physics import CylinderShape, SphereShape
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Joint, Link, Model
-    from libgz.sdf.element import Element
+    from libgz.classic.physics import Joint, Link
 
-__all__ = ["Wheel", "find_joint", "named_joint", "radius_of", "separation"]
-
-
-def find_joint(model: Model, name: str) -> Joint:
-    """A joint of a model by name.
-
-    Raises:
-        NotFoundError: there is none.
-    """
-    joint = model.GetJoint(name)
-    if joint is None:
-        names = [joint.GetName() for joint in model.all_joints()]
-        known = ", ".join(names) or "none"
-        raise NotFoundError(f"model {model.GetName()!r} has no joint {name!r}; it has {known}{nearest(name, names)}")
-    return joint
-
-
-def named_joint(model: Model, sdf: Element, *tags: str) -> Joint:
-    """The joint that an element of a plugin names; the first of several spellings of the tag that is there.
-
-    Raises:
-        NotFoundError: there is no such element, or no such joint.
-    """
-    tag = next((tag for tag in tags if sdf.HasElement(tag)), None)
-    if tag is None:
-        raise NotFoundError(f"{sdf.where}: <{tags[0]}> is missing and must name a joint")
-    return find_joint(model, sdf.Get(str, tag).strip())
+__all__ = ["Wheel", "radius_of", "separation"]
 
 
 def radius_of(link: Link | None) -> float:

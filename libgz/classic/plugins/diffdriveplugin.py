@@ -9,7 +9,8 @@ from libgz.classic.event import Events
 from libgz.classic.math import Quaterniond
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._wheels import Wheel, named_joint, separation
+from libgz.classic.plugins._names import named_joint
+from libgz.classic.plugins._wheels import Wheel, separation
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model

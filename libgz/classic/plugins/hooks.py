@@ -11,8 +11,8 @@ A plugin of one's own says what to do::
 
     GZ_REGISTER_SENSOR_PLUGIN(Nearest)
 
-The ready plugins libCameraPlugin.so, libDepthCameraPlugin.so, libRayPlugin.so, libContactPlugin.so are these as they
-stand: they switch the sensor on, so that it measures and publishes, and do nothing else.
+The ready plugins libCameraPlugin.so, libRayPlugin.so and so on are these as they stand: they switch the sensor on, so
+that it measures and publishes, and do nothing else.
 """
 
 from __future__ import annotations
@@ -24,7 +24,16 @@ from libgz.classic.plugin import SensorPlugin
 if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
-__all__ = ["CameraPlugin", "ContactPlugin", "DepthCameraPlugin", "RayPlugin"]
+__all__ = [
+    "CameraPlugin",
+    "ContactPlugin",
+    "DepthCameraPlugin",
+    "ForceTorquePlugin",
+    "GpuRayPlugin",
+    "ImuSensorPlugin",
+    "RayPlugin",
+    "SonarPlugin",
+]
 
 
 class _Hook(SensorPlugin):
@@ -77,8 +86,8 @@ class RayPlugin(_Hook):
     """Of a ray sensor; `sensor.Ranges()` has the ranges."""
 
     def connect(self) -> list[Any]:
-        """To scans."""
-        return [self.sensor.LaserShape().ConnectNewLaserScans(self.OnNewLaserScans)]
+        """To scans that the sensor has taken over."""
+        return [self.sensor.ConnectUpdated(self.OnNewLaserScans)]
 
     def OnNewLaserScans(self) -> None:
         """There is a new scan."""
@@ -93,3 +102,47 @@ class ContactPlugin(_Hook):
 
     def OnUpdate(self) -> None:
         """Contacts were gathered; there may be none."""
+
+
+class GpuRayPlugin(_Hook):
+    """Of a gpu_ray sensor, which is a ray sensor here."""
+
+    def connect(self) -> list[Any]:
+        """To scans."""
+        return [self.sensor.ConnectUpdated(self.OnUpdate)]
+
+    def OnUpdate(self) -> None:
+        """There is a new scan."""
+
+
+class ImuSensorPlugin(_Hook):
+    """Of an imu; `sensor.LinearAcceleration()` and the like have what it measured."""
+
+    def connect(self) -> list[Any]:
+        """To measurements."""
+        return [self.sensor.ConnectUpdated(self.OnUpdate)]
+
+    def OnUpdate(self) -> None:
+        """There is a new measurement."""
+
+
+class SonarPlugin(_Hook):
+    """Of a sonar."""
+
+    def connect(self) -> list[Any]:
+        """To measurements."""
+        return [self.sensor.ConnectUpdate(self.OnUpdate)]
+
+    def OnUpdate(self, message: Any) -> None:
+        """A msgs.SonarStamped."""
+
+
+class ForceTorquePlugin(_Hook):
+    """Of a force_torque sensor."""
+
+    def connect(self) -> list[Any]:
+        """To measurements."""
+        return [self.sensor.ConnectUpdate(self.OnUpdate)]
+
+    def OnUpdate(self, message: Any) -> None:
+        """A msgs.WrenchStamped."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._wheels import find_joint
+from libgz.classic.plugins._names import find_joint
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo

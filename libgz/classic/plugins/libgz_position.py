@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._wheels import Wheel, named_joint, separation
+from libgz.classic.plugins._names import named_joint
+from libgz.classic.plugins._wheels import Wheel, separation
 from libgz.errors import ParameterError
 from libgz.geometry import NORMALIZE
 from libgz.interfaces.position import Position

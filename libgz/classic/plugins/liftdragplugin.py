@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d, clamp
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.classic.plugins._wheels import named_joint
-from libgz.errors import NotFoundError, nearest
+from libgz.classic.plugins._names import named_joint, named_link
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
@@ -45,12 +44,7 @@ class LiftDragPlugin(ModelPlugin):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the surface."""
-        name = sdf.Get(str, "link_name").strip()
-        link = model.GetLink(name) if name else None
-        if link is None:
-            names = [link.GetName() for link in model.family_links()]
-            raise NotFoundError(f"{sdf.where}: <link_name> is {name!r}; links are {names}{nearest(name, names)}")
-        self.link = link
+        self.link = named_link(model, sdf)
 
         def number(tag: str, default: float) -> float:
             return sdf.Get(float, tag, default)[0]
@@ -76,18 +70,11 @@ class LiftDragPlugin(ModelPlugin):
         if velocity.Length() <= SLOWEST:
             return
         pose = self.link.WorldPose()
-        force = self.force(
-            velocity, pose.Rot().RotateVector(self.forward), self._upward(velocity, pose.Rot().RotateVector)
-        )
-        self.link.AddForceAtWorldPosition(force, pose.CoordPositionAdd(self.cp))
-
-    def _upward(self, velocity: Vector3d, turn: object) -> Vector3d:
-        """Which way is up, global."""
-        if not self.radial:
-            return turn(self.upward)  # type: ignore[operator, no-any-return]
-        forward = turn(self.forward)  # type: ignore[operator]
-        across = forward.Cross(forward.Cross(velocity))
-        return across.Normalize() if across.Length() > 0.0 else turn(self.upward)  # type: ignore[operator, no-any-return]
+        forward, upward = pose.Rot().RotateVector(self.forward), pose.Rot().RotateVector(self.upward)
+        if self.radial:
+            across = forward.Cross(forward.Cross(velocity))
+            upward = across.Normalize() if across.Length() > 0.0 else upward
+        self.link.AddForceAtWorldPosition(self.force(velocity, forward, upward), pose.CoordPositionAdd(self.cp))
 
     def force(self, velocity: Vector3d, forward: Vector3d, upward: Vector3d) -> Vector3d:
         """Lift and drag [N] at a velocity [m/s]; all global."""

@@ -451,11 +451,9 @@ def test_plane_demo_is_flown_by_keys(run):
       <thruster><link_name>link</link_name><inc_key>116</inc_key><dec_key>103</dec_key>
         <inc_val>0 0 2</inc_val><min_val>0 0 0</min_val><max_val>0 0 3</max_val></thruster>
     </plugin>"""
-    slide = (
-        "<joint name='j' type='revolute'><parent>link</parent><child>rotor</child><axis><xyz>0 0 1</xyz></axis></joint>"
-    )
+    axle = HINGE.format(name="j").replace("child>link", "child>rotor").replace("parent>world", "parent>link")
     rotor = "<link name='rotor'><gravity>false</gravity></link>"
-    core, world = run(body("plane", inside=rotor + slide + text, gravity="false"))
+    core, world = run(body("plane", inside=rotor + axle + text, gravity="false"))
     plane = world.ModelByName("plane")
     node = transport.Node()
     node.Init("default")
@@ -496,11 +494,16 @@ def test_plane_demo_holds_its_control_surfaces(run):
 
 # Sensors -------------------------------------------------------------------------------------------------------------
 
+SMALL = "<camera><image><width>8</width><height>6</height></image></camera>"
+RAY = """<ray>
+  <scan><horizontal><samples>3</samples><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></horizontal></scan>
+  <range><min>0.1</min><max>9</max></range>
+</ray>"""
 SENSORS = {
-    "CameraPlugin": "<sensor name='s' type='camera'><camera><image><width>8</width><height>6</height></image></camera>",
-    "DepthCameraPlugin": "<sensor name='s' type='depth'><camera><image><width>8</width><height>6</height></image></camera>",
-    "RayPlugin": "<sensor name='s' type='ray'>",
-    "GpuRayPlugin": "<sensor name='s' type='gpu_ray'>",
+    "CameraPlugin": f"<sensor name='s' type='camera'>{SMALL}",
+    "DepthCameraPlugin": f"<sensor name='s' type='depth'>{SMALL}",
+    "RayPlugin": f"<sensor name='s' type='ray'>{RAY}",
+    "GpuRayPlugin": f"<sensor name='s' type='gpu_ray'>{RAY}",
     "ContactPlugin": "<sensor name='s' type='contact'><contact><collision>c</collision></contact>",
     "ImuSensorPlugin": "<sensor name='s' type='imu'>",
     "SonarPlugin": "<sensor name='s' type='sonar'>",
@@ -518,7 +521,7 @@ def test_sensor_hooks_switch_the_sensor_on_and_are_called(name, run, monkeypatch
     sensor = f"{SENSORS[name]}<update_rate>100</update_rate>{plugin(name)}</sensor>"
     shape = collision("<box><size>1 1 1</size></box>")
     joint = HINGE.format(name="j").replace("</joint>", f"{sensor}</joint>") if name == "ForceTorquePlugin" else ""
-    core, world = run(body("thing", "0 0 0.5 0 0 0", link=shape + (sensor if not joint else ""), inside=joint))
+    core, _ = run(body("thing", "0 0 0.5 0 0 0", link=shape + (sensor if not joint else ""), inside=joint))
     (loaded,) = core.companions[0].sensors.plugins()
     assert loaded.plugin.sensor.IsActive()
     core.run(0.1)
@@ -540,10 +543,7 @@ def test_a_hook_is_made_for_deriving(run, tmp_path, monkeypatch, capsys):
         """)
     )
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
-    scan = "<ray><scan><horizontal><samples>3</samples><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></horizontal></scan>"
-    ray = (
-        f"<sensor name='s' type='ray'>{scan}<range><min>0.1</min><max>9</max></range></ray>{plugin('nearest')}</sensor>"
-    )
+    ray = f"<sensor name='s' type='ray'>{RAY}{plugin('nearest')}</sensor>"
     wall = body("wall", "3 0 0 0 0 0", link=collision("<box><size>1 9 9</size></box>"), gravity="false")
     core, _ = run(body("eye", link=ray, gravity="false"), wall)
     core.step()

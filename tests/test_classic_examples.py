@@ -3,6 +3,7 @@
 import contextlib
 import logging
 import math
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Pose3d, Rand
+from libgz.reference.classic_pages import classic_pages
 
 EXAMPLES = Path(__file__).parent.parent / "examples" / "plugins"
 
@@ -301,3 +303,47 @@ def test_system_gui_watches_the_server(tmp_path):
     ]  # fmt: skip
     places = [lines.index(line) for line in told]
     assert places == sorted(places)
+
+
+# The guide -----------------------------------------------------------------------------------------------------------
+
+GUIDE = (EXAMPLES.parent.parent / "docs" / "plugins.md").read_text()
+
+
+def code_of_guide(word):
+    """The block of Python code in the guide that holds a word."""
+    (block,) = [part.split("```")[0] for part in GUIDE.split("```python\n")[1:] if word in part.split("```")[0]]
+    return block
+
+
+def test_the_guides_first_plugins_run(tmp_path, capsys):
+    (tmp_path / "hello_world.py").write_text(code_of_guide("WorldPluginTutorial"))
+    (tmp_path / "hover.py").write_text(code_of_guide("class Hover"))
+    hello = GUIDE.split("```xml\n")[1].split("```")[0]
+    model = """
+    <model name='drone'><pose>0 0 1 0 0 0</pose><link name='base'><inertial><mass>3</mass></inertial></link>
+      <plugin name='hover' filename='libhover.so'><height>2.5</height></plugin></model></world>"""
+    (tmp_path / "hello.world").write_text(hello.replace("</world>", model))
+    with libgz.World.from_file(tmp_path / "hello.world") as core:
+        core.run(5.0)
+        assert capsys.readouterr().out == "Hello World!\n"
+        assert physics.get_world().ModelByName("drone").WorldPose().Pos().Z() == pytest.approx(2.5, abs=0.01)
+
+
+def test_the_guide_tells_of_all_ready_plugins_and_links_to_what_is_there():
+    from libgz.classic.loading import READY
+
+    files = {path.stem.removeprefix("lib") for path in READY.glob("[a-z]*.py")} - {"hooks"}
+    told = {word.lower() for word in re.findall(r"`lib(\w+)\.so`", GUIDE)}
+    assert files == told
+    for target in re.findall(r"\]\(([^)#]+)\)", GUIDE):
+        assert (EXAMPLES.parent.parent / "docs" / target).exists(), target
+    headings = {
+        re.sub(r"[^\w -]", "", line).strip().lower().replace(" ", "-") for line in re.findall("^##+ (.*)$", GUIDE, re.M)
+    }
+    assert set(re.findall(r"\]\(#([^)]+)\)", GUIDE)) <= headings
+
+
+def test_the_pages_of_the_api_are_current():
+    found = {path.name: path.read_text() for path in (EXAMPLES.parent.parent / "docs" / "classic").glob("*.md")}
+    assert found == classic_pages(), "run scripts/make_classic_pages.py"

@@ -1,7 +1,7 @@
 """Gazebo classic's plugins in Python, and the names they use: views on the engine's objects.
 
-Each name is imported when it is first used. A star import brings all but `gui`, `rendering` and `sensors`, which a
-world without pictures has no need to load.
+Each name is imported when it is first used. A star import brings all but `gui` and `rendering`, which a world without
+pictures has no need to load.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ if TYPE_CHECKING:  # what type checkers see; at run time each is imported when i
     from libgz.classic.plugin import WorldPlugin as WorldPlugin
 
 # Submodules by Gazebo's names; everything else is in libgz.classic.plugin.
-_MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "transport")
-_ON_REQUEST = ("gui", "rendering", "sensors")
+_MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "sensors", "transport")
+_ON_REQUEST = ("gui", "rendering")
 _KINDS = ("GUI", "Model", "Sensor", "System", "Visual", "World")
 _PLUGIN = [name for kind in _KINDS for name in (f"{kind}Plugin", f"GZ_REGISTER_{kind.upper()}_PLUGIN")]
 _CONSOLE = ("gzdbg", "gzerr", "gzlog", "gzmsg", "gzwarn")

@@ -217,17 +217,15 @@ def draw_beside_physics(on: bool) -> None:
     _beside = on
 
 
-_scenes: weakref.WeakKeyDictionary[SceneWorld, Scene] = weakref.WeakKeyDictionary()
-
-
 def join_scene(world: SceneWorld) -> Scene:
     """The scene of a world, for one more camera; `Scene.leave` gives it back.
 
     Raises:
         LibraryError: the chosen OpenGL does not work here.
     """
-    scene = _scenes.get(world)
+    # Kept by the world itself: a table of scenes would hold the geoms, and with them the world, for ever.
+    scene: Scene | None = vars(world).get("_scene")
     if scene is None or (scene.context is not None and scene.context.closed):
-        scene = _scenes[world] = Scene(world)
+        scene = vars(world)["_scene"] = Scene(world)
     scene.cameras += 1
     return scene

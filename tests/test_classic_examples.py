@@ -4,8 +4,11 @@ import contextlib
 import logging
 import math
 import re
+import signal
+import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -347,3 +350,53 @@ def test_the_guide_tells_of_all_ready_plugins_and_links_to_what_is_there():
 def test_the_pages_of_the_api_are_current():
     found = {path.name: path.read_text() for path in (EXAMPLES.parent.parent / "docs" / "classic").glob("*.md")}
     assert found == classic_pages(), "run scripts/make_classic_pages.py"
+
+
+# The client ----------------------------------------------------------------------------------------------------------
+
+PRESS = """
+import time
+from libgz.classic.gui.client import Client
+from libgz.classic.transport import connect
+with connect(timeout=60.0), Client((80, 60)) as client:
+    place, end = client.window.places["overlay"], time.monotonic() + 60.0
+    place.Press("Spawn sphere")
+    while time.monotonic() < end and not (client.window.scene.GetVisual("sphere_0") and place.text):
+        client.frame()
+        time.sleep(0.01)
+    print(place.position, place.text.endswith(" s"), client.window.scene.GetVisual("sphere_0"))
+"""
+
+
+@pytest.fixture
+def system_gui_server(tmp_path, monkeypatch):
+    """A server with the world of system_gui, on a port of its own."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        monkeypatch.setenv("GAZEBO_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(EXAMPLES / "system_gui"))
+    command = [sys.executable, "-m", "libgz.apps.gzserver", str(EXAMPLES / "system_gui" / "system_gui.world")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        yield server
+        server.send_signal(signal.SIGINT)
+        assert server.communicate(timeout=60)[1] == ""
+
+
+def test_overlay_shows_the_time_and_spawns_a_sphere(system_gui_server):
+    run = subprocess.run([sys.executable, "-c", PRESS], capture_output=True, text=True, timeout=120)
+    assert run.stdout == "(10, 10) True <Visual 'sphere_0'>\n", run.stderr
+
+
+def test_client_frames_saves_five_frames(system_gui_server, tmp_path):
+    folder = tmp_path / "pictures"
+    command = [sys.executable, "-m", "libgz.apps.gzclient", "-g", "libclient_frames.so", f"--frames-to={folder}"]
+    with subprocess.Popen(
+        [*command, "--size", "80x60"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as client:
+        end = time.monotonic() + 60.0
+        while time.monotonic() < end and client.poll() is None and len([*folder.glob("*")]) < 5:
+            time.sleep(0.05)
+        time.sleep(0.3)  # for more, if they were to come
+        client.send_signal(signal.SIGINT)
+        fault = client.communicate(timeout=60)[1]
+    assert len([*folder.glob("*.jpg")]) == 5, fault

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 class JointTrajectoryPlugin(ModelPlugin):
     """Sets joints to the position cos(t) [rad] or [m] in every iteration, t being the sim time [s].
 
+    They have the velocity that belongs to it, so that what hangs on them does not gather speed under gravity.
+
     Elements:
         joint: the name of a joint; any number of them.
     """
@@ -29,8 +31,10 @@ class JointTrajectoryPlugin(ModelPlugin):
 
     def OnUpdate(self, info: UpdateInfo) -> None:
         """Move the joints."""
+        now = info.simTime.Double()
         for joint in self.joints:
-            joint.SetPosition(0, math.cos(info.simTime.Double()))
+            joint.SetPosition(0, math.cos(now))
+            joint.SetVelocity(0, -math.sin(now))
 
 
 GZ_REGISTER_MODEL_PLUGIN(JointTrajectoryPlugin)

@@ -39,6 +39,8 @@ class Overlay(GUIPlugin):
         self.gui.SetText(f"{message.sim_time.sec + 1e-9 * message.sim_time.nsec:.2f} s")
 
     def OnButton(self):
+        # A new publisher takes a moment until the server listens to it; what is said before is lost.
+        self.publisher.WaitForConnection(5.0)
         self.publisher.Publish(msgs.Factory(sdf=SPHERE.format(name=f"sphere_{self.count}")))
         self.count += 1
 

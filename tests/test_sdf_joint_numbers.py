@@ -361,3 +361,14 @@ def test_positions_beyond_a_turn_and_their_stops(load):
     made.step()
     assert hinge.position() == pytest.approx(7.0, abs=0.2)
     assert GzQuaternToEuler(made.body("p").GetRotation()).y == pytest.approx(7.0 - 2 * math.pi, abs=0.2)
+
+
+@pytest.mark.parametrize("limit", [3.1, math.pi, 3.2, 2 * math.pi, 20.0])
+def test_stops_about_half_a_turn_hold(load, limit):
+    made = load(world(pendulum(limits(-limit, limit)), gravity="0 0 0"))
+    hinge = made.model("p").sdf_joints["j"]
+    for push in (20.0, -20.0):
+        for _ in range(4000):
+            hinge.add_force(push)
+            made.step()
+        assert hinge.position() == pytest.approx(math.copysign(limit, push), abs=0.02)

@@ -10,6 +10,7 @@ from sdf_worlds import GROUND, Loader, collision, inertial, joint, link, model, 
 
 from libgz.errors import NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.ode.native_step import native_path
 from libgz.ode.types import Surface
 from libgz.sdf.reader import SdfFile
 from libgz.simulation.sdf_settings import apply_profile, settings_of
@@ -449,7 +450,7 @@ def test_more_contacts_than_ten_on_request(load, tmp_path):
 def test_a_state_moves_inserts_and_deletes(load):
     inserted = model("late", link("l"), pose="7 0 0 0 0 0")
     state = (
-        "<state world_name='default'><sim_time>3 0</sim_time>"
+        "<state world_name='default'><sim_time>3 500000000</sim_time>"
         "<model name='m'><pose>1 2 3 0 0 0</pose><link name='link'><pose>1 2 3 0 0 0.5</pose>"
         "<velocity>0 0 1 0 0 2</velocity></link></model><model name='nobody'/>"
         "<light name='lamp'><pose>0 0 9 0 0 0</pose></light>"
@@ -458,6 +459,7 @@ def test_a_state_moves_inserts_and_deletes(load):
     lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose></light>"
     made = load(world(model("m", link("link")), model("gone", link("l")), lamp, state, gravity="0 0 0"))
     body = made.body("m")
+    assert made.GetSimTime() == 3.5
     assert place(body) == (1, 2, 3)
     assert GzQuaternToEuler(body.GetRotation()).z == pytest.approx(0.5)
     assert (tuple(body.GetLinearVel()), tuple(body.GetAngularRate())) == ((0, 0, 1), (0, 0, 2))
@@ -482,7 +484,8 @@ def test_profiles_scene_and_place_on_earth(load):
     assert list(settings.profiles) == ["slow", "fast"]
     assert tuple(settings.magnetic_field) == (1, 2, 3)
     assert settings.spherical_coordinates.Get(float, "latitude_deg") == 47.4
-    assert (tuple(settings.ambient)[:3], settings.shadows) == ((0.1, 0.2, 0.3), False)
+    assert tuple(made.backdrop.ambient)[:3] == (0.1, 0.2, 0.3)
+    assert not settings.scene.Get(bool, "shadows")
     assert (made.fogEnable, made.fogDensity, tuple(made.skyColor)[:3]) == (True, 0.5, (0.4, 0.5, 0.6))
     apply_profile(made, "slow")
     assert made.engine.step_time == 0.01
@@ -502,3 +505,95 @@ def test_models_join_a_running_world_whole_or_not_at_all(load):
     with pytest.raises(WorldFileError, match="nowhere"):
         insert_sdf(made, SdfFile.from_string(bad))
     assert made.models == before
+
+
+def test_a_joint_outlives_the_model_it_held(load):
+    damped = "<dynamics><damping>1</damping></dynamics>"
+    holder = model("holder", link("l", inertial()), joint("j", "revolute", "other::l", "l", "0 1 0", inside=damped))
+    screwed = model("screwed", link("l", inertial()), joint("s", "screw", "other::l", "l", "0 0 1"))
+    made = load(world(model("other", link("l", inertial())), holder, screwed))
+    made.run(0.01)
+    made.DeleteModel("other")
+    made.run(0.01)
+    assert not made.model("holder").sdf_joints["j"].attached
+    assert not made.model("screwed").sdf_joints["s"].attached
+    assert made.model("holder").failed is None
+    assert made.model("screwed").failed is None
+
+
+def test_a_screw_is_moved_along_its_thread(load):
+    pitched = joint("s", "screw", "world", "l", "0 0 1", "<thread_pitch>2</thread_pitch>")
+    made = load(world(model("m", link("l", inertial()), pitched), gravity="0 0 0"))
+    screw = made.model("m").sdf_joints["s"]
+    screw.set_position(3.0)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.0, -1.5))
+    screw.set_velocity(1.0)
+    made.run(0.5)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.5, -1.75), abs=1e-3)
+    screw.set_velocity(1.0, 1)
+    assert screw.velocity(0) == pytest.approx(-2.0)
+    screw.set_param("thread_pitch", 4.0)
+    assert screw.get_param("thread_pitch") == 4.0
+
+
+def test_a_wheel_on_a_suspension(load):
+    """A sprung wheel gives way along the steering axis as ODE's suspension does: weight h erp / (h^2 k) at rest."""
+    spring = "<physics><ode><suspension><erp>0.5</erp><cfm>0.05</cfm></suspension></ode></physics>"
+    car = model(
+        "car",
+        link("body", inertial(10.0), pose="0 0 1 0 0 0"),
+        link("wheel", inertial(1.0), pose="0 0 0.5 0 0 0"),
+        joint("j", "revolute2", "body", "wheel", "0 0 1", f"<axis2><xyz>0 1 0</xyz></axis2>{spring}"),
+        joint("hold", "fixed", "world", "body", ""),
+    )
+    made = load(world(car))
+    made.run(2.0)
+    stiffness = 0.5 / (0.001 * 0.05)  # erp = h k / (h k + d), cfm = 1 / (h k + d)
+    assert 0.5 - made.body("car", "wheel").GetPosition().z == pytest.approx(9.8 / stiffness, rel=0.05)
+    made.model("car").sdf_joints["j"].set_velocity(2.0, 1)
+    made.run(0.2)
+    assert made.model("car").sdf_joints["j"].position(1) == pytest.approx(0.4, abs=0.02)
+
+
+def test_lights_of_links_go_with_them(load):
+    lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose><diffuse>1 0 0 1</diffuse></light>"
+    made = load(world(model("m", link("l", lamp), pose="2 0 0 0 0 0"), gravity="0 0 0"))
+    light = made.body("m").geoms[0]
+    assert tuple(light.GetPose().pos) == (2, 0, 1)
+    assert tuple(light.GetDiffuseColor())[:3] == (1, 0, 0)
+
+
+def test_both_forms_of_the_step_run_sdf_worlds_to_the_bit(load, monkeypatch):
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    bouncy = "<friction><ode><mu>.5</mu><slip1>.01</slip1><fdir1>1 0 0</fdir1></ode></friction>"
+    parts = [
+        model(f"b{i}", link("l", collision(shape, bouncy)), pose=f"{0.3 * i} 0 {1 + i} {0.1 * i} 0 0")
+        for i, shape in enumerate(("box", "sphere", "cylinder", "box"))
+    ]
+    limit = "<limit><lower>-5</lower><upper>5</upper></limit><dynamics><damping>.1</damping></dynamics>"
+    parts.append(two_links(joint("h", "revolute", "a", "b", "0 1 0", inside=limit)))
+    bolt = link("bolt", inertial(), pose="4 0 2 0 0 0")
+    parts.append(model("screw", bolt, joint("s", "screw", "world", "bolt", "0 0 1", "<thread_pitch>8</thread_pitch>")))
+    parts.append(
+        model(
+            "cross",
+            link("l", inertial(), pose="8 0 2 0 0 0"),
+            joint("u", "universal", "world", "l", "1 0 0", "<axis2><xyz>0 1 0</xyz></axis2>", pose="0.3 0.2 0 0 0 0"),
+        )
+    )
+    ends = []
+    for form in ("native", "python"):
+        monkeypatch.setenv("LIBGZ_STEP", form)
+        made = load(world(GROUND, *parts))
+        made.engine.seed = 1
+        joints = [made.model(name).sdf_joints[j] for name, j in (("m", "h"), ("screw", "s"), ("cross", "u"))]
+        joints[0].set_velocity(9.0)
+        kept = []
+        for i in range(1500):
+            made.step()
+            if i % 100 == 99:
+                kept += [joint.position(k) for joint in joints for k in range(joint.dof)]
+        ends.append((kept, made.engine.states.tobytes()))
+        assert max(map(abs, kept)) > math.pi
+    assert ends[0] == ends[1]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, link, model, world
 
-from libgz.geometry import rotate
+from libgz.geometry import GzPose, GzVector, rotate
 
 
 @pytest.fixture
@@ -320,3 +320,20 @@ def test_things_fall_asleep_and_wake(load):
     made.engine.gravity = (0, 0, 1)
     made.run(1.0)
     assert asleep.GetPosition().z > 0.9
+
+
+def test_what_sleeps_wakes_when_its_support_goes(load):
+    table = model("table", "<static>1</static>", link("link", collision("box")), pose="0 0 0.5 0 0 0")
+    other = model("other", "<static>1</static>", link("link", collision("box")), pose="5 0 0.5 0 0 0")
+    boxes = [model(f"b{x}", link("link", collision("box")), pose=f"{x} 0 1.5 0 0 0") for x in (0, 5)]
+    made = load(world(GROUND, table, other, *boxes))
+    made.run(1.5)
+    assert not any(made.body(f"b{x}").IsEnabled() for x in (0, 5))
+    made.DeleteModel("table")
+    made.run(0.3)
+    assert made.body("b0").GetPosition().z < 1.2
+    assert made.body("b5").GetPosition().z == pytest.approx(1.5, abs=1e-3)
+    made.run(1.5)
+    made.SetModelPose(made.model("other"), GzPose(GzVector(9, 0, 0.5)))
+    made.run(0.3)
+    assert made.body("b5").GetPosition().z < 1.2

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import sys
 from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
@@ -23,6 +24,7 @@ __all__ = [
     "Step",
     "StepContext",
     "Tables",
+    "push_joint",
     "read_body",
     "read_joint",
     "watch_body",
@@ -86,6 +88,7 @@ class StepContext(ctypes.Structure):
         ("joints", c_void_p),
         ("joint_types", c_void_p),
         ("joint_state", c_void_p),
+        ("springs", c_void_p),
     ]
 
 
@@ -98,6 +101,7 @@ class Tables(Protocol):
     body_state: NDArray[np.float64]
     body_start: NDArray[np.float64]
     joint_state: NDArray[np.float64]
+    springs: NDArray[np.float64]
     joint_types: NDArray[np.int64]
     body_ids: NDArray[np.uintp]
     joint_ids: NDArray[np.uintp]
@@ -163,7 +167,8 @@ _TURN = 6.2831853071795862  # 2 pi
 
 def _unwind(before: float, angle: float) -> float:
     """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
-    return angle + _TURN * round((before - angle) / _TURN)
+    turns = (before - angle) / _TURN
+    return angle + _TURN * round(turns) if math.isfinite(turns) else angle
 
 
 def watch_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
@@ -193,6 +198,21 @@ def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = Fal
         state[0] = _unwind(before[0], state[0])
         if kind in (JointType.HINGE2, JointType.UNIVERSAL):
             state[1] = _unwind(before[1], state[1])
+
+
+def push_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool) -> None:
+    """What the spring and damper of a hinge or slider do in the coming step; push_joints in step.c."""
+    joint, kind = int(tables.joint_ids[row]), int(tables.joint_types[row])
+    stiffness, damping, reference = tables.springs[row].tolist()
+    if kind == JointType.HINGE:
+        at = ode_.dJointGetHingeAngle(joint)
+        if unwind:
+            at = _unwind(float(tables.joint_state[row, 0]), at)
+        rate = ode_.dJointGetHingeAngleRate(joint)
+        ode_.dJointAddHingeTorque(joint, stiffness * (reference - at) - damping * rate)
+    elif kind == JointType.SLIDER:
+        at, rate = ode_.dJointGetSliderPosition(joint), ode_.dJointGetSliderPositionRate(joint)
+        ode_.dJointAddSliderForce(joint, stiffness * (reference - at) - damping * rate)
 
 
 _TWO_VALUES: dict[int, tuple[str, str, str, str]] = {

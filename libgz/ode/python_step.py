@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.geometry import rotate
-from libgz.ode.context import MAX_CONTACTS, NO_HIT, StepContext, Tables, read_body, read_joint, watch_body
+from libgz.ode.context import MAX_CONTACTS, NO_HIT, StepContext, Tables, push_joint, read_body, read_joint, watch_body
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_contacts import CarefulContacts, make_surface
 from libgz.ode.types import Contact, ContactGeom, JointType
@@ -164,6 +164,9 @@ class PythonStep:
         context, ode_ = self._context, self._ode
         ode_.dRandSetSeed(context.seed)
         self._careful.log.ask(ode_)
+        pushing = self._tables.springs[: context.joint_count, :2].any(axis=1)
+        for row in (pushing & (self._tables.joint_ids[: context.joint_count] != 0)).nonzero()[0].tolist():
+            push_joint(ode_, self._tables, row, unwind=bool(context.classic))
         if context.watch:
             for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
                 watch_body(ode_, self._tables, row)

@@ -74,6 +74,8 @@ typedef struct {
     X(const double *, dBodyGetTorque, (void *))                                 \
     X(double, dJointGetHingeAngle, (void *))                                    \
     X(double, dJointGetHingeAngleRate, (void *))                                \
+    X(void, dJointAddHingeTorque, (void *, double))                             \
+    X(void, dJointAddSliderForce, (void *, double))                             \
     X(double, dJointGetSliderPosition, (void *))                                \
     X(double, dJointGetSliderPositionRate, (void *))                            \
     X(double, dJointGetHinge2Angle1, (void *))                                  \
@@ -149,6 +151,7 @@ typedef struct {
     void *const *joints;
     const int64_t *joint_types;
     double *joint_state;   /* 4 a row: angle 1 and 2, rate 1 and 2 */
+    const double *springs; /* 3 a row, for hinges and sliders: stiffness, damping, reference */
 } context;
 
 size_t gz_step_context_size(void) { return sizeof(context); }
@@ -567,7 +570,28 @@ static void watch_bodies(context *c)
 /* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
-    return c->classic ? angle + TURN * rint((before - angle) / TURN) : angle;
+    double turns = (before - angle) / TURN;
+    return c->classic && isfinite(turns) ? angle + TURN * rint(turns) : angle;
+}
+
+/* Springs and dampers of hinges and sliders push for the coming step. */
+static void push_joints(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->joint_count; i++) {
+        void *joint = c->joints[i];
+        const double *s = c->springs + 3 * i;
+        double at;
+        if (!joint || (s[0] == 0.0 && s[1] == 0.0))
+            continue;
+        if (c->joint_types[i] == JOINT_HINGE) {
+            at = unwind(c, c->joint_state[4 * i], dJointGetHingeAngle(joint));
+            dJointAddHingeTorque(joint, s[0] * (s[2] - at) - s[1] * dJointGetHingeAngleRate(joint));
+        } else if (c->joint_types[i] == JOINT_SLIDER) {
+            at = dJointGetSliderPosition(joint);
+            dJointAddSliderForce(joint, s[0] * (s[2] - at) - s[1] * dJointGetSliderPositionRate(joint));
+        }
+    }
 }
 
 static void read_joints(context *c)
@@ -664,6 +688,7 @@ int gz_solve(context *c)
     int done;
     dRandSetSeed((unsigned long)c->seed);
     ask_contacts(c);
+    push_joints(c);
     if (c->watch)
         watch_bodies(c);
     done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);

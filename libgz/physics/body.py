@@ -105,6 +105,7 @@ class Body:
         for geom in list(self.geoms):
             geom.close()
         if self._id is not None:
+            self.engine.sleepers.discard(self)
             self.engine.remove_body(self.row)
             ode().dBodyDestroy(self._id)
             self._id = None
@@ -266,6 +267,7 @@ class Body:
         if self.row < 0:
             return
         lib, self.sleepy = ode(), bool(on)
+        (self.engine.sleepers.add if on else self.engine.sleepers.discard)(self)
         lib.dBodySetAutoDisableLinearThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableAngularThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableTime(self.id, REST_TIME)

@@ -127,6 +127,11 @@ class Thread:
         self._line.Attach(*piston.bodies)
 
     @property
+    def broken(self) -> bool:
+        """Whether a body that it held is gone."""
+        return self._line.closed
+
+    @property
     def error(self) -> float:
         """How far the position is off [m]."""
         return self.piston.GetPosition() + self.piston.GetAngle() / self.pitch
@@ -218,6 +223,11 @@ class Gears:
             for body, axis in zip(self.bodies, self._local, strict=True)
         )
         return first, second
+
+    @property
+    def broken(self) -> bool:
+        """Whether a body that it held is gone."""
+        return any(line.closed for line in self._lines)
 
     def direction(self, index: int) -> GzVector:
         """The axis of the first (0) or second (1) body as it lies now, global."""

@@ -129,6 +129,7 @@ class Engine(EngineSettings):
         self.top = Space(self, top)
         self.quirks: frozenset[str] = frozenset()
         self.bodies: dict[int, Body] = {}
+        self.sleepers: set[Body] = set()  # bodies that may fall asleep
         self.joints: dict[int, Joint] = {}
         self.geoms: dict[int, Geom] = {}
         self.spaces: dict[Space, None] = {}
@@ -173,6 +174,7 @@ class Engine(EngineSettings):
         self.body_start = np.zeros((16, 12))
         self.body_ids = np.zeros(16, dtype=np.uintp)
         self.joint_state = np.zeros((16, 4))
+        self.springs = np.zeros((16, 3))
         self.joint_types = np.zeros(16, dtype=np.int64)
         self.joint_ids = np.zeros(16, dtype=np.uintp)
         self.surface = np.tile(DEFAULT_SURFACE, (16, 1))
@@ -181,7 +183,7 @@ class Engine(EngineSettings):
 
     _TABLES = {
         "body": ("com", "body_state", "body_start", "body_ids"),
-        "joint": ("joint_state", "joint_types", "joint_ids"),
+        "joint": ("joint_state", "springs", "joint_types", "joint_ids"),
         "geom": ("surface", "owner"),
     }
 
@@ -201,6 +203,7 @@ class Engine(EngineSettings):
         context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
         context.bodies, context.com = self.body_ids.ctypes.data, self.com.ctypes.data
         context.body_state, context.joint_state = self.body_state.ctypes.data, self.joint_state.ctypes.data
+        context.springs = self.springs.ctypes.data
         context.body_start = self.body_start.ctypes.data
         context.joints, context.joint_types = self.joint_ids.ctypes.data, self.joint_types.ctypes.data
         context.body_count, context.joint_count = self.bodies_used, self.joints_used
@@ -234,6 +237,7 @@ class Engine(EngineSettings):
         row, self.joints_used = self._new_row("joint", self.joints_used)
         self.joint_ids[row] = 0
         self.joint_types[row] = kind
+        self.springs[row] = 0.0
         self.joint_state[row] = 0.0
         self.joints[row] = joint
         self._publish_tables()
@@ -310,9 +314,8 @@ class Engine(EngineSettings):
 
     def wake(self) -> None:
         """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
-        for body in self.bodies.values():
-            if body.sleepy:
-                body.Enable(True)
+        for body in self.sleepers:
+            body.Enable(True)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

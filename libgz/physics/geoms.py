@@ -149,13 +149,16 @@ class TriMeshGeom(Geom):
             raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
         if corners.max() >= len(points):
             raise ParameterError(f"a triangle names vertex {corners.max()}; there are {len(points)}")
+        self.vertices, self.triangles = points, corners
+        self.appearance.version += 1
+        if self.space is None:
+            return  # it is only drawn
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
         padded[:, :3] = points
         data, old = ode().dGeomTriMeshDataCreate(), self._data
         ode().dGeomTriMeshDataBuildSimple(data, padded.ctypes.data, len(points), corners.ctypes.data, corners.size)
         self._adopt(ode().dCreateTriMesh(_space_id(self.space), data, None, None, None))
-        self.vertices, self.triangles, self._ode_vertices, self._data = points, corners, padded, data
-        self.appearance.version += 1
+        self._ode_vertices, self._ode_triangles, self._data = padded, corners, data
         if old is not None:
             ode().dGeomTriMeshDataDestroy(old)
 

@@ -93,6 +93,11 @@ class Joint:
         return f"<{type(self).__name__} {self.name or 'unnamed'}>"
 
     @property
+    def closed(self) -> bool:
+        """Whether it was destroyed, as joints are with a body that they hold."""
+        return self._id is None
+
+    @property
     def id(self) -> int:
         """The ODE handle.
 
@@ -209,6 +214,18 @@ class Joint:
     def GetType(self) -> int:
         """ODE's number of the joint's kind."""
         return int(self.kind)
+
+    def set_spring(self, stiffness: float, damping: float, reference: float = 0.0) -> None:
+        """A spring and a damper that push in every step: stiffness (reference - position) - damping rate.
+
+        Hinges and sliders only; [N m/rad, N m s/rad, rad] or [N/m, N s/m, m].
+
+        Raises:
+            ParameterError: it is another kind of joint, or a number is not finite.
+        """
+        if self.kind not in (JointType.HINGE, JointType.SLIDER):
+            raise ParameterError(f"{self!r} has no spring; hinges and sliders have")
+        self.engine.springs[self.row] = finite_tuple((stiffness, damping, reference), 3, "spring")
 
     # Parameters --------------------------------------------------------------------------------------------------
 

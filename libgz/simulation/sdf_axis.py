@@ -14,13 +14,17 @@ from libgz.sdf.element import Element
 __all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "read_joint"]
 
 UNLIMITED = 1e16  # limits from here on mean none
+HALF_TURN = 3.0  # [rad], a little less than that: stops give way
 
 FindLink = Callable[[str], Body]  # a link by its name in a file
 
 
 @dataclass
 class Axis:
-    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N]."""
+    """One axis of a joint. Angles [rad] for rotation, [m] for translation; efforts [N m] or [N].
+
+    Springs and stops of a joint that is made are changed through it: `set_spring`, `set_param`.
+    """
 
     direction: GzVector  # global, when the joint was made
     lower: float = -UNLIMITED
@@ -39,9 +43,9 @@ class Axis:
         return self.damping != 0.0 or self.stiffness != 0.0
 
     @property
-    def limited(self) -> bool:
-        """Whether it has a stop."""
-        return abs(self.lower) < UNLIMITED or abs(self.upper) < UNLIMITED
+    def wide(self) -> bool:
+        """Whether a stop lies near half a turn or beyond, where ODE's angles end."""
+        return HALF_TURN < abs(self.lower) < UNLIMITED or HALF_TURN < abs(self.upper) < UNLIMITED
 
 
 @dataclass

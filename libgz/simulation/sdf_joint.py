@@ -76,7 +76,9 @@ class SdfJoint(JointLimits):
         self.joint: Joint | None = None
         self._coupling: Thread | Gears | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1
+        self._laid: dict[int, float] = {}
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
+        self.acts = self._engine_pushes = False
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
@@ -110,6 +112,7 @@ class SdfJoint(JointLimits):
             return
         if self.kind == "gearbox":
             self._attach_gears()
+            self._refresh()
             return
         kind = UniversalJoint if self.kind == "revolute2" and not self._needs_hinge2() else KINDS[self.kind]
         self.joint = kind(self.engine, name=self.name)
@@ -118,6 +121,7 @@ class SdfJoint(JointLimits):
         if isinstance(self.joint, PistonJoint):
             self._coupling = Thread(self.joint, self.plan.pitch)
         self.provide_feedback(self.plan.feedback)
+        self._refresh()
 
     def _needs_hinge2(self) -> bool:
         """Whether two axes are ODE's Hinge2: it has a suspension, and its axes may meet at any angle.
@@ -175,6 +179,7 @@ class SdfJoint(JointLimits):
         if self.joint is not None:
             self.joint.close()
         self.joint = self._coupling = None
+        self.acts = False
         self._held.clear()
 
     close = detach
@@ -182,6 +187,7 @@ class SdfJoint(JointLimits):
     def restore(self) -> None:
         """Count turns from zero again, after links were put back where they began."""
         self._held.clear()
+        self._laid.clear()
         if self.joint is not None:
             self.engine.join(self.joint.row, self.joint.id)
         if isinstance(self._coupling, Gears):
@@ -189,7 +195,9 @@ class SdfJoint(JointLimits):
 
     @property
     def attached(self) -> bool:
-        """Whether it holds links together."""
+        """Whether it holds links together; not any more when one of them was deleted."""
+        if self.broken:
+            self.detach()
         return self.joint is not None or self._coupling is not None
 
     # Motion ------------------------------------------------------------------------------------------------------
@@ -206,7 +214,11 @@ class SdfJoint(JointLimits):
             return self._coupling.angles[self._column(index)]
         if not self.axes:
             return math.nan
-        return self.joint._value(self._column(index)) if self.joint is not None else 0.0
+        return self._sign(index) * self.joint._value(self._column(index)) if self.joint is not None else 0.0
+
+    def _sign(self, index: int) -> float:
+        """ODE measures the second angle of a Hinge2 against its own rate."""
+        return -1.0 if index == 1 and isinstance(self.joint, Hinge2Joint) else 1.0
 
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
@@ -293,7 +305,7 @@ class SdfJoint(JointLimits):
         change = target - self.position(index)
         turn, slide = self._motion(change, index)
         move_links(self._behind(), self.anchor(), turn, slide, preserve_world_velocity)
-        self.engine.joint_state[self.joint.row, column] = target  # turns are counted from here
+        self.engine.joint_state[self.joint.row, column] = self._sign(index) * target  # turns are counted from here
         self.engine.joint_moved(self.joint.row)
 
     def set_velocity(self, velocity: float, index: int = 0) -> None:

@@ -8,14 +8,13 @@ from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite
 from libgz.physics.couplings import Gears, Thread
 from libgz.physics.engine import Engine
-from libgz.physics.joint import Joint, SliderJoint
-from libgz.simulation.sdf_axis import UNLIMITED, Axis, JointPlan
+from libgz.physics.joint import HingeJoint, Joint, SliderJoint
+from libgz.simulation.sdf_axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
 
 __all__ = ["JointLimits"]
 
 TURN = 2.0 * math.pi
-NEAR_A_TURN = 3.0  # [rad]: springs are solved with the constraints up to here, for ODE's angles end at pi
 
 
 class JointLimits:
@@ -29,6 +28,9 @@ class JointLimits:
     implicit: bool
     joint: Joint | None
     _coupling: Thread | Gears | None
+    acts: bool  # whether `update` has anything to do
+    _engine_pushes: bool  # whether the engine does what its springs do
+    _laid: dict[int, float]  # axis -> turns [rad] that its stops were laid for
     _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
 
     def position(self, index: int = 0) -> float:
@@ -42,6 +44,16 @@ class JointLimits:
     def _push(self, effort: float, index: int) -> None:
         """Push along an axis for one step."""
         raise NotImplementedError
+
+    def detach(self) -> None:
+        """Let both links go."""
+        raise NotImplementedError
+
+    @property
+    def broken(self) -> bool:
+        """Whether a link that it held was deleted."""
+        gone = self._coupling is not None and self._coupling.broken
+        return gone or (self.joint is not None and self.joint.closed)
 
     @property
     def dof(self) -> int:
@@ -99,6 +111,7 @@ class JointLimits:
         if key in ("hi_stop", "lo_stop"):
             setattr(self._axis(index), "upper" if key == "hi_stop" else "lower", number)
             self._set_stops(index)
+            self._refresh()
         elif key == "friction":
             # Friction is a motor that wants to stand still.
             self._axis(index).friction = number
@@ -145,10 +158,11 @@ class JointLimits:
         axis, turns = self.axes[index], self._turns(index)
         low = axis.lower - turns if abs(axis.lower) < UNLIMITED else -math.inf
         high = axis.upper - turns if abs(axis.upper) < UNLIMITED else math.inf
-        if turns or self._wide(index):
+        if turns or (axis.wide and not isinstance(self.joint, SliderJoint)):
             low, high = (v if abs(v) <= math.pi else math.copysign(math.inf, v) for v in (low, high))
         self._lay_stops(index, low, high)
         self._held[index] = False
+        self._laid[index] = turns
 
     def _lay_stops(self, index: int, low: float, high: float) -> None:
         low_number, high_number = ode_number(self.joint, "lo_stop", index), ode_number(self.joint, "hi_stop", index)
@@ -157,13 +171,6 @@ class JointLimits:
         for number, value in ((high_number, high), (low_number, low), (high_number, high)):
             self.joint.SetParam(number, value)
 
-    def _wide(self, index: int) -> bool:
-        """Whether an axis has a stop beyond half a turn."""
-        axis = self.axes[index]
-        if isinstance(self.joint, SliderJoint) or not axis.limited:
-            return False
-        return any(math.pi < abs(limit) < UNLIMITED for limit in (axis.lower, axis.upper))
-
     def set_spring(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
         """Spring [N m/rad or N/m] and damper [N m s/rad or N s/m] about a reference [rad or m]."""
         axis = self._axis(index)
@@ -171,14 +178,23 @@ class JointLimits:
         axis.reference = finite(reference, "reference")
         if self.joint is not None:
             self._set_stops(index)
+        self._refresh()
 
-    @property
-    def acts(self) -> bool:
-        """Whether `update` has anything to do."""
-        return self._coupling is not None or any(axis.springs or self._wide(i) for i, axis in enumerate(self.axes))
+    def _refresh(self) -> None:
+        """Note who pushes: the engine for the explicit springs of hinges and sliders, for all else `update`."""
+        self._engine_pushes = False
+        if isinstance(self.joint, HingeJoint | SliderJoint):
+            axis, self._engine_pushes = self.axes[0], not self.implicit
+            share = float(self._engine_pushes)
+            self.joint.set_spring(share * axis.stiffness, share * abs(axis.damping), axis.reference)
+        turning = not isinstance(self.joint, SliderJoint)
+        springs = any(axis.springs for axis in self.axes) and not self._engine_pushes
+        self.acts = self._coupling is not None or springs or (turning and any(axis.wide for axis in self.axes))
 
     def update(self) -> None:
         """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
+        if self.broken:
+            self.detach()
         if isinstance(self._coupling, Thread):
             self._coupling.update()
         elif self._coupling is not None:
@@ -186,12 +202,10 @@ class JointLimits:
         if self.joint is None:
             return
         for index, axis in enumerate(self.axes):
-            if axis.springs and not (self.implicit and self._hold(index, axis)):
-                push = axis.stiffness * (axis.reference - self.position(index)) - abs(axis.damping) * self.velocity(
-                    index
-                )
-                self._push(push, index)
-            if self._wide(index) and not self._held.get(index):
+            if axis.springs and not self._engine_pushes and not (self.implicit and self._hold(index, axis)):
+                spring = axis.stiffness * (axis.reference - self.position(index))
+                self._push(spring - abs(axis.damping) * self.velocity(index), index)
+            if axis.wide and not self._held.get(index) and self._turns(index) != self._laid.get(index):
                 self._set_stops(index)
 
     def _hold(self, index: int, axis: Axis) -> bool:
@@ -201,7 +215,7 @@ class JointLimits:
         """
         at, turns = self.position(index), self._turns(index)
         target = axis.reference - turns if axis.stiffness else at - turns
-        if ode_number(self.joint, "lo_stop", index) is None or (turns and abs(target) > NEAR_A_TURN):
+        if ode_number(self.joint, "lo_stop", index) is None or (turns and abs(target) > HALF_TURN):
             return False
         if not axis.lower < at < axis.upper:
             if self._held.get(index):

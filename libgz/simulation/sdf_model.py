@@ -274,7 +274,7 @@ class SdfModel(Model):
 
     def Update(self, step: float) -> None:
         """Damping, springs, threads and gears of the joints."""
-        if step > 0.0:
+        if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
                     joint.update()

@@ -17,8 +17,12 @@ __all__ = ["apply_state"]
 def apply_state(world: World, state: Element, faults: Faults) -> None:
     """Put models, links and lights where a `<state>` says. What it names and is not there is a warning.
 
-    Poses are global [m, rad]; velocities [m/s, rad/s]. Insertions are built by who loads the world.
+    Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
+    loads the world.
     """
+    if state.HasElement("sim_time"):
+        seconds, nanoseconds = ([float(word) for word in state.Get(str, "sim_time").split()] + [0.0, 0.0])[:2]
+        world.set_sim_time(seconds + 1e-9 * nanoseconds)
     for element in state.named("model"):
         model = _find(world, element, faults)
         if model is not None:

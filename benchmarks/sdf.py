@@ -1,0 +1,76 @@
+"""What an SDF world costs beside the same legacy world: `python benchmarks/sdf.py`.
+
+A legacy world of solids on the ground is loaded, written as SDF by the converter, and loaded again. Both step without
+plugins and interfaces' clients; ratios are of the best of rounds taken in turn within one run.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from pathlib import Path
+
+import libgz
+from libgz.convert.sdf import convert
+from libgz.simulation.sdf_model import SdfModel
+
+ROUNDS = 40
+SHAPES = (("box", "0.4 0.3 0.2"), ("sphere", "0.3"), ("cylinder", "0.3 0.4"))
+SOLID = "<model:SimpleSolid><id>s{0}</id><shape>{1}</shape><size>{2}</size><xyz>{3} {4} {5}</xyz></model:SimpleSolid>"
+
+
+def legacy_text(count: int) -> str:
+    """Solids that lie and stand on the ground."""
+    solids = []
+    for i in range(count):
+        shape, size = SHAPES[i % 3]
+        height = float(size.split()[-1]) / 2
+        solids.append(SOLID.format(i, shape, size, i % 10, i // 10, height))
+    return f"<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>{''.join(solids)}</gz:world>"
+
+
+def load(count: int, folder: Path) -> tuple[libgz.World, libgz.World, libgz.World]:
+    """(legacy, SDF awake, SDF that may fall asleep)."""
+    legacy = libgz.World.from_string(legacy_text(count))
+    path = folder / f"solids{count}.world"
+    path.write_bytes(convert(legacy).sdf)
+    modern = [libgz.World.from_file(path) for _ in range(2)]
+    for world in modern:
+        world.engine.step_time, world.engine.solver = legacy.engine.step_time, legacy.engine.solver
+    for model in modern[0].models:
+        if isinstance(model, SdfModel):
+            model.set_auto_disable(False)
+    return legacy, modern[0], modern[1]
+
+
+def microseconds(world: libgz.World, steps: int) -> float:
+    """A step's cost."""
+    begin = time.perf_counter()
+    world.step(steps)
+    return (time.perf_counter() - begin) / steps * 1e6
+
+
+def main() -> None:
+    """Print the table."""
+    print("step of the same solids on the ground, 20 ms, exact solver; the best of", ROUNDS)
+    print(f"{'n':>5}{'contacts':>10}{'in SDF':>8}{'legacy [us]':>13}{'SDF/legacy':>12}{'SDF asleep/legacy':>20}")
+    with tempfile.TemporaryDirectory() as folder:
+        for count, steps in ((1, 500), (10, 150), (50, 30)):
+            worlds = load(count, Path(folder))
+            for world in worlds:
+                world.run(3.0)
+            contacts = [world.engine.contact_count for world in worlds]
+            taken: list[list[float]] = [[], [], []]
+            for _ in range(ROUNDS):
+                for world, times in zip(worlds, taken, strict=True):
+                    times.append(microseconds(world, steps))
+            legacy, awake, asleep = (min(times) for times in taken)
+            print(
+                f"{count:5}{contacts[0]:10}{contacts[1]:8}{legacy:13.1f}{awake / legacy:12.3f}{asleep / legacy:20.3f}"
+            )
+            for world in worlds:
+                world.close()
+
+
+if __name__ == "__main__":
+    main()

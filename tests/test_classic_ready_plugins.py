@@ -11,8 +11,10 @@ import textwrap
 import pytest
 
 import libgz
-from libgz.classic import msgs, physics, transport
-from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic import gui, msgs, physics, transport
+from libgz.classic.loading import new_plugin
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.sdf.element import Element
 
 HINGE = """<joint name='{name}' type='revolute'>
   <parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz></axis>
@@ -552,3 +554,49 @@ def test_a_hook_is_made_for_deriving(run, tmp_path, monkeypatch, capsys):
     core, _ = run(body("eye", link=ray, gravity="false"), wall)
     core.step()
     assert capsys.readouterr().out.split() == ["2.50"]
+
+
+def test_keys_of_the_client_drive_a_robot(run):
+    wheels = {"left_joint": "left_wheel_hinge", "right_joint": "right_wheel_hinge", "torque": 5}
+    topic = "~/pioneer2dx/vel_cmd"
+    keys = plugin("KeysToCmdVelPlugin", cmd_vel_topic=topic, max_linear_vel=0.5, linear_increment=0.2)
+    core, world = run(pioneer(plugin("DiffDrivePlugin", **wheels), keys))
+    robot, heard, node = world.ModelByName("pioneer2dx"), [], transport.Node()
+    node.Init("default")
+
+    def hear(message):
+        heard.append((message.position.x, Quaterniond(msgs.ConvertIgn(message.orientation)).Yaw()))
+
+    kept = node.Subscribe(topic, hear)
+    keyboard = new_plugin("GUI", "libKeyboardGUIPlugin.so", "keyboard", "System", core.events)
+    assert keyboard.start(Element("plugin"))
+    up, down, left, space = 16777235, 16777237, 37, {"text": " "}
+    for key in (up, up, up, down, left, 120):
+        gui.Events.keyPress(msgs.KeyEvent(key=key))
+    core.run(2.0)
+    assert heard == [pytest.approx(pair) for pair in [(0.2, 0), (0.4, 0), (0.5, 0), (0.3, 0), (0.3, -0.5)]]
+    assert robot.WorldLinearVel().Length() == pytest.approx(0.3, abs=0.03)
+    assert robot.WorldPose().Yaw() > 0.7  # left
+    gui.Events.keyPress(msgs.KeyEvent(**space))
+    core.run(0.5)
+    assert robot.WorldLinearVel().Length() < 0.02
+    del kept
+    keyboard.drop()
+    gui.Events.keyPress(msgs.KeyEvent(key=up))
+    core.step(3)
+    assert len(heard) == 6
+
+
+def test_keys_can_be_chosen(run, caplog):
+    controls = "<key_controls><accelerate>119</accelerate><accelerate>87</accelerate><stop>120</stop></key_controls>"
+    core, _ = run(body("cart", inside=plugin("KeysToCmdVelPlugin").replace("</plugin>", f"{controls}</plugin>")))
+    assert "Key left has no assigned keycode." in caplog.text
+    node, heard = transport.Node(), []
+    node.Init("default")
+    kept = node.Subscribe("~/cmd_vel", lambda message: heard.append(message.position.x))
+    publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
+    for key in "wWsx":
+        publisher.Publish(msgs.Any(int_value=ord(key)))
+    core.step(3)
+    assert heard == [0.5, 1.0, 0.0]
+    del kept

@@ -1,5 +1,6 @@
 """The plugins that come with libgz, each against a formula."""
 
+import gc
 import json
 import logging
 import math
@@ -600,3 +601,39 @@ def test_keys_can_be_chosen(run, caplog):
     core.step(3)
     assert heard == [0.5, 1.0, 0.0]
     del kept
+
+
+# Batteries -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_battery_is_used_up_by_its_consumers(run):
+    which = {"link_name": "link", "battery_name": "main"}
+    cell = {"open_circuit_voltage_constant_coef": 12.0, "open_circuit_voltage_linear_coef": -2.0, "capacity": 0.01,
+            "initial_charge": 0.01, "resistance": 0.5, "smooth_current_tau": 0.05}  # fmt: skip
+    drain = plugin("LinearBatteryConsumerPlugin", **which, power_load=12)
+    extra = plugin("LinearBatteryPlugin", **which, **cell) + drain
+    link = "<battery name='main'><voltage>12</voltage></battery>"
+    core, world = run(body("robot", inside=extra, link=link, gravity="false"))
+    battery = world.ModelByName("robot").GetLink().Battery("main")
+    voltages = []
+    for _ in range(2):
+        core.run(1.0)
+        # Its current is P / V, after the time constant; V falls by r i, and by e1 times the share that is gone.
+        current = 12.0 / battery.Voltage()
+        gone = current * (1.0 - 0.05) / 3600.0 / 0.01
+        assert battery.Voltage() == pytest.approx(12.0 - 2.0 * gone - 0.5 * current, abs=2e-3)
+        voltages.append(battery.Voltage())
+        core.Reset()
+    assert voltages[0] == pytest.approx(voltages[1], abs=1e-9)
+    world.ModelByName("robot").plugins[-1].drop()
+    gc.collect()
+    core.run(1.0)
+    assert battery.PowerLoads() == {}
+    assert battery.Voltage() == pytest.approx(12.0, abs=1e-3)
+
+
+def test_a_battery_that_is_not_there_is_told(run, caplog):
+    link = "<battery name='main'><voltage>12</voltage></battery>"
+    wrong = plugin("LinearBatteryConsumerPlugin", link_name="link", battery_name="mian", power_load=1)
+    run(body("robot", inside=wrong, link=link))
+    assert "did you mean 'main'" in caplog.text

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import itertools
+import logging
 from collections.abc import Callable
 
 from libgz.errors import NotFoundError
 from libgz.physics.check import finite, not_negative
+from libgz.simulation.event import Owner, owner
+from libgz.simulation.plugins import own_traceback
 
 __all__ = ["Battery"]
+
+log = logging.getLogger("libgz.classic")
 
 
 class Battery:
@@ -25,6 +30,7 @@ class Battery:
         self._loads: dict[int, float] = {}
         self._numbers = itertools.count()
         self._rule: Callable[[Battery], float] | None = None
+        self._by: Owner | None = None  # whose rule it is
 
     def Name(self) -> str:
         """The name."""
@@ -71,12 +77,27 @@ class Battery:
 
     def SetUpdateFunc(self, rule: Callable[[Battery], float] | None) -> None:
         """Let `rule(battery)` give the voltage [V] of each step; None: it stays."""
-        self._rule = rule
+        self._rule, self._by = rule, owner.get()
 
     def Update(self) -> None:
         """Follow the rule; the world calls this in every iteration."""
-        if self._rule is not None:
+        if self._rule is None:
+            return
+        token = owner.set(self._by)
+        try:
             self._voltage = max(0.0, finite(self._rule(self), "voltage [V]"))
+        except Exception as fault:  # noqa: BLE001 - a plugin's
+            self._failed(fault)
+        finally:
+            owner.reset(token)
+
+    def _failed(self, fault: Exception) -> None:
+        """The rule raised: it is reported, and the voltage stays from now on."""
+        self._rule, where = None, f"the rule of battery {self._name!r}"
+        if self._by is not None:
+            self._by.stop(where, fault)
+        else:
+            log.error("%s failed and is followed no more:\n%s", where, own_traceback(fault))
 
     def ResetVoltage(self) -> None:
         """Go back to the voltage of the start; the world calls this when it is reset."""

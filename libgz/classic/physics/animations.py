@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
+from libgz.simulation.event import Event
 
 if TYPE_CHECKING:
     from libgz.classic.physics.base import Entity
@@ -18,24 +19,39 @@ __all__ = ["Animations"]
 Done = Callable[[], object] | None
 
 
+class _Run:
+    """The time of an animation, and whom to call at its end."""
+
+    def __init__(self, now: float, done: Done) -> None:
+        self._last = now
+        self._end = Event("end of an animation")
+        self._kept = self._end.Connect(done) if done is not None else None
+
+    def passed(self, now: float) -> float:
+        """Sim time since the last call [s]."""
+        seconds, self._last = max(0.0, now - self._last), now
+        return seconds
+
+    def finish(self) -> None:
+        """Tell that it is over."""
+        self._end()
+
+
 class Animations:
     """The animations that run in a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._poses: dict[Entity, tuple[PoseAnimation, Done]] = {}
-        self._joints: dict[Model, tuple[dict[str, NumericAnimation], Done]] = {}
-        self._last = 0.0
+        self._poses: dict[Entity, tuple[PoseAnimation, _Run]] = {}
+        self._joints: dict[Model, tuple[dict[str, NumericAnimation], _Run]] = {}
 
     def start(self, entity: Entity, animation: PoseAnimation, done: Done) -> None:
         """Move an entity along poses in what it is a part of."""
-        self._poses[entity] = animation, done
-        self._last = self._world.core.GetSimTime()
+        self._poses[entity] = animation, _Run(self._world.core.GetSimTime(), done)
 
     def start_joints(self, model: Model, animations: dict[str, NumericAnimation], done: Done) -> None:
         """Move joints of a model, by name."""
-        self._joints[model] = animations, done
-        self._last = self._world.core.GetSimTime()
+        self._joints[model] = animations, _Run(self._world.core.GetSimTime(), done)
 
     def stop(self, entity: Entity) -> None:
         """Leave an entity and its joints where they are."""
@@ -47,25 +63,22 @@ class Animations:
         if not self._poses and not self._joints:
             return
         now = self._world.core.GetSimTime()
-        passed, self._last = max(0.0, now - self._last), now
-        for entity, (animation, done) in list(self._poses.items()):
-            ended = _advance(animation, passed)
+        for entity, (animation, run) in list(self._poses.items()):
+            over = _advance(animation, run.passed(now))
             frame = animation.GetInterpolatedKeyFrame()
             entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
-            if ended:
+            if over:
                 del self._poses[entity]
-                if done is not None:
-                    done()
-        for model, (animations, done) in list(self._joints.items()):
-            over = [_advance(animation, passed) for animation in animations.values()]
-            places = {}
-            for name, numeric in animations.items():
-                places[name] = numeric.GetInterpolatedKeyFrame().Value()
-            model.SetJointPositions(places)
-            if all(over):
+                run.finish()
+        for model, (animations, run) in list(self._joints.items()):
+            seconds = run.passed(now)
+            ended = [_advance(animation, seconds) for animation in animations.values()]
+            model.SetJointPositions(
+                {name: numeric.GetInterpolatedKeyFrame().Value() for name, numeric in animations.items()}
+            )
+            if all(ended):
                 del self._joints[model]
-                if done is not None:
-                    done()
+                run.finish()
 
 
 def _advance(animation: PoseAnimation | NumericAnimation, seconds: float) -> bool:

@@ -1,4 +1,4 @@
-"""Joints and links that the elements of plugins name."""
+"""Joints, links and batteries that the elements of plugins name."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
+    from libgz.classic.common import Battery
     from libgz.classic.physics import Joint, Link, Model
     from libgz.sdf.element import Element
 
-__all__ = ["find_joint", "named_joint", "named_link"]
+__all__ = ["find_joint", "named_battery", "named_joint", "named_link"]
 
 
 def find_joint(model: Model, name: str) -> Joint:
@@ -54,3 +55,20 @@ def named_link(model: Model, sdf: Element, tag: str = "link_name") -> Link:
             f"{sdf.where}: {what}; model {model.GetName()!r} has {', '.join(names)}{nearest(name, names)}"
         )
     return link
+
+
+def named_battery(link: Link, sdf: Element) -> Battery:
+    """The battery of a link that `<battery_name>` names.
+
+    Raises:
+        NotFoundError: there is no such element, or no such battery.
+    """
+    name = sdf.Get(str, "battery_name").strip()
+    battery = link.Battery(name)
+    if battery is None:
+        names = [battery.Name() for battery in link.batteries]
+        known = ", ".join(names) or "none"
+        raise NotFoundError(
+            f"{sdf.where}: <battery_name> is {name!r}; link {link.GetScopedName()} has {known}{nearest(name, names)}"
+        )
+    return battery

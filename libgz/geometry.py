@@ -72,6 +72,10 @@ VectorLike: TypeAlias = "Sequence[float] | GzVector | NDArray[np.float64]"
 QuaternLike: TypeAlias = "Sequence[float] | GzQuatern | NDArray[np.float64]"
 
 
+STEEP = 0.99  # sine of a pitch from which the plain formulas of Euler angles are not used
+LOCKED = 1e-10  # [rad] nearer than this to a pitch of 90 degrees, roll and yaw cannot be told apart
+
+
 class _Struct:
     """Iteration, indexing and numpy conversion for the structs below."""
 
@@ -289,12 +293,24 @@ def GzQuaternFromEuler(roll: float, pitch: float, yaw: float) -> GzQuatern:
 
 
 def GzQuaternToEuler(q: QuaternLike) -> GzVector:
-    """Roll, pitch, yaw [rad] of a unit quaternion."""
+    """Roll, pitch, yaw [rad] of a unit quaternion; at a pitch of 90 degrees yaw is 0."""
     u, x, y, z = q
+    sine = -2.0 * (x * z - u * y)
+    if abs(sine) > STEEP:
+        return _steep_euler(u, x, y, z)
     roll = math.atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z)
-    pitch = math.asin(min(1.0, max(-1.0, -2.0 * (x * z - u * y))))
     yaw = math.atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z)
-    return GzVector(roll, pitch, yaw)
+    return GzVector(roll, math.asin(sine), yaw)
+
+
+def _steep_euler(u: float, x: float, y: float, z: float) -> GzVector:
+    """The same where the plain formulas lose their digits: Bernardes and Viollet, PLoS ONE 17 (2022) e0276302."""
+    up, down = math.hypot(u + y, x - z), math.hypot(u - y, x + z)
+    total, difference = math.atan2(x + z, u - y), math.atan2(x - z, u + y)
+    pitch = 2.0 * math.atan2(up, down) - math.pi / 2.0
+    if min(up, down) < LOCKED * max(up, down):  # roll and yaw turn about one axis: all of it is called roll
+        return GzVector(NORMALIZE(2.0 * (difference if up > down else total)), pitch, 0.0)
+    return GzVector(NORMALIZE(total + difference), pitch, NORMALIZE(total - difference))
 
 
 def GzQuaternMul(a: QuaternLike, b: QuaternLike) -> GzQuatern:

@@ -85,9 +85,21 @@ def sky(random: np.random.Generator) -> Picture:
     return (night * (1.0 - day) + noon * day) * (1.0 - 0.7 * dusk) + 0.7 * dusk * np.array((246, 146, 78))
 
 
+def bricks(random: np.random.Generator) -> Picture:
+    """Courses of bricks, each shifted by half a brick, with light joints."""
+    y, x = np.mgrid[0:SIZE, 0:SIZE]
+    height, width = SIZE // 8, SIZE // 4
+    course = y // height
+    along = (x + (course % 2) * width // 2) % SIZE
+    tone = random.random((8, 4))[course, along // width]
+    result = blend(0.6 * tone + 0.4 * noise(random, ((20, 60),)), (126, 52, 38), (178, 92, 66))
+    result[(y % height < 2) | (along % width < 2)] = (188, 182, 172)
+    return result
+
+
 def main() -> None:
     """Write all of them."""
-    kinds: tuple[Callable[[np.random.Generator], Picture], ...] = (grass, wood, tiles, grid, sky)
+    kinds: tuple[Callable[[np.random.Generator], Picture], ...] = (grass, wood, tiles, grid, sky, bricks)
     for seed, kind in enumerate(kinds):
         pixels = np.clip(kind(np.random.default_rng(seed)), 0.0, 255.0).astype(np.uint8)
         Image.fromarray(pixels).save(WORLDS / f"{kind.__name__}.png", optimize=True)

@@ -301,3 +301,29 @@ def test_load_param_tells_what_it_took(plugin, run, caplog, capsys):
     assert capsys.readouterr().out.split() == ["True", "42", "3.14", "words", "7"]
     assert "params Plugin <number> set to <42>" in caplog.text
     assert "params Plugin missing <absent>, defaults to <7>" in caplog.text
+
+
+def test_a_topic_callback_that_raises_stops_its_plugin(plugin, run, caplog):
+    plugin(
+        "listener",
+        """
+        class P(WorldPlugin):
+            def Load(self, world, sdf):
+                self.node = transport.Node()
+                self.node.Init(world.Name())
+                self.sub = self.node.Subscribe("~/words", self.OnWords)
+                self.pub = self.node.Advertise(msgs.GzString, "~/words")
+                self.connection = event.Events.ConnectWorldUpdateBegin(self.OnUpdate)
+            def OnUpdate(self):
+                self.pub.Publish(msgs.GzString(data="hi"))
+            def OnWords(self, message):
+                raise RuntimeError(message.data)
+        GZ_REGISTER_WORLD_PLUGIN(P)
+        """,
+    )
+    world = run(element("listener"))
+    world.step(3)
+    words = "Exception occured in the callback P.OnWords of topic /gazebo/default/words of plugin with name[listener]"
+    assert caplog.text.count(words) == 1
+    assert "RuntimeError: hi" in caplog.text
+    assert world.events["WorldUpdateBegin"].ConnectionCount() == 0

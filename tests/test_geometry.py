@@ -144,3 +144,11 @@ def test_structs_behave_like_the_old_ones_and_like_tuples():
     assert (x, y, z, pose.pos[2], len(pose.rot)) == (0, 0, 2, 2, 4)
     assert np.asarray(GzQuatern(1, 2, 3, 4)).tolist() == [1, 2, 3, 4]
     assert GzPose().pos is not GzPose().pos
+
+
+@pytest.mark.parametrize("pitch", [1.5, math.pi / 2 - 1e-6, math.pi / 2, -math.pi / 2, -1.5])
+@pytest.mark.parametrize(("roll", "yaw"), [(0.3, 0.5), (-2.0, 1.0), (3.0, -3.0)])
+def test_euler_angles_hold_however_steep(roll, pitch, yaw):
+    q = GzQuaternFromEuler(roll, pitch, yaw)
+    again = GzQuaternFromEuler(*GzQuaternToEuler(q))
+    assert abs(sum(a * b for a, b in zip(q, again, strict=True))) == pytest.approx(1.0, abs=1e-14)

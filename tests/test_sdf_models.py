@@ -484,7 +484,8 @@ def test_profiles_scene_and_place_on_earth(load):
     assert list(settings.profiles) == ["slow", "fast"]
     assert tuple(settings.magnetic_field) == (1, 2, 3)
     assert settings.spherical_coordinates.Get(float, "latitude_deg") == 47.4
-    assert (tuple(settings.ambient)[:3], settings.shadows) == ((0.1, 0.2, 0.3), False)
+    assert tuple(made.backdrop.ambient)[:3] == (0.1, 0.2, 0.3)
+    assert not settings.scene.Get(bool, "shadows")
     assert (made.fogEnable, made.fogDensity, tuple(made.skyColor)[:3]) == (True, 0.5, (0.4, 0.5, 0.6))
     apply_profile(made, "slow")
     assert made.engine.step_time == 0.01

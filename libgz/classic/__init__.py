@@ -10,7 +10,7 @@ import importlib
 from typing import Any
 
 # Submodules by Gazebo's names; everything else is in libgz.classic.plugin.
-_MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "transport")
+_MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "sensors", "transport")
 _ON_REQUEST = ("gui", "rendering")
 _KINDS = ("GUI", "Model", "Sensor", "System", "Visual", "World")
 _PLUGIN = [name for kind in _KINDS for name in (f"{kind}Plugin", f"GZ_REGISTER_{kind.upper()}_PLUGIN")]

@@ -10,7 +10,7 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin import KINDS, PluginT
 from libgz.errors import PluginError
-from libgz.simulation.event import Connection, WorldEvents, owner
+from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile
 from libgz.simulation.plugins import load_plugin, own_traceback, search
 
@@ -33,7 +33,7 @@ class LoadedPlugin:
     def __init__(self, plugin_class: type[PluginT], filename: str, name: str, events: WorldEvents | None) -> None:
         self.plugin_class = plugin_class
         self.filename, self.name, self.events = filename, name, events
-        self.connections: WeakSet[Connection] = WeakSet()
+        self.connections: WeakSet[Ends] = WeakSet()
         self.plugin: PluginT | None = None
         self._construct()
 

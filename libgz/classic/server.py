@@ -102,23 +102,25 @@ class WorldServer:
             for part in self._models([core]):
                 for link in part.GetLinks():
                     for element in _named(link.GetSDF(), "sensor"):
-                        self._sensors().create(link, element)
+                        self.all_sensors().create(link, element)
                 for joint in part.GetJoints():
                     for element in _named(joint.GetSDF(), "sensor"):
-                        self._sensors().create(joint, element)
+                        self.all_sensors().create(joint, element)
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
-                self._visuals().add(added)
+                self.serve_visuals().add(added)
 
-    def _sensors(self) -> WorldSensors:
+    def all_sensors(self) -> WorldSensors:
+        """The world's sensors, though there may be none yet."""
         if self.sensors is None:
             from libgz.classic.sensors.manager import WorldSensors
 
             self.sensors = WorldSensors(self.world)
         return self.sensors
 
-    def _visuals(self) -> VisualPlugins:
+    def serve_visuals(self) -> VisualPlugins:
+        """The world is drawn here: load Visual plugins, those of models that come later, too."""
         if self.visuals is None:
             from libgz.classic.rendering.plugins import VisualPlugins
 

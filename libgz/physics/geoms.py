@@ -241,11 +241,23 @@ class RayGeom(Geom):
 
 
 class LightGeom(Geom):
-    """A point light where its body is."""
+    """A light where its body is.
+
+    Attributes:
+        attenuation: constant, linear [1/m] and quadratic [1/m^2] part of how it fades with distance.
+        kind: point, directional or spot.
+        direction: where directional lights and spots shine, in the body frame.
+        spot: inner and outer angle of a spot's cone [rad] and the falloff between them, as a power.
+        range: nothing beyond is lit [m].
+    """
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)
         self.attenuation = GzVector(1.0, 0.0, 0.0)
+        self.kind = "point"
+        self.direction = GzVector(0.0, 0.0, -1.0)
+        self.spot = (0.0, 0.0, 0.0)
+        self.range = math.inf
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:

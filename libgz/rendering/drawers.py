@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import (
@@ -39,6 +42,16 @@ def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
     return parts + [mesh.disc(hub, HUB * tire * up, segments, up) for up in (1.0, -1.0)]
 
 
+def _trimesh(geom: TriMeshGeom, _segments: int) -> list[Mesh]:
+    """A mesh with normals and texture coordinates of its own, where it has any."""
+    shape, corners = mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom)), geom.triangles.ravel()
+    if geom.normals is not None:
+        shape = replace(shape, normals=np.ascontiguousarray(geom.normals[corners], dtype=np.float32))
+    if geom.texture_coordinates is not None:
+        shape = replace(shape, texcoords=np.ascontiguousarray(geom.texture_coordinates[corners], dtype=np.float32))
+    return [shape]
+
+
 def _texture_size(geom: Geom) -> tuple[float, float]:
     return geom.appearance.texture_size.x, geom.appearance.texture_size.y
 
@@ -50,7 +63,7 @@ DRAWERS: dict[type[Geom], Drawer] = {
     CylinderGeom: lambda geom, segments: mesh.cylinder(geom.radius, geom.length, segments),
     CapsuleGeom: lambda geom, segments: [mesh.capsule(geom.radius, geom.length, segments)],
     WheelGeom: _wheel,
-    TriMeshGeom: lambda geom, segments: [mesh.triangles(geom.vertices, geom.triangles, _texture_size(geom))],
+    TriMeshGeom: _trimesh,
     HeightfieldGeom: lambda geom, segments: [mesh.heightfield(geom.heights, geom.size, _texture_size(geom))],
 }
 

@@ -27,6 +27,7 @@ NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0)
 PATCH = 2.0  # [m] of a plane near the camera
 
 
+Color = tuple[float, ...]
 Look = tuple[bool, bool, bool]  # whether skins, materials and textures are shown
 
 
@@ -165,7 +166,10 @@ class Library:
             if skin:
                 on_geom = place @ pose_matrix(appearance.skin_pose)
                 return [part.scaled(*appearance.skin_scale).moved(on_geom) for part in skin]
-        return [shape.moved(place) for shape in meshes_of(geom, segments)]
+        shapes = meshes_of(geom, segments)
+        if tuple(appearance.scale) != (1.0, 1.0, 1.0):
+            shapes = [shape.scaled(*appearance.scale) for shape in shapes]
+        return [shape.moved(place) for shape in shapes]
 
     def _skin(self, path: Path) -> list[Mesh]:
         """The meshes of a skin; none, and one warning, if it cannot be read."""
@@ -185,8 +189,7 @@ class Library:
         """Draw meshes with the material and texture of their geom, or their own."""
         gl, appearance = self.gl, geom.appearance
         texture = self.texture(appearance.texture_file if look[2] else None)
-        a = appearance
-        colors = (tuple(a.ambient), tuple(a.diffuse), tuple(a.specular), tuple(a.emission), a.shininess)
+        colors = _colors(geom)
         for shape in meshes:
             own = shape.material
             if not look[1]:
@@ -202,7 +205,7 @@ class Library:
             lit = shape.normals is not None
             if not lit:
                 gl.glDisable(Constant.LIGHTING)
-                gl.glColor3f(*(own.diffuse if own is not None else tuple(a.diffuse))[:3])
+                gl.glColor3f(*(own.diffuse if own is not None else colors[1])[:3])
             self._draw(shape, textured)
             if not lit:
                 gl.glEnable(Constant.LIGHTING)
@@ -277,3 +280,18 @@ class Library:
             kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, pixels.ctypes.data
         )
         return int(number.value)
+
+
+def _colors(geom: Geom) -> tuple[Color, Color, Color, Color, float]:
+    """Ambient, diffuse, specular colour, emission and shininess. In worlds of classic what has no shininess is dull."""
+    a = geom.appearance
+    red, green, blue, alpha = a.diffuse
+    dull = geom.body.engine.classic and a.shininess <= 0.0
+    specular = (0.0, 0.0, 0.0, 1.0) if dull else tuple(a.specular)
+    return (
+        tuple(a.ambient),
+        (red, green, blue, alpha * (1.0 - a.transparency)),
+        specular,
+        tuple(a.emission),
+        a.shininess,
+    )

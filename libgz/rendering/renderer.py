@@ -18,11 +18,12 @@ from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.library import PATCH, Library, Look
-from libgz.rendering.shot import RenderOptions, Shot, View
+from libgz.rendering.shot import Light, RenderOptions, Shot, View
 
 __all__ = ["Renderer"]
 
 LIGHTS = 8
+FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
 SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
 
 
@@ -117,13 +118,16 @@ class Renderer:
         gl.glPolygonMode(Constant.FRONT_AND_BACK, mode)
         if shot.fog is not None:
             gl.glEnable(Constant.FOG)
-            gl.glFogi(Constant.FOG_MODE, Constant.EXP2)
-            gl.glFogf(Constant.FOG_DENSITY, shot.fog)
-            gl.glFogfv(Constant.FOG_COLOR, floats(*shot.sky))
+            gl.glFogi(Constant.FOG_MODE, FOGS[shot.fog.kind])
+            gl.glFogf(Constant.FOG_DENSITY, shot.fog.density)
+            gl.glFogf(Constant.FOG_START, shot.fog.start)
+            gl.glFogf(Constant.FOG_END, shot.fog.end)
+            gl.glFogfv(Constant.FOG_COLOR, floats(*shot.fog.color))
 
     def _lights(self, shot: Shot, eye: NDArray[np.float64]) -> None:
         gl = self.gl
         _load(gl, eye)
+        gl.glLightModelfv(Constant.LIGHT_MODEL_AMBIENT, floats(*shot.ambient))
         for i in range(LIGHTS):
             number = Constant.LIGHT0 + i
             if i >= len(shot.lights):
@@ -131,7 +135,11 @@ class Renderer:
                 continue
             light = shot.lights[i]
             gl.glEnable(number)
-            gl.glLightfv(number, Constant.POSITION, floats(*light.position, 1.0))
+            if light.kind == "directional":
+                gl.glLightfv(number, Constant.POSITION, floats(*(-x for x in light.direction), 0.0))
+            else:
+                gl.glLightfv(number, Constant.POSITION, floats(*light.position, 1.0))
+            self._spot(number, light)
             gl.glLightfv(number, Constant.AMBIENT, floats(*light.ambient))
             gl.glLightfv(number, Constant.DIFFUSE, floats(*light.diffuse))
             gl.glLightfv(number, Constant.SPECULAR, floats(*light.specular))
@@ -142,6 +150,25 @@ class Renderer:
             ):
                 gl.glLightf(number, name, factor)
 
+    def _spot(self, number: int, light: Light) -> None:
+        """The cone of a spot; of others, none.
+
+        Classic dims a spot by ((cos a - cos outer) / (cos inner - cos outer)) ^ falloff, of half the angles; OpenGL by
+        cos(a) ^ exponent. The exponent is such that both agree in the middle between inner and outer.
+        """
+        gl = self.gl
+        cutoff, exponent = 180.0, 0.0
+        if light.kind == "spot":
+            outer = min(max(light.spot[1] / 2.0, 0.0), math.pi / 2.0)
+            inner = min(max(light.spot[0] / 2.0, 0.0), outer)
+            middle, cutoff = (inner + outer) / 2.0, math.degrees(outer)
+            if outer > inner and middle < math.pi / 2.0:
+                share = (math.cos(middle) - math.cos(outer)) / (math.cos(inner) - math.cos(outer))
+                exponent = min(light.spot[2] * math.log(share) / math.log(math.cos(middle)), 128.0)
+            gl.glLightfv(number, Constant.SPOT_DIRECTION, floats(*light.direction))
+        gl.glLightf(number, Constant.SPOT_CUTOFF, cutoff)
+        gl.glLightf(number, Constant.SPOT_EXPONENT, exponent)
+
     def _items(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
         """Opaque items, then what is transparent, from back to front."""
         gl, content = self.gl, shot.content
@@ -151,6 +178,7 @@ class Renderer:
         table = self.library.table(content, _look_of(shot.view.options), plain)
         places = matrices[:, :3, 3]
         later: list[tuple[float, int, int]] = []
+        lamps = _Lamps(gl, shot, eye)
         for i, level in _visible(shot.view, places, table.radii):
             number, item = table.list(i, level), content.items[i]
             if plain:
@@ -158,8 +186,11 @@ class Renderer:
             elif item.transparent:
                 later.append((float(places[i] @ places[i]), i, number))
                 continue
+            if lamps.near:
+                lamps.switch(places[i].tolist(), float(table.radii[i]))
             load(start + 128 * i)
             call(number)
+        lamps.all_on()
         if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
@@ -269,6 +300,35 @@ def _visible(view: View, places: NDArray[np.float64], radii: NDArray[np.float64]
     pixels = radii[found] * view.focal / np.maximum(-z[found], view.near)
     levels = np.where(pixels > SMALL, 0, np.where(pixels > TINY, 1, 2))
     return zip(found.tolist(), levels.tolist(), strict=True)
+
+
+class _Lamps:
+    """Switches off, for one item after the other, lights that it is out of range of."""
+
+    def __init__(self, gl: GL, shot: Shot, eye: NDArray[np.float64]) -> None:
+        self._gl = gl
+        self.near: list[tuple[int, tuple[float, float, float], float]] = []  # GL's number, place, range of lights
+        for i, light in enumerate(shot.lights):
+            if light.kind != "directional" and math.isfinite(light.range):
+                x, y, z, _ = (eye @ (*light.position, 1.0)).tolist()
+                self.near.append((Constant.LIGHT0 + i, (x, y, z), light.range))
+        self._off: set[int] = set()
+
+    def switch(self, middle: list[float], radius: float) -> None:
+        """Light a ball in the eye frame [m]."""
+        for number, place, reach in self.near:
+            if math.dist(place, middle) > reach + radius:
+                self._gl.glDisable(number)
+                self._off.add(number)
+            elif number in self._off:
+                self._gl.glEnable(number)
+                self._off.remove(number)
+
+    def all_on(self) -> None:
+        """Light everything."""
+        for number in self._off:
+            self._gl.glEnable(number)
+        self._off.clear()
 
 
 def _look_of(options: RenderOptions) -> Look:

@@ -11,15 +11,15 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzColor, GzCoordPositionAdd
-from libgz.physics.appearance import RENDER_TRANSPARENT
+from libgz.geometry import GzColor, GzCoordPositionAdd, GzQuaternMul, rotate
+from libgz.physics.appearance import RENDER_TRANSPARENT, Backdrop
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom
 from libgz.rendering.context import open_context
 from libgz.rendering.overlay import overlay_lines
 from libgz.rendering.renderer import LIGHTS, Renderer
-from libgz.rendering.shot import Content, Item, Light, Shot, View, pose_matrices
+from libgz.rendering.shot import Content, Fog, Item, Light, Shot, View, pose_matrices
 
 __all__ = ["Scene", "SceneWorld", "draw_beside_physics", "join_scene"]
 
@@ -34,6 +34,7 @@ class SceneWorld(Protocol):
     skyColor: GzColor
     fogEnable: bool
     fogDensity: float
+    backdrop: Backdrop
 
     @property
     def engine(self) -> Engine:
@@ -92,9 +93,10 @@ class Scene:
             planes=self._planes,
             lights=tuple(_light(geom) for geom in self._lights),
             sky=world.skyColor,
-            fog=world.fogDensity if world.fogEnable else None,
+            fog=_fog(world) if world.fogEnable else None,
             dome=share,
-            lines=overlay_lines(view, engine),
+            lines=(*overlay_lines(view, engine), *(line for source in world.backdrop.lines for line in source(view))),
+            ambient=world.backdrop.ambient,
         )
 
     def _poses(self, engine: Engine) -> NDArray[np.float64]:
@@ -112,7 +114,7 @@ class Scene:
         engine = self.world.engine
         if engine.surface_edits != self._edits:
             self._edits = engine.surface_edits
-            self._geoms = [geom for _, geom in sorted(engine.geoms.items()) if geom.appearance.visible]
+            self._geoms = [geom for _, geom in sorted(engine.geoms.items())]
             self._geoms.sort(key=lambda geom: geom.body.number)
             self._looks = [geom.appearance for geom in self._geoms]
             self._versions = None
@@ -122,7 +124,8 @@ class Scene:
             self._gather()
 
     def _gather(self) -> None:
-        of_kind: Callable[[type], list[Any]] = lambda kind: [g for g in self._geoms if isinstance(g, kind)]  # noqa: E731
+        shown = [geom for geom in self._geoms if geom.appearance.visible]
+        of_kind: Callable[[type], list[Any]] = lambda kind: [g for g in shown if isinstance(g, kind)]  # noqa: E731
         lights = of_kind(LightGeom)
         if len(lights) > max(LIGHTS, self._light_count):
             log.warning("there are %d lights; only the first %d are shown", len(lights), LIGHTS)
@@ -133,7 +136,7 @@ class Scene:
         self._dome: DomeGeom | None = domes[0] if domes else None
         owner = {body: model.GetIntId() for model in self.world.models for body in model.bodies}
         items, bodies = [], []
-        for body in dict.fromkeys(geom.body for geom in self._geoms):
+        for body in dict.fromkeys(geom.body for geom in shown):
             seen = [geom for geom in body.geoms if geom.appearance.visible and not isinstance(geom, NOT_ITEMS)]
             clear = [geom for geom in seen if geom.appearance.render_order == RENDER_TRANSPARENT]
             groups = [[geom for geom in seen if geom not in clear], *([geom] for geom in clear)]
@@ -182,8 +185,24 @@ class Scene:
 def _light(geom: LightGeom) -> Light:
     look, pose = geom.appearance, geom.body.GetPose()
     place = GzCoordPositionAdd(geom.GetRelativePose().pos, pose.pos, pose.rot)
-    fading = geom.attenuation
-    return Light((place.x, place.y, place.z), look.ambient, look.diffuse, look.specular, (fading.x, fading.y, fading.z))
+    way = rotate(GzQuaternMul(pose.rot, geom.GetRelativePose().rot), geom.direction)
+    return Light(
+        (place.x, place.y, place.z),
+        look.ambient,
+        look.diffuse,
+        look.specular,
+        (*geom.attenuation,),
+        geom.kind,
+        (way.x, way.y, way.z),
+        geom.spot,
+        geom.range,
+    )
+
+
+def _fog(world: SceneWorld) -> Fog:
+    back = world.backdrop
+    color = world.skyColor if back.fog_color is None else back.fog_color
+    return Fog(back.fog_kind, color, world.fogDensity, back.fog_start, back.fog_end)
 
 
 _beside = False
@@ -198,17 +217,15 @@ def draw_beside_physics(on: bool) -> None:
     _beside = on
 
 
-_scenes: weakref.WeakKeyDictionary[SceneWorld, Scene] = weakref.WeakKeyDictionary()
-
-
 def join_scene(world: SceneWorld) -> Scene:
     """The scene of a world, for one more camera; `Scene.leave` gives it back.
 
     Raises:
         LibraryError: the chosen OpenGL does not work here.
     """
-    scene = _scenes.get(world)
+    # Kept by the world itself: a table of scenes would hold the geoms, and with them the world, for ever.
+    scene: Scene | None = vars(world).get("_scene")
     if scene is None or (scene.context is not None and scene.context.closed):
-        scene = _scenes[world] = Scene(world)
+        scene = vars(world)["_scene"] = Scene(world)
     scene.cameras += 1
     return scene

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from libgz.geometry import GzColor, GzPose
 from libgz.physics.geom import Geom
 
-__all__ = ["Content", "Item", "Light", "Lines", "RenderOptions", "Shot", "View", "pose_matrices", "pose_matrix"]
+__all__ = ["Content", "Fog", "Item", "Light", "Lines", "RenderOptions", "Shot", "View", "pose_matrices", "pose_matrix"]
 
 
 @dataclass
@@ -24,6 +24,7 @@ class RenderOptions:
     displaySkins: bool = True
     displayRays: bool = False
     displayFrustrums: bool = False
+    displayGrid: bool = False
     displayMaterials: bool = True
     displayTextures: bool = True
     polygonFill: bool = True
@@ -87,13 +88,28 @@ class Content:
 
 @dataclass(frozen=True)
 class Light:
-    """A point light: place [m], colours, and constant, linear and quadratic fading."""
+    """A light: place [m], colours, constant, linear and quadratic fading; the rest as of a `LightGeom`, but global."""
 
     position: tuple[float, float, float]
     ambient: GzColor
     diffuse: GzColor
     specular: GzColor
     attenuation: tuple[float, float, float]
+    kind: str = "point"
+    direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
+    spot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    range: float = math.inf
+
+
+@dataclass(frozen=True)
+class Fog:
+    """Fog: exp, exp2 (with a density [1/m]) or linear (from start to end [m])."""
+
+    kind: str
+    color: GzColor
+    density: float
+    start: float
+    end: float
 
 
 @dataclass(frozen=True)
@@ -114,9 +130,10 @@ class Shot:
     planes: tuple[Geom, ...]
     lights: tuple[Light, ...]
     sky: GzColor
-    fog: float | None  # density [1/m]
+    fog: Fog | None
     dome: tuple[Geom, float] | None  # the dome, and the time of day as a share of 24 h
     lines: tuple[Lines, ...] = ()
+    ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
 
 
 def pose_matrix(pose: GzPose) -> NDArray[np.float64]:

@@ -150,10 +150,10 @@ class SdfFile:
         if name == "include" and description is not None and "include" in description.children:
             self._include(xml, parent, description.children["include"])
             return
-        if name == "frame" and description is not None and not description.open:
+        known = description.children.get(name) if description is not None and not description.open else None
+        if name == "frame" and known is None and description is not None and not description.open:
             self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
             return
-        known = description.children.get(name) if description is not None and not description.open else None
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
             self._fault(xml, f"stands more than once in <{parent.name}>; the first one holds", "warning")
         elif known is None and description is not None and not description.open and description.children:
@@ -168,7 +168,9 @@ class SdfFile:
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
-            if about.default == UNSET:
+            if element.name == "script" and "uri" in description.children:
+                element.AddElement(name)  # of a material: many files name only one of both, or write plain text
+            elif about.default == UNSET:
                 self._fault(xml, f"<{name}> is missing and must be given", "error")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
                 continue

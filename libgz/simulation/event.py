@@ -12,18 +12,25 @@ from weakref import WeakSet
 
 from libgz.simulation.plugins import own_traceback
 
-__all__ = ["Connection", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
+__all__ = ["Connection", "Ends", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
 
 log = logging.getLogger("libgz.simulation")
 
 HASTE = 1e-3  # [s] a connection dropped within this was not kept by mistake
 
 
+class Ends(Protocol):
+    """A connection to an event, or a subscription to a topic."""
+
+    def disconnect(self) -> None:
+        """End it."""
+
+
 class Owner(Protocol):
     """Who connects callbacks: a plugin. It is told when one of them raises."""
 
     events: WorldEvents | None  # of its world; None for all worlds'
-    connections: WeakSet[Connection]
+    connections: WeakSet[Ends]
 
     def stop(self, where: str, fault: BaseException) -> None:
         """One of its callbacks raised."""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
@@ -15,9 +15,9 @@ from libgz.sdf.element import Element
 from libgz.simulation.model import Model
 from libgz.simulation.sdf_axis import Axis, JointPlan, read_joint
 from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_light import add_light
 from libgz.simulation.sdf_shapes import make_collision, make_visual
 from libgz.simulation.sdf_surface import set_body_surface, set_surface
+from libgz.simulation.sdf_visual import dress, link_lights
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
@@ -41,6 +41,7 @@ class SdfModel(Model):
         self.nested: dict[str, SdfModel] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
         self.geom_names: dict[Geom, str] = {}
+        self.visual_elements: dict[Geom, Element] = {}
         self._frame_in_canonical = GzPose()
         self._frame = GzPose()  # of a model without any link
         self._places: list[tuple[Body, GzPose]] = []  # where links began, in the model frame
@@ -121,8 +122,7 @@ class SdfModel(Model):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
-        for light in element.named("light"):
-            self._guard(light, add_light, body, light)
+        link_lights(body, element)
         if self.static:
             return
         inertial = element.child("inertial")
@@ -189,22 +189,10 @@ class SdfModel(Model):
 
     def _add_visual(self, body: Body, element: Element) -> None:
         """Geoms without a space: they are drawn and touch nothing."""
-        material = element.child("material")
-        transparency = element.Get(float, "transparency")
         for geom in make_visual(body, element, self._note):
             self.geom_names[geom] = element.Get(str, "name")
-            for key, setter in (
-                ("ambient", geom.SetAmbientColor),
-                ("diffuse", geom.SetDiffuseColor),
-                ("specular", geom.SetSpecularColor),
-                ("emissive", geom.SetEmissionColor),
-            ):
-                if material.HasElement(key):
-                    setter(material.Get(GzColor, key))
-            geom.SetRetro(element.Get(float, "laser_retro"))
-            if transparency > 0.0:
-                geom.GetDiffuseColor().a = 1.0 - transparency
-                geom.SetTransparency(True)
+            self.visual_elements[geom] = element
+            dress(geom, element, self._note)
 
     # Joints ------------------------------------------------------------------------------------------------------
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 from libgz.errors import NotFoundError, nearest
 from libgz.fault import Fault, Faults
-from libgz.geometry import GzColor, GzVector
+from libgz.geometry import GzVector
 from libgz.sdf.element import Element
+from libgz.simulation.sdf_visual import apply_scene
 from libgz.simulation.world import World
 
 __all__ = ["SdfSettings", "apply_profile", "apply_settings", "settings_of"]
@@ -24,10 +25,6 @@ class SdfSettings:
     magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T]
     spherical_coordinates: Element | None = None
     scene: Element | None = None
-    ambient: GzColor = field(default_factory=lambda: GzColor(0.4, 0.4, 0.4))
-    background: GzColor = field(default_factory=lambda: GzColor(0.7, 0.7, 0.7))
-    shadows: bool = True
-    sky: bool = False
 
 
 _settings: weakref.WeakKeyDictionary[World, SdfSettings] = weakref.WeakKeyDictionary()
@@ -53,7 +50,8 @@ def apply_settings(world: World, element: Element, faults: Faults) -> SdfSetting
             settings.magnetic_field = holder.Get(GzVector, "magnetic_field")
     if element.HasElement("spherical_coordinates"):
         settings.spherical_coordinates = element.child("spherical_coordinates")
-    _apply_scene(world, element.child("scene"), settings)
+    settings.scene = element.child("scene")
+    apply_scene(world, settings.scene)
     _apply_physics(world, chosen, faults)
     return settings
 
@@ -71,18 +69,6 @@ def apply_profile(world: World, name: str) -> None:
         raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{nearest(name, profiles)}")
     settings.physics = profiles[name]
     _apply_physics(world, settings.physics, Faults())
-
-
-def _apply_scene(world: World, scene: Element, settings: SdfSettings) -> None:
-    settings.scene = scene
-    settings.ambient, settings.background = scene.Get(GzColor, "ambient"), scene.Get(GzColor, "background")
-    settings.shadows, settings.sky = scene.Get(bool, "shadows"), scene.HasElement("sky")
-    world.skyColor = settings.background
-    fog = scene.child("fog") if scene.HasElement("fog") else None
-    world.fogEnable = fog is not None and fog.Get(str, "type") not in ("none", "")
-    if fog is not None and world.fogEnable:
-        world.fogDensity = fog.Get(float, "density")
-        world.skyColor = fog.Get(GzColor, "color")  # distance fades to one colour
 
 
 def _apply_physics(world: World, physics: Element, faults: Faults) -> None:

@@ -28,6 +28,7 @@ log = logging.getLogger("libgz.simulation")
 
 KNOWN = ("box", "sphere", "cylinder", "plane", "mesh", "heightmap", "polyline", "empty")
 MOST_PIXELS = 4097 * 4097
+PATCHES = 16  # of a drawn plane, in each direction: light is reckoned at their corners
 
 Note = Callable[[Element, str], None]  # tells a warning about an element
 Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
@@ -70,6 +71,8 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     if geom is None:
         for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
             drawn = TriMeshGeom(body, None, part.vertices, part.triangles)
+            if shape.name == "plane":
+                drawn.texture_coordinates = _across()
             if shape.name == "heightmap":
                 drawn.normals = vertex_normals(part.vertices, part.triangles)
             if part.color is not None:
@@ -112,8 +115,14 @@ def _plane(shape: Element) -> MeshPart:
     left = np.cross(normal, ahead)
     left /= np.linalg.norm(left)
     ahead = np.cross(left, normal)
-    corners = [x * size.x / 2.0 * ahead + y * size.y / 2.0 * left for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
-    return MeshPart("plane", np.array(corners), np.array([[0, 1, 2], [0, 2, 3]]))
+    x, y = (grid.reshape(-1, 1) for grid in np.meshgrid(*(np.linspace(-0.5, 0.5, PATCHES + 1),) * 2))
+    return MeshPart("plane", x * size.x * ahead + y * size.y * left, grid_triangles(PATCHES + 1, PATCHES + 1))
+
+
+def _across() -> NDArray[np.float64]:
+    """Texture coordinates of such a rectangle: it carries the whole picture once."""
+    x, y = np.meshgrid(*(np.linspace(0.0, 1.0, PATCHES + 1),) * 2)
+    return np.stack([x.ravel(), y.ravel()], axis=1)
 
 
 def _merged(parts: list[MeshPart]) -> Triangles:

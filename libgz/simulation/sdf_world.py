@@ -9,21 +9,38 @@ from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault, Faults
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
+from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.simulation.changes import delete_models
 from libgz.simulation.model import Model
 from libgz.simulation.sdf_axis import read_joint
 from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_light import SdfLight
 from libgz.simulation.sdf_model import SdfModel, model_pose
 from libgz.simulation.sdf_settings import apply_settings
 from libgz.simulation.sdf_state import apply_state
+from libgz.simulation.sdf_visual import set_light
 from libgz.simulation.world import World
 
 __all__ = ["SdfLight", "WorldJoints", "add_entities", "insert_sdf", "load_sdf"]
 
 log = logging.getLogger("libgz.simulation")
+
+
+class SdfLight(Model):
+    """A `<light>`: a dummy body with a light."""
+
+    def __init__(self, world: World, element: Element) -> None:
+        super().__init__(world)
+        self.sdf = element
+        self.SetName("light")
+        self.SetId(element.Get(str, "name"))
+        self.cast_shadows = element.Get(bool, "cast_shadows")
+        body = Body(world, dummy=True)
+        self.AddBody(body, True)
+        body.SetPose(element.Get(GzPose, "pose"))
+        self.light = LightGeom(body, None)
+        set_light(self.light, element)
 
 
 class WorldJoints(Model):

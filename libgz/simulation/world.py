@@ -15,6 +15,7 @@ import numpy as np
 from libgz.errors import GazeboError, PluginError
 from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
+from libgz.physics.appearance import Backdrop
 from libgz.physics.engine import Engine
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
@@ -107,6 +108,7 @@ class World(Lookup, Loader, Clock):
         self.skyColor = values.skyColor
         self.fogEnable = fog
         self.fogDensity = values.fogDensity
+        self.backdrop = Backdrop()
         self.engine.step_time = values.stepTime
         self.engine.gravity = tuple(values.gravity)
 

@@ -17,15 +17,13 @@ from libgz.geometry import (
     GzQuaternFromAxis,
     GzQuaternFromEuler,
     GzQuaternFromHomo,
+    GzQuaternToEuler,
     GzVector,
     QuaternLike,
     VectorLike,
 )
 
 __all__ = ["Quaternion", "Quaterniond", "as_quaternion"]
-
-# Nearer than this to a pitch of 90 degrees, roll and yaw turn about one axis, and all of it is called roll [rad].
-_LOCKED = 1e-10
 
 
 class Quaterniond(GzQuatern):
@@ -150,20 +148,12 @@ class Quaterniond(GzQuatern):
     ) -> Vector3d:
         """Roll, pitch, yaw [rad]; with arguments (a vector, or three numbers), it is set to them first.
 
-        Near a pitch of 90 degrees yaw is 0. Formulas: Bernardes and Viollet, PLoS ONE 17 (2022) e0276302.
+        At a pitch of 90 degrees yaw is 0.
         """
         if roll is not None:
             angles = Vector3d(roll, pitch, yaw)
             self.Set(*GzQuaternFromEuler(angles.x, angles.y, angles.z))
-        up, down = math.hypot(self.u + self.y, self.x - self.z), math.hypot(self.u - self.y, self.x + self.z)
-        pitch = 2.0 * math.atan2(up, down) - math.pi / 2.0
-        if down < _LOCKED * up:
-            return Vector3d(_wrapped(2.0 * math.atan2(self.x - self.z, self.u + self.y)), pitch, 0.0)
-        if up < _LOCKED * down:
-            return Vector3d(_wrapped(2.0 * math.atan2(self.x + self.z, self.u - self.y)), pitch, 0.0)
-        total = math.atan2(self.x + self.z, self.u - self.y)
-        difference = math.atan2(self.x - self.z, self.u + self.y)
-        return Vector3d(_wrapped(total + difference), pitch, _wrapped(total - difference))
+        return Vector3d(*GzQuaternToEuler(self))
 
     def Roll(self) -> float:
         """The rotation about x [rad]."""
@@ -393,13 +383,6 @@ class Quaterniond(GzQuatern):
     GetZAxis = ZAxis
     GetLog = Log
     GetExp = Exp
-
-
-def _wrapped(angle: float) -> float:
-    """An angle of at most two turns, brought into (-pi, pi]."""
-    if angle > math.pi:
-        return angle - 2.0 * math.pi
-    return angle if angle > -math.pi else angle + 2.0 * math.pi
 
 
 def as_quaternion(rot: QuaternLike) -> Quaterniond:

@@ -11,6 +11,7 @@ from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
+from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
 from libgz.classic.physics.registry import get_world, has_world, worlds
 from libgz.classic.physics.shape import BoxShape, CylinderShape, MeshShape, PlaneShape, Shape, SphereShape
 from libgz.classic.physics.state import WorldState
@@ -33,9 +34,11 @@ __all__ = [
     "Link",
     "MeshShape",
     "Model",
+    "MultiRayShape",
     "PhysicsEngine",
     "PlaneShape",
     "PresetManager",
+    "RayShape",
     "Shape",
     "SphereShape",
     "SurfaceParams",

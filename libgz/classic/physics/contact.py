@@ -5,6 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
 
@@ -12,7 +15,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
 
-__all__ = ["Contact", "ContactManager", "JointWrench"]
+__all__ = ["Contact", "ContactManager", "JointWrench", "read_contacts"]
 
 
 @dataclass
@@ -52,10 +55,24 @@ class ContactManager:
         self._iteration = -1
         self._contacts: list[Contact] = []
         self._never_drop = False
+        self._wanted = False
+        self._holders: set[object] = set()
 
     def want(self) -> None:
         """Begin to record contacts, so that the next step's are there."""
+        self._wanted = True
         self._world.core.engine.record_contacts = True
+
+    def hold(self, who: object) -> None:
+        """Record contacts until `who` releases them."""
+        self._holders.add(who)
+        self._world.core.engine.record_contacts = True
+
+    def release(self, who: object) -> None:
+        """`who` needs no contacts any more; they are recorded as long as somebody else does."""
+        self._holders.discard(who)
+        if not (self._wanted or self._holders):
+            self._world.core.engine.record_contacts = False
 
     def SetNeverDropContacts(self, neverDrop: bool) -> None:
         """Record contacts even if nobody has asked yet."""
@@ -82,32 +99,34 @@ class ContactManager:
         core = self._world.core
         if self._iteration != core.iterations:
             self._iteration = core.iterations
-            self._contacts = self._read()
+            self._contacts = read_contacts(self._world, core.engine.contacts)
         return self._contacts
 
-    def _read(self) -> list[Contact]:
-        engine, now = self._world.core.engine, self._world.SimTime()
-        pairs: dict[tuple[int, int], Contact] = {}
-        for point in engine.contacts:
-            rows = int(point["geom1"]), int(point["geom2"])
-            if rows not in pairs:
-                touching = [self._world.collision_of(engine.geoms[row]) for row in rows if row in engine.geoms]
-                if len(touching) < 2 or None in touching:
-                    continue
-                pairs[rows] = Contact(self._world, touching[0], touching[1], now)
-            contact = pairs[rows]
-            contact.positions.append(Vector3d(*point["position"].tolist()))
-            contact.normals.append(Vector3d(*point["normal"].tolist()))
-            contact.depths.append(float(point["depth"]))
-            contact.wrench.append(self._wrench(contact, point))
-        return list(pairs.values())
 
-    @staticmethod
-    def _wrench(contact: Contact, point: object) -> JointWrench:
-        """Forces and torques in the axes of the two links, as in Gazebo."""
-        values = []
-        for number, collision in ((1, contact.collision1), (2, contact.collision2)):
-            turn = collision.link.WorldPose().rot
-            for word in ("force", "torque"):
-                values.append(turn.RotateVectorReverse(Vector3d(*point[f"{word}{number}"].tolist())))  # type: ignore[index]
-        return JointWrench(*values)
+def read_contacts(world: World, points: NDArray[np.void]) -> list[Contact]:
+    """Records of contact points (see `Engine.contacts`) as contacts, a pair of collisions each."""
+    engine, now = world.core.engine, world.SimTime()
+    pairs: dict[tuple[int, int], Contact] = {}
+    for point in points:
+        rows = int(point["geom1"]), int(point["geom2"])
+        if rows not in pairs:
+            touching = [world.collision_of(engine.geoms[row]) for row in rows if row in engine.geoms]
+            if len(touching) < 2 or None in touching:
+                continue
+            pairs[rows] = Contact(world, touching[0], touching[1], now)
+        contact = pairs[rows]
+        contact.positions.append(Vector3d(*point["position"].tolist()))
+        contact.normals.append(Vector3d(*point["normal"].tolist()))
+        contact.depths.append(float(point["depth"]))
+        contact.wrench.append(_wrench(contact, point))
+    return list(pairs.values())
+
+
+def _wrench(contact: Contact, point: np.void) -> JointWrench:
+    """Forces and torques in the axes of the two links, as in Gazebo."""
+    values = []
+    for number, collision in ((1, contact.collision1), (2, contact.collision2)):
+        turn = collision.link.WorldPose().rot
+        for word in ("force", "torque"):
+            values.append(turn.RotateVectorReverse(Vector3d(*point[f"{word}{number}"].tolist())))
+    return JointWrench(*values)

@@ -10,12 +10,14 @@ from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact import ContactManager
 from libgz.classic.physics.joint import AXES, Joint
+from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.simulation.sdf_axis import Axis, JointPlan
 from libgz.simulation.sdf_joint import SdfJoint
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
     from libgz.physics.engine import Engine
@@ -174,6 +176,16 @@ class PhysicsEngine:
         if parent is not None:
             joint.SetModel(parent)
         return joint
+
+    def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape:
+        """A ray to ask what lies on it; with a collision, in its link's frame.
+
+        Raises:
+            ParameterError: the type is not ``ray``; other shapes come with their collisions.
+        """
+        if type != "ray":
+            raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray")
+        return RayShape(self._world, collision.link if collision is not None else None)
 
 
 def _only(value: Any, what: str, allowed: str) -> None:

@@ -34,7 +34,7 @@ class Light(Entity):
 
     def LightType(self) -> str:
         """point, spot or directional."""
-        return self.core.sdf.Get(str, "type")
+        return self.core.light.kind
 
     def DiffuseColor(self) -> Color:
         """The colour of its light."""
@@ -54,19 +54,19 @@ class Light(Entity):
 
     def Direction(self) -> Vector3d:
         """Where a directional or spot light shines."""
-        return Vector3d(*self.core.direction)
+        return Vector3d(*self.core.light.direction)
 
     def SetDirection(self, direction: VectorLike) -> None:
         """Set where a directional or spot light shines."""
-        self.core.direction = GzVector(*direction)
+        self.core.light.direction = GzVector(*direction)
 
     def Range(self) -> float:
         """How far it reaches [m]."""
-        return self.core.range
+        return self.core.light.range
 
     def SetRange(self, distance: float) -> None:
         """Set how far it reaches [m]."""
-        self.core.range = float(distance)
+        self.core.light.range = float(distance)
 
     def CastShadows(self) -> bool:
         """Whether it is meant to cast shadows."""

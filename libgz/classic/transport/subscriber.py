@@ -11,6 +11,7 @@ from typing import Any
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
+from libgz.simulation.event import owner
 from libgz.simulation.plugins import own_traceback
 
 __all__ = ["Subscriber"]
@@ -27,6 +28,7 @@ class Subscriber:
 
     def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
         self._topic = topic
+        self._owner = owner.get()  # the plugin whose code subscribes: it is stopped when the callback raises
         self._callback: Callable[[], Callable[[Any], Any] | None]
         if isinstance(callback, types.MethodType):
             self._callback = weakref.WeakMethod(callback)
@@ -37,6 +39,8 @@ class Subscriber:
         self.since = next(sequence)
         self._born = clock.monotonic()
         topic.subscribers[id(self)] = weakref.ref(self)
+        if self._owner is not None:
+            self._owner.connections.add(self)
         manager = TopicManager.Instance()
         manager.refresh(topic)
         if latching:
@@ -51,7 +55,7 @@ class Subscriber:
         if self._topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh(self._topic)
 
-    Fini = Unsubscribe
+    Fini = disconnect = Unsubscribe
 
     def __del__(self) -> None:
         topic = getattr(self, "_topic", None)
@@ -63,20 +67,29 @@ class Subscriber:
                 )
 
     def take(self, message: Message) -> None:
-        """Call back. A callback that raises is reported, and its subscription ends."""
+        """Call back. A callback that raises is reported; its subscription ends, and its plugin is stopped."""
         if id(self) not in self._topic.subscribers:
             return
         callback = self._callback()
         if callback is None:
             self.Unsubscribe()
             return
+        token = owner.set(self._owner)
         try:
             callback(message)
         except Exception as fault:  # noqa: BLE001 - a plugin's; the simulation goes on
-            self.Unsubscribe()
-            log.error(
-                "the callback %s of topic %s failed and is called no more:\n%s",
-                self._what,
-                self._topic.name,
-                own_traceback(fault),
-            )
+            self._failed(fault)
+        finally:
+            owner.reset(token)
+
+    def _failed(self, fault: Exception) -> None:
+        self.Unsubscribe()
+        if self._owner is not None:
+            self._owner.stop(f"the callback {self._what} of topic {self._topic.name}", fault)
+            return
+        log.error(
+            "the callback %s of topic %s failed and is called no more:\n%s",
+            self._what,
+            self._topic.name,
+            own_traceback(fault),
+        )

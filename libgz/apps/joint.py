@@ -1,0 +1,74 @@
+"""libgz joint: joints of a running SDF world: forces, targets, gains."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from typing import Any
+
+from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.classic import msgs
+from libgz.errors import NotFoundError, ParameterError, nearest
+
+__all__ = ["configure", "run"]
+
+GAINS = {"t": "target", "p": "p_gain", "i": "i_gain", "d": "d_gain"}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add = parser.add_argument
+    add_world(parser)
+    add("-m", "--model-name", required=True, metavar="NAME", help="the model")
+    add("-j", "--joint-name", metavar="JOINT", help="the joint")
+    add("-i", "--info", action="store_true", help="print the position, or those of all joints")
+    add("-d", "--delete", dest="reset", action="store_true", help="forget forces and targets")
+    add("-f", "--force", type=float, metavar="N", help="push from now on [N m or N]")
+    for kind, unit in (("pos", "rad or m"), ("vel", "rad/s or m/s")):
+        add(f"--{kind}-t", type=float, metavar="N", help=f"hold it there [{unit}]")
+        for letter, word in (("p", "proportional"), ("i", "integral"), ("d", "derivative")):
+            add(f"--{kind}-{letter}", type=float, metavar="N", help=f"{word} gain of that")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do what is asked.
+
+    Raises:
+        ServerError: there is no server.
+        NotFoundError: there is no such model or joint.
+        ParameterError: the command line says too little.
+    """
+    with world_node(options) as node:
+        model = ask(node, "entity_info", options.model_name)
+        joints = {joint.name.rpartition("::")[2]: joint for joint in model.joint}
+        if options.joint_name is not None and options.joint_name not in joints:
+            known = ", ".join(joints) or "none"
+            hint = nearest(options.joint_name, joints)
+            raise NotFoundError(
+                f"model {options.model_name!r} has no joint {options.joint_name!r}; it has {known}{hint}"
+            )
+        if options.info:
+            for name, joint in joints.items():
+                if options.joint_name in (None, name):
+                    print(name, *(f"{angle:.6f}" for angle in joint.angle))
+            return 0
+        if options.joint_name is None:
+            raise ParameterError("which joint? -j JOINT, or -i for all")
+        publish(node, "~/joint", _command(joints[options.joint_name].name, options))
+    return 0
+
+
+def _command(name: str, options: argparse.Namespace) -> Any:
+    message = msgs.JointCmd(name=name)
+    if options.reset:
+        message.reset = True
+    if options.force is not None:
+        message.force = options.force
+    for kind, field in (("pos", "position"), ("vel", "velocity")):
+        for letter, gain in GAINS.items():
+            value = getattr(options, f"{kind}_{letter}")
+            if value is not None and math.isfinite(value):
+                setattr(getattr(message, field), gain, value)
+    if len(message.ListFields()) == 1:
+        raise ParameterError("what is to be done? -f N, --pos-t N, --vel-t N, gains such as --pos-p N, -d, or -i")
+    return message

@@ -1,0 +1,82 @@
+"""libgz model: models of a running SDF world: look, move, add, delete."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from libgz.apps.server_link import add_world, ask, publish, world_node
+from libgz.classic import msgs
+from libgz.classic.math import Pose3d, Quaterniond
+from libgz.errors import ParameterError
+
+__all__ = ["configure", "run"]
+
+AXES = ("pose-x", "pose-y", "pose-z", "pose-R", "pose-P", "pose-Y")
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add = parser.add_argument
+    add_world(parser)
+    add("-m", "--model-name", default="", metavar="NAME", help="the model")
+    add("-i", "--info", action="store_true", help="print all about it")
+    add("-p", "--pose", action="store_true", help="print its pose: x y z [m] roll pitch yaw [rad]")
+    add("-d", "--delete", action="store_true", help="take it out of the world")
+    add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF file, or model://name")
+    add("-s", "--spawn-string", metavar="SDF", help="add a model from a text")
+    for word, unit in zip(AXES, ("m", "m", "m", "rad", "rad", "rad"), strict=True):
+        add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"its place [{unit}]")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do what is asked.
+
+    Raises:
+        ServerError: there is no server.
+        NotFoundError: there is no such model.
+        ParameterError: the command line says too little.
+    """
+    place = [getattr(options, word.replace("-", "_")) for word in AXES]
+    moved = any(value is not None for value in place)
+    spawned = options.spawn_file or options.spawn_string
+    if not (options.model_name or spawned):
+        raise ParameterError("which model? -m NAME, or -f FILE for a new one")
+    if not (spawned or moved or options.info or options.pose or options.delete):
+        raise ParameterError("what is to be done? -i, -p, -d, a place such as -x 1, or -f FILE")
+    with world_node(options) as node:
+        if spawned:
+            publish(node, "~/factory", _factory(options, place if moved else None))
+            return 0
+        model = ask(node, "entity_info", options.model_name)
+        pose = msgs.ConvertIgn(model.pose)
+        if options.delete:
+            ask(node, "entity_delete", options.model_name)
+        elif options.info:
+            print(model.DebugString(), end="")
+        elif moved:
+            now = (*pose.pos, *pose.rot.Euler())
+            target = Pose3d(*(new if new is not None else old for new, old in zip(place, now, strict=True)))
+            publish(node, "~/model/modify", msgs.Model(name=options.model_name, pose=msgs.Convert(target)))
+        else:
+            print(*(f"{value:.6f}" for value in (*pose.pos, *Quaterniond(pose.rot).Euler())))
+    return 0
+
+
+def _factory(options: argparse.Namespace, place: list[float | None] | None) -> Any:
+    message = msgs.Factory()
+    if options.spawn_string:
+        message.sdf = options.spawn_string
+    elif "://" in options.spawn_file:
+        message.sdf_filename = options.spawn_file
+    else:
+        path = Path(options.spawn_file)
+        if not path.is_file():
+            raise ParameterError(f"{path}: there is no such file")
+        message.sdf = path.read_text()
+    if options.model_name:
+        message.edit_name = options.model_name
+    if place is not None:
+        msgs.Set(message.pose, Pose3d(*(value or 0.0 for value in place)))
+    return message

@@ -1,0 +1,283 @@
+"""RayShape and MultiRayShape: rays that tell what they hit first."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.classic.math import Angle, Vector3d
+from libgz.errors import NotFoundError, ParameterError
+from libgz.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
+from libgz.physics.check import finite_tuple
+from libgz.simulation.event import Connection, Event
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.link import Link
+    from libgz.classic.physics.world import World
+    from libgz.physics.body import Body
+    from libgz.physics.engine import Engine
+    from libgz.physics.geom import Geom
+
+__all__ = ["MultiRayShape", "RayShape", "ScanGrid"]
+
+NOTHING = 1000.0  # [m] what a ray answers that hits nothing
+
+
+class RayShape:
+    """One ray.
+
+    Args:
+        world: the world.
+        link: what the ray is fixed to; None for one in the world's frame.
+    """
+
+    def __init__(self, world: World, link: Link | None = None) -> None:
+        self._world, self._link = world, link
+        self._start, self._end = Vector3d(), Vector3d(1.0, 0.0, 0.0)
+        self._length = 0.0
+        self._hit: Geom | None = None
+
+    def GetType(self) -> str:
+        """``ray``."""
+        return "ray"
+
+    def SetPoints(self, posStart: VectorLike, posEnd: VectorLike) -> None:
+        """Place it between two points [m]; what it hits is what lies between them.
+
+        Raises:
+            ParameterError: both are the same point, or not finite.
+        """
+        start, end = (Vector3d(*finite_tuple(point, 3, "end of a ray [m]")) for point in (posStart, posEnd))
+        if start.Distance(end) < 1e-9:
+            raise ParameterError(f"a ray has no length: it starts and ends at {tuple(start)}")
+        self._start, self._end = start, end
+        self._length, self._hit = start.Distance(end), None
+
+    def RelativePoints(self) -> tuple[Vector3d, Vector3d]:
+        """Both ends [m], in the frame it is fixed in."""
+        return Vector3d(*self._start), Vector3d(*self._end)
+
+    def GlobalPoints(self) -> tuple[Vector3d, Vector3d]:
+        """Both ends [m], global."""
+        if self._link is None:
+            return self.RelativePoints()
+        pose = self._link.body.GetPose()
+        start, end = (Vector3d(*GzCoordPositionAdd(p, pose.pos, pose.rot)) for p in (self._start, self._end))
+        return start, end
+
+    GetRelativePoints, GetGlobalPoints = RelativePoints, GlobalPoints
+
+    def Update(self) -> None:
+        """Cast it."""
+        start, end = self.GlobalPoints()
+        full = start.Distance(end)
+        engine = self._world.core.engine
+        direction = (np.array(end) - np.array(start)) / full
+        ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
+        frame, rays = np.array((*start, 1.0, 0.0, 0.0, 0.0)), np.array([[0.0, 0.0, 0.0, *direction, full]])
+        engine.scan(frame, rays, 0, ranges, rows)
+        self._hit = engine.geoms.get(int(rows[0]))
+        self._length = float(ranges[0]) if self._hit is not None else full
+
+    def GetIntersection(self) -> tuple[float, str]:
+        """(distance [m], scoped name) of the collision that it hits now; (1000, "") for none."""
+        self.Update()
+        if self._hit is None:
+            return NOTHING, ""
+        collision = self._world.collision_of(self._hit)
+        return self._length, collision.GetScopedName() if collision is not None else ""
+
+    def GetLength(self) -> float:
+        """How far it reached in the last Update [m]; its whole length if it hit nothing."""
+        return self._length
+
+    def SetLength(self, length: float) -> None:
+        """Say how far it reached [m]."""
+        self._length = float(length)
+
+    def GetRetro(self) -> float:
+        """How much of a laser comes back from what it hit; 0 for nothing."""
+        return self._hit.GetRetro() if self._hit is not None else 0.0
+
+    def GetFiducial(self) -> int:
+        """The fiducial number of what it hit; -1 for none."""
+        return self._hit.GetFiducial() if self._hit is not None else -1
+
+    Length, Retro, Fiducial = GetLength, GetRetro, GetFiducial
+
+
+class ScanGrid:
+    """Directions of a scan: rows of rays, from the lowest up, each from `min_angle` to `max_angle`.
+
+    Args:
+        samples: rays in a row, and rows.
+        angles: ((lowest, highest) about z, (lowest, highest) above the horizon) [rad].
+        reach: nearest and farthest that is measured [m].
+    """
+
+    def __init__(
+        self,
+        samples: tuple[int, int],
+        angles: tuple[tuple[float, float], tuple[float, float]],
+        reach: tuple[float, float],
+    ) -> None:
+        self.samples, self.angles, self.reach = samples, angles, reach
+
+    def rays(self, offset: GzPose) -> NDArray[np.float64]:
+        """Start [m], direction and length [m] of all rays, shape (n, 7), seen from a frame the scan lies in."""
+        yaw, pitch = (
+            np.linspace(*angles, samples) if samples > 1 else np.zeros(1)  # one ray looks straight ahead
+            for angles, samples in zip(self.angles, self.samples, strict=True)
+        )
+        up, around = (grid.ravel() for grid in np.meshgrid(pitch, yaw, indexing="ij"))
+        directions = np.stack([np.cos(up) * np.cos(around), np.cos(up) * np.sin(around), np.sin(up)], axis=1)
+        return ray_table(directions, self.reach, offset)
+
+
+def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offset: GzPose) -> NDArray[np.float64]:
+    """Rays from a point that begin at `reach[0]` and end at `reach[1]` [m], as `Engine.scan` wants them."""
+    turn = np.array([rotate(offset.rot, axis) for axis in np.eye(3)])
+    near, far = reach
+    rays = np.empty((len(directions), 7))
+    rays[:, 3:6] = directions @ turn
+    rays[:, :3] = rays[:, 3:6] * near + np.array(offset.pos)
+    rays[:, 6] = far - near
+    return rays
+
+
+class MultiRayShape:
+    """The rays of a laser, fixed to a link; they see everything, the link itself included.
+
+    Args:
+        body: the link.
+        offset: pose of the laser in the link [m].
+        grid: where the rays point.
+    """
+
+    def __init__(self, body: Body, offset: GzPose, grid: ScanGrid) -> None:
+        self._body = body
+        self._engine: Engine = body.engine
+        self.grid = grid
+        self._scans = Event("NewLaserScans")
+        self.place(offset)
+        self._rows: NDArray[np.int64] = np.full(self.RayCount(), -1, dtype=np.int64)
+        self._reached: NDArray[np.float64] = np.full(self.RayCount(), sys.float_info.max)
+
+    def place(self, offset: GzPose) -> None:
+        """Move it to a pose in the link [m]."""
+        self._rays = self.grid.rays(offset)
+
+    def GetType(self) -> str:
+        """``multiray``."""
+        return "multiray"
+
+    def Update(self) -> None:
+        """Cast all rays from where the link is now."""
+        pose = self._body.GetPose()
+        self._engine.scan(np.array((*pose.pos, *pose.rot)), self._rays, 0, self._reached, self._rows)
+        if self._scans:
+            self._scans()
+
+    def ConnectNewLaserScans(self, callback: Callable[[], object]) -> Connection:
+        """Call `callback` after each scan, as long as the connection is kept."""
+        return self._scans.Connect(callback)
+
+    def DisconnectNewLaserScans(self, connection: Connection) -> None:
+        """End such a connection."""
+        connection.Disconnect()
+
+    # Readings ----------------------------------------------------------------------------------------------------
+
+    def ranges(self) -> NDArray[np.float64]:
+        """Distances [m] from the laser of what was hit; the maximum where nothing was. Row after row, shape (n,)."""
+        return np.minimum(self._reached + self.grid.reach[0], self.grid.reach[1])
+
+    def retros(self) -> NDArray[np.float64]:
+        """How much of the laser comes back from what was hit, shape (n,)."""
+        values = {row: self._engine.geoms[row].GetRetro() for row in np.unique(self._rows).tolist() if self._known(row)}
+        if not any(values.values()):
+            return np.zeros(len(self._rows))
+        return np.array([values.get(row, 0.0) for row in self._rows.tolist()])
+
+    def _known(self, row: int) -> bool:
+        return row >= 0 and row in self._engine.geoms
+
+    def segments(self) -> NDArray[np.float64]:
+        """Global ends of all rays, as far as they reached [m], shape (n, 2, 3)."""
+        pose = self._body.GetPose()
+        axes = np.array([rotate(pose.rot, axis) for axis in np.eye(3)])
+        starts = self._rays[:, :3] @ axes + pose.pos
+        reach = np.minimum(self._reached, self._rays[:, 6])[:, None]
+        return np.stack([starts, starts + self._rays[:, 3:6] @ axes * reach], axis=1)
+
+    def _check(self, index: int) -> int:
+        if not 0 <= index < len(self._rows):
+            raise NotFoundError(f"index[{index}] out of range[0-{len(self._rows)}]")
+        return index
+
+    def Range(self, index: int) -> float:
+        """Distance [m] of what a ray hit; the maximum for nothing.
+
+        Raises:
+            NotFoundError: there is no such ray.
+        """
+        return float(min(self._reached[self._check(index)] + self.grid.reach[0], self.grid.reach[1]))
+
+    def Retro(self, index: int) -> float:
+        """How much of the laser comes back from what a ray hit; 0 for nothing."""
+        row = int(self._rows[self._check(index)])
+        return self._engine.geoms[row].GetRetro() if self._known(row) else 0.0
+
+    def Fiducial(self, index: int) -> int:
+        """The fiducial number of what a ray hit; -1 for none."""
+        row = int(self._rows[self._check(index)])
+        return self._engine.geoms[row].GetFiducial() if self._known(row) else -1
+
+    GetRange, GetRetro, GetFiducial = Range, Retro, Fiducial
+
+    # Description -------------------------------------------------------------------------------------------------
+
+    def RayCount(self) -> int:
+        """How many rays there are."""
+        return self.grid.samples[0] * self.grid.samples[1]
+
+    def SampleCount(self) -> int:
+        """Rays in a row."""
+        return self.grid.samples[0]
+
+    def VerticalSampleCount(self) -> int:
+        """Rows of rays."""
+        return self.grid.samples[1]
+
+    def MinRange(self) -> float:
+        """Nearest that is measured [m]."""
+        return self.grid.reach[0]
+
+    def MaxRange(self) -> float:
+        """Farthest that is measured [m]."""
+        return self.grid.reach[1]
+
+    def MinAngle(self) -> Angle:
+        """Direction of the first ray of a row [rad]."""
+        return Angle(self.grid.angles[0][0])
+
+    def MaxAngle(self) -> Angle:
+        """Direction of the last ray of a row [rad]."""
+        return Angle(self.grid.angles[0][1])
+
+    def VerticalMinAngle(self) -> Angle:
+        """Elevation of the lowest row [rad]."""
+        return Angle(self.grid.angles[1][0])
+
+    def VerticalMaxAngle(self) -> Angle:
+        """Elevation of the highest row [rad]."""
+        return Angle(self.grid.angles[1][1])
+
+    GetSampleCount, GetVerticalSampleCount = SampleCount, VerticalSampleCount
+    GetMinRange, GetMaxRange = MinRange, MaxRange
+    GetMinAngle, GetMaxAngle = MinAngle, MaxAngle
+    GetVerticalMinAngle, GetVerticalMaxAngle = VerticalMinAngle, VerticalMaxAngle

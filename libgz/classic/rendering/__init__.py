@@ -1,0 +1,35 @@
+"""Gazebo classic's `rendering` names: scene, visuals, lights and cameras, as views on what is drawn."""
+
+from libgz.classic.rendering.camera import Camera, draw_frame
+from libgz.classic.rendering.depth_camera import DepthCamera
+from libgz.classic.rendering.light import Light
+from libgz.classic.rendering.lines import DynamicLines
+from libgz.classic.rendering.scene import Scene, get_scene
+from libgz.classic.rendering.user_camera import UserCamera
+from libgz.classic.rendering.visual import Visual
+
+__all__ = [
+    "RENDERING_LINE_LIST",
+    "RENDERING_LINE_STRIP",
+    "RENDERING_POINT_LIST",
+    "Camera",
+    "CameraPtr",
+    "DepthCamera",
+    "DepthCameraPtr",
+    "DynamicLines",
+    "Light",
+    "LightPtr",
+    "Scene",
+    "ScenePtr",
+    "UserCamera",
+    "UserCameraPtr",
+    "Visual",
+    "VisualPtr",
+    "draw_frame",
+    "get_scene",
+]
+
+CameraPtr, DepthCameraPtr, UserCameraPtr = Camera, DepthCamera, UserCamera
+LightPtr, ScenePtr, VisualPtr = Light, Scene, Visual
+RENDERING_POINT_LIST = DynamicLines.POINT_LIST
+RENDERING_LINE_LIST, RENDERING_LINE_STRIP = DynamicLines.LINE_LIST, DynamicLines.LINE_STRIP

@@ -1,0 +1,142 @@
+"""Light: a lamp, as it is drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.math import Color, Pose3d, Quaterniond, Vector3d
+from libgz.errors import ParameterError, nearest
+from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike
+from libgz.physics.geoms import LightGeom
+from libgz.simulation.sdf_visual import KINDS
+
+if TYPE_CHECKING:
+    from libgz.simulation.sdf_world import SdfLight
+
+__all__ = ["Light"]
+
+
+class Light:
+    """A view on a `LightGeom` of a light in the world."""
+
+    def __init__(self, core: SdfLight) -> None:
+        self.core = core
+        self.geom: LightGeom = core.light
+
+    def __repr__(self) -> str:
+        return f"<Light {self.Name()!r}>"
+
+    def Name(self) -> str:
+        """Its name."""
+        return self.core.GetId()
+
+    GetName = Name
+
+    def GetId(self) -> int:
+        """Its number in the world."""
+        return self.core.GetIntId()
+
+    def Type(self) -> str:
+        """point, directional or spot."""
+        return self.geom.kind
+
+    GetType = LightType = Type
+
+    def SetLightType(self, type: str) -> None:
+        """Make it a point, directional or spot light.
+
+        Raises:
+            ParameterError: it is none of these.
+        """
+        if type not in KINDS:
+            raise ParameterError(f"light {self.Name()!r}: there is no type {type!r}{nearest(type, KINDS)}")
+        self.geom.kind = type
+
+    def DiffuseColor(self) -> Color:
+        """The colour of its light."""
+        return Color(*self.geom.GetDiffuseColor())
+
+    GetDiffuseColor = DiffuseColor
+
+    def SetDiffuseColor(self, color: GzColor) -> None:
+        """Set the colour of its light."""
+        self.geom.SetDiffuseColor(color)
+
+    def SpecularColor(self) -> Color:
+        """The colour of its highlights."""
+        return Color(*self.geom.GetSpecularColor())
+
+    GetSpecularColor = SpecularColor
+
+    def SetSpecularColor(self, color: GzColor) -> None:
+        """Set the colour of its highlights."""
+        self.geom.SetSpecularColor(color)
+
+    def Direction(self) -> Vector3d:
+        """Where it shines, in its own frame."""
+        return Vector3d(*self.geom.direction)
+
+    GetDirection = Direction
+
+    def SetDirection(self, dir: VectorLike) -> None:
+        """Set where it shines, in its own frame."""
+        self.geom.direction = GzVector(*dir)
+
+    def SetAttenuation(self, constant: float, linear: float, quadratic: float) -> None:
+        """Set the constant, linear [1/m] and quadratic [1/m^2] part of how it fades with distance."""
+        self.geom.SetAttenuation((constant, linear, quadratic))
+
+    def Range(self) -> float:
+        """Nothing beyond is lit [m]."""
+        return self.geom.range
+
+    def SetRange(self, range: float) -> None:
+        """Set how far it shines [m]."""
+        self.geom.range = float(range)
+
+    def SetSpotInnerAngle(self, angle: float) -> None:
+        """Set the angle of the cone that is lit in full [rad]."""
+        self.geom.spot = (float(angle), *self.geom.spot[1:])
+
+    def SetSpotOuterAngle(self, angle: float) -> None:
+        """Set the angle of the cone that is lit at all [rad]."""
+        self.geom.spot = (self.geom.spot[0], float(angle), self.geom.spot[2])
+
+    def SetSpotFalloff(self, value: float) -> None:
+        """Set how fast light fades between both, as a power."""
+        self.geom.spot = (*self.geom.spot[:2], float(value))
+
+    def WorldPose(self) -> Pose3d:
+        """Global pose [m]."""
+        return Pose3d(self.core.GetPose())
+
+    def Position(self) -> Vector3d:
+        """Global position [m]."""
+        return self.WorldPose().Pos()
+
+    GetPosition = Position
+
+    def SetPosition(self, p: VectorLike) -> None:
+        """Move it [m]."""
+        self.core.GetBody().SetPose(GzPose(GzVector(*p), self.core.GetPose().rot))
+
+    def Rotation(self) -> Quaterniond:
+        """Global rotation."""
+        return self.WorldPose().Rot()
+
+    GetRotation = Rotation
+
+    def SetRotation(self, q: QuaternLike) -> None:
+        """Turn it."""
+        self.core.GetBody().SetPose(Pose3d(self.core.GetPose().pos, q))
+
+    def Visible(self) -> bool:
+        """Whether it shines."""
+        return self.geom.appearance.visible
+
+    def SetVisible(self, visible: bool) -> None:
+        """Switch it on or off."""
+        self.geom.appearance.visible = bool(visible)
+        self.geom.appearance.version += 1
+
+    ToggleVisual = SetVisible

@@ -1,0 +1,489 @@
+"""Visual: something that is drawn, or a group of such things: a model, a link."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
+from libgz.classic.rendering.lines import DynamicLines
+from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
+from libgz.errors import NotFoundError, nearest
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike
+from libgz.physics.geom import Geom
+from libgz.sdf.element import Element
+from libgz.sdf.materials import find_material
+from libgz.simulation.sdf_visual import material_name, put_on, set_transparency
+
+if TYPE_CHECKING:
+    from libgz.classic.loading import LoadedPlugin
+    from libgz.classic.rendering.scene import Scene
+    from libgz.physics.body import Body
+
+__all__ = ["Visual"]
+
+log = logging.getLogger("libgz.classic")
+
+_ids = itertools.count(1)
+
+
+class Visual:
+    """A view on drawn geoms, or on a group of visuals.
+
+    Moving, colouring or hiding it changes what pictures show, and nothing in physics. A plugin makes one of its own by
+    ``Visual("name", parent)``, with the scene's or any other visual as parent, and gives it a shape by `AttachMesh`.
+    """
+
+    def __init__(self, name: str, parent: Visual | Scene) -> None:
+        from libgz.classic.rendering.scene import Scene
+
+        above = parent.WorldVisual() if isinstance(parent, Scene) else parent
+        self._begin(above.GetScene(), name, above)
+        above.made.append(self)
+
+    def _begin(self, scene: Scene, name: str, parent: Visual | None) -> None:
+        self._scene, self._name, self._parent = scene, name, parent
+        self._id = next(_ids)
+        self.geoms: list[Geom] = []
+        self.sdf: Element | None = None
+        self.made: list[Visual] = []  # by plugins, in this one
+        self.home: Callable[[], GzPose] | None = None  # where what it shows is; else it goes along with its parent
+        self.body: Body | None = None  # that its shapes are drawn on
+        self.members: Callable[[], Sequence[Visual]] = tuple  # what it groups
+        self._offset = GzPose()  # from home, of a group
+        self._transparency, self._visible, self._shadows, self._highlighted = 0.0, True, True, False
+        self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
+        self._material = ""
+        self._lines: list[DynamicLines] = []
+        self.plugins: list[LoadedPlugin] = []
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        name: str,
+        parent: Visual | None,
+        *,
+        home: Callable[[], GzPose] | None = None,
+        body: Body | None = None,
+        members: Callable[[], Sequence[Visual]] = tuple,
+        geoms: Sequence[Geom] = (),
+        sdf: Element | None = None,
+    ) -> Visual:
+        """The visual of something that is there."""
+        made = cls.__new__(cls)
+        made._begin(scene, name, parent)
+        made.home, made.body, made.members, made.geoms, made.sdf = home, body, members, list(geoms), sdf
+        if geoms:
+            made._transparency = geoms[0].appearance.transparency
+            made._visible = geoms[0].appearance.visible
+        if sdf is not None and sdf.HasElement("material"):
+            made._material = material_name(sdf.child("material"))
+        return made
+
+    def __repr__(self) -> str:
+        return f"<Visual {self._name!r}>"
+
+    def Name(self) -> str:
+        """Its full name: ``model::link::visual``."""
+        return self._name
+
+    GetName = Name
+
+    def GetId(self) -> int:
+        """A number that no other visual has."""
+        return self._id
+
+    def GetScene(self) -> Scene:
+        """The scene."""
+        return self._scene
+
+    def GetSDF(self) -> Element | None:
+        """The `<visual>` element; None if there was none."""
+        return self.sdf
+
+    def GetParent(self) -> Visual | None:
+        """The visual around it; None at the top."""
+        return self._parent
+
+    def GetRootVisual(self) -> Visual:
+        """The model that it belongs to: the highest visual below the world's."""
+        found = self
+        while found._parent is not None and found._parent._parent is not None:
+            found = found._parent
+        return found
+
+    def children(self) -> list[Visual]:
+        """What is in it."""
+        return [*self.members(), *self.made]
+
+    def GetChildCount(self) -> int:
+        """How many visuals are in it."""
+        return len(self.children())
+
+    ChildCount = GetChildCount
+
+    def GetChild(self, index: int) -> Visual | None:
+        """One of the visuals in it; None if there is none of that number."""
+        children = self.children()
+        return children[index] if 0 <= index < len(children) else None
+
+    def tree(self) -> Iterator[Visual]:
+        """Itself and all in it, parents first."""
+        yield self
+        for child in self.children():
+            yield from child.tree()
+
+    def leaves(self) -> Iterator[Geom]:
+        """All geoms in it."""
+        for part in self.tree():
+            yield from part.geoms
+
+    def Load(self, sdf: Element | None = None) -> None:
+        """Classic's second step of making a visual; there is nothing left to do."""
+
+    Init = Load
+
+    def Fini(self) -> None:
+        """Take it out, with all in it that a plugin made."""
+        for part in list(self.made):
+            part.Fini()
+        for line in list(self._lines):
+            self.DeleteDynamicLine(line)
+        self.SetHighlighted(False)
+        if self._parent is not None and self in self._parent.made:
+            self._parent.made.remove(self)
+            for geom in self.geoms:
+                geom.close()
+            self.geoms.clear()
+
+    # Plugins -----------------------------------------------------------------------------------------------------
+
+    def begin_plugin(self, filename: str, name: str, sdf: Element) -> None:
+        """Construct a plugin and Load it."""
+        plugin = self._scene.world.server.new_plugin("Visual", filename, name, f"Visual[{self._name}]")
+        if plugin is not None and plugin.call("Load", self, sdf):
+            self.plugins.append(plugin)
+
+    def init_plugins(self) -> None:
+        """Init all its plugins."""
+        for plugin in list(self.plugins):
+            plugin.call("Init")
+
+    def LoadPlugin(self, filename: str, name: str, sdf: Element | None = None) -> None:
+        """Load one more plugin; then all are Inited, those that were there a second time, as classic did."""
+        self.begin_plugin(filename, name, sdf or Element("plugin"))
+        self.init_plugins()
+        self._scene.world.server.serve_visuals()
+
+    def RemovePlugin(self, name: str) -> None:
+        """Let a plugin go, with all it is connected to.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        plugin = next((plugin for plugin in self.plugins if plugin.name == name), None)
+        if plugin is None:
+            known = [plugin.name for plugin in self.plugins]
+            raise NotFoundError(f"visual {self._name!r} has no plugin {name!r}{nearest(name, known)}")
+        self.plugins.remove(plugin)
+        plugin.drop()
+
+    # Place -------------------------------------------------------------------------------------------------------
+
+    def _base(self) -> GzPose:
+        if self.home is not None:
+            return self.home()
+        return self._parent._world() if self._parent is not None else GzPose()
+
+    def _world(self) -> GzPose:
+        return self.geoms[0].GetPose() if self.geoms else GzCoordPoseAdd(self._offset, self._base())
+
+    def _put(self, pose: GzPose) -> None:
+        if not self.geoms:
+            self._offset = GzCoordPoseSub(pose, self._base())
+        for geom in self.geoms:
+            geom.SetRelativePose(GzCoordPoseSub(pose, geom.body.GetPose()), updateCoM=False)
+
+    def WorldPose(self) -> Pose3d:
+        """Global pose [m]."""
+        return Pose3d(self._world())
+
+    GetWorldPose = WorldPose
+
+    def SetWorldPose(self, pose: GzPose) -> None:
+        """Move it, with all in it, to a global pose [m]; it goes on from there with its link."""
+        before = self._world()
+        moved = [(part, GzCoordPoseSub(part._world(), before)) for part in self.tree()]
+        for part, relative in moved:
+            part._put(GzCoordPoseAdd(relative, pose))
+
+    def Pose(self) -> Pose3d:
+        """Pose in its parent [m]."""
+        around = self._parent._world() if self._parent is not None else GzPose()
+        return Pose3d(GzCoordPoseSub(self._world(), around))
+
+    GetPose = Pose
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Move it to a pose in its parent [m]."""
+        around = self._parent._world() if self._parent is not None else GzPose()
+        self.SetWorldPose(GzCoordPoseAdd(pose, around))
+
+    def Position(self) -> Vector3d:
+        """Position in its parent [m]."""
+        return self.Pose().Pos()
+
+    GetPosition = Position
+
+    def SetPosition(self, pos: VectorLike) -> None:
+        """Move it in its parent [m]."""
+        self.SetPose(GzPose(GzVector(*pos), self.Pose().rot))
+
+    def Rotation(self) -> Quaterniond:
+        """Rotation in its parent."""
+        return self.Pose().Rot()
+
+    GetRotation = Rotation
+
+    def SetRotation(self, rot: QuaternLike) -> None:
+        """Turn it in its parent."""
+        self.SetPose(Pose3d(self.Pose().pos, rot))
+
+    def SetWorldPosition(self, pos: VectorLike) -> None:
+        """Move it to a global position [m]."""
+        self.SetWorldPose(GzPose(GzVector(*pos), self._world().rot))
+
+    def SetWorldRotation(self, rot: QuaternLike) -> None:
+        """Turn it to a global rotation."""
+        self.SetWorldPose(Pose3d(self._world().pos, rot))
+
+    # Size --------------------------------------------------------------------------------------------------------
+
+    def Scale(self) -> Vector3d:
+        """Of a box, sphere, cylinder or plane its size [m], for these are stretched unit shapes; of others factors."""
+        if not self.geoms:
+            return Vector3d(self._scale)
+        factors = self.geoms[0].appearance.scale
+        return Vector3d(*(size * k for size, k in zip(base_size(self.geoms[0], self.sdf), factors, strict=True)))
+
+    GetScale = Scale
+
+    def SetScale(self, scale: VectorLike) -> None:
+        """Set that; a group stretches what is in it, with the distances between."""
+        ratios = [new / old for new, old in zip(scale, self.Scale(), strict=True)]
+        origin = self._world()
+        for part in self.tree():
+            if part is not self:
+                x, y, z = (p * k for p, k in zip(GzCoordPoseSub(part._world(), origin).pos, ratios, strict=True))
+                place = GzCoordPoseAdd(GzPose(GzVector(x, y, z)), origin)
+                part._put(GzPose(place.pos, part._world().rot))
+            for geom in part.geoms:
+                look = geom.appearance
+                look.scale = GzVector(*(a * k for a, k in zip(look.scale, ratios, strict=True)))
+                look.version += 1
+        self._scale = Vector3d(*scale)
+
+    def DerivedScale(self) -> Vector3d:
+        """The same: stretching a group stretches what is in it."""
+        return self.Scale()
+
+    def GetGeometryType(self) -> str:
+        """box, sphere, cylinder, plane, mesh ...; empty for groups."""
+        shape = self.sdf.child("geometry").GetFirstElement() if self.sdf is not None else None
+        return shape.name if shape is not None else ""
+
+    def GetGeometrySize(self) -> Vector3d:
+        """Size of its shape [m], as `Scale` has it."""
+        return self.Scale()
+
+    def BoundingBox(self) -> AxisAlignedBox:
+        """The smallest box along its own axes around all that it shows [m], in its own frame."""
+        corners = [corners_of(geom, self._world()) for geom in self.leaves()]
+        points = np.concatenate(corners) if corners else np.zeros((0, 3))
+        if not len(points):
+            return AxisAlignedBox()
+        return AxisAlignedBox(points.min(axis=0).tolist(), points.max(axis=0).tolist())
+
+    GetBoundingBox = BoundingBox
+
+    # Looks -------------------------------------------------------------------------------------------------------
+
+    def _paint(self, name: str, color: GzColor, cascade: bool) -> None:
+        for geom in self.leaves() if cascade else iter(self.geoms):
+            look = geom.appearance
+            setattr(look, name, GzColor(*color))
+            set_transparency(look, look.transparency)
+
+    def _color(self, name: str) -> Color:
+        geom = next(self.leaves(), None)
+        return Color(*getattr(geom.appearance, name)) if geom is not None else Color()
+
+    def Ambient(self) -> Color:
+        """Colour in light from everywhere; of a group, that of the first in it."""
+        return self._color("ambient")
+
+    def SetAmbient(self, color: GzColor, cascade: bool = True) -> None:
+        """Set the colour in light from everywhere."""
+        self._paint("ambient", color, cascade)
+
+    def Diffuse(self) -> Color:
+        """Colour in direct light."""
+        return self._color("diffuse")
+
+    def SetDiffuse(self, color: GzColor, cascade: bool = True) -> None:
+        """Set the colour in direct light; with an alpha below 1 it can be seen through."""
+        self._paint("diffuse", color, cascade)
+
+    def Specular(self) -> Color:
+        """Colour of highlights."""
+        return self._color("specular")
+
+    def SetSpecular(self, color: GzColor, cascade: bool = True) -> None:
+        """Set the colour of highlights; they show where shininess is above 0."""
+        self._paint("specular", color, cascade)
+
+    def Emissive(self) -> Color:
+        """Colour that it gives off itself."""
+        return self._color("emission")
+
+    def SetEmissive(self, color: GzColor, cascade: bool = True) -> None:
+        """Set the colour that it gives off itself."""
+        self._paint("emission", color, cascade)
+
+    GetAmbient, GetDiffuse, GetSpecular, GetEmissive = Ambient, Diffuse, Specular, Emissive
+
+    def Shininess(self) -> float:
+        """Sharpness of highlights."""
+        geom = next(self.leaves(), None)
+        return geom.appearance.shininess if geom is not None else 0.0
+
+    def SetShininess(self, shininess: float, cascade: bool = True) -> None:
+        """Set the sharpness of highlights, 0 to 128; at 0 there are none."""
+        for geom in self.leaves() if cascade else iter(self.geoms):
+            geom.SetShininess(shininess)
+
+    def SetMaterial(self, materialName: str, unique: bool = True, cascade: bool = True) -> None:
+        """Put on a material by name, ``Gazebo/Red``; one that is not known is told, and changes nothing."""
+        if materialName in ("", "__default__"):
+            return
+        element = self.sdf.GetElement("material") if self.sdf is not None else None
+        script = element.GetElement("script") if element is not None and element.HasElement("script") else None
+        material = find_material(materialName, [uri.Get(str) for uri in script.named("uri")] if script else ())
+        if material is None:
+            log.warning("visual %r: there is no material %r", self._name, materialName)
+            return
+        for part in self.tree() if cascade else iter((self,)):
+            part._material = materialName
+            for geom in part.geoms:
+                put_on(geom.appearance, material)
+
+    def GetMaterialName(self) -> str:
+        """The material that was put on by name; empty for none."""
+        return self._material
+
+    MaterialName = GetMaterialName
+
+    def Transparency(self) -> float:
+        """How much can be seen through it, 0 to 1."""
+        return self._transparency
+
+    GetTransparency = Transparency
+
+    def SetTransparency(self, trans: float) -> None:
+        """Set how much can be seen through it, 0 to 1; what is in a group has its own on top."""
+        self._transparency = min(max(float(trans), 0.0), 1.0)
+        for part in self.tree():
+            derived = part.DerivedTransparency()
+            for geom in part.geoms:
+                set_transparency(geom.appearance, derived)
+
+    def DerivedTransparency(self) -> float:
+        """How much can be seen through it, the groups around it included."""
+        above = self._parent.DerivedTransparency() if self._parent is not None else 0.0
+        return 1.0 - (1.0 - above) * (1.0 - self._transparency)
+
+    def Visible(self) -> bool:
+        """Whether it is shown."""
+        return self._visible
+
+    GetVisible = Visible
+
+    def SetVisible(self, visible: bool, cascade: bool = True) -> None:
+        """Show or hide it, and all in it."""
+        for part in self.tree() if cascade else iter((self,)):
+            part._visible = bool(visible)
+            for geom in part.geoms:
+                geom.appearance.visible = part._visible
+                geom.appearance.version += 1
+
+    def ToggleVisible(self) -> None:
+        """Show it if it is hidden, hide it if it is shown."""
+        self.SetVisible(not self._visible)
+
+    def SetCastShadows(self, shadows: bool) -> None:
+        """Kept: there are no shadows."""
+        self._shadows = bool(shadows)
+
+    def GetCastShadows(self) -> bool:
+        """The value last set."""
+        return self._shadows
+
+    CastShadows = GetCastShadows
+
+    def SetHighlighted(self, highlighted: bool) -> None:
+        """Draw a white box around it, or no more."""
+        self._highlighted = bool(highlighted)
+        self._scene.highlight(self, self._highlighted)
+
+    def GetHighlighted(self) -> bool:
+        """Whether there is a box around it."""
+        return self._highlighted
+
+    Highlighted = GetHighlighted
+
+    # Shapes and lines --------------------------------------------------------------------------------------------
+
+    def AttachMesh(self, meshName: str, subMesh: str = "", centerSubmesh: bool = False, objName: str = "") -> Any:
+        """Give it a shape: unit_box, unit_sphere, unit_cylinder, or a mesh file.
+
+        Raises:
+            GazeboError: there is no such shape, or the file cannot be read.
+        """
+        pose = self._world()
+        geoms = attach_mesh(self._drawn_on(), meshName)
+        for geom in geoms:
+            geom.SetRelativePose(GzCoordPoseSub(pose, geom.body.GetPose()), updateCoM=False)
+        self.geoms += geoms
+        self.SetTransparency(self._transparency)
+        return geoms[0]
+
+    def _drawn_on(self) -> Body:
+        """The body of the nearest visual around it that has one."""
+        part: Visual | None = self
+        while part is not None:
+            if part.body is not None:
+                return part.body
+            part = part._parent
+        return self._scene.still_body()
+
+    def CreateDynamicLine(self, type: int = DynamicLines.LINE_STRIP) -> DynamicLines:
+        """New lines in its frame."""
+        line = DynamicLines(self, type)
+        self._lines.append(line)
+        self._scene.lines.append(line)
+        return line
+
+    def DeleteDynamicLine(self, line: DynamicLines) -> None:
+        """Take lines off."""
+        if line in self._lines:
+            self._lines.remove(line)
+            self._scene.lines.remove(line)
+
+    def AttachLineVertex(self, line: DynamicLines, index: int) -> None:
+        """Let a point of lines go along with this visual."""
+        line.follow(index, self)

@@ -1,0 +1,40 @@
+"""DepthCameraSensor: a camera that measures how far away things are."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.classic.rendering.camera import Camera
+from libgz.classic.rendering.depth_camera import DepthCamera as DepthCameraView
+from libgz.classic.sensors.camera import CameraSensor
+from libgz.classic.sensors.camera_sdf import PIXEL_FORMATS
+
+__all__ = ["DepthCameraSensor"]
+
+
+class DepthCameraSensor(CameraSensor):
+    """Takes pictures with depths; on its topic are the depths [m] as a picture of floats."""
+
+    camera_type: ClassVar[type[Camera]] = DepthCameraView
+    measures_depth: ClassVar[bool] = True
+
+    def DepthCamera(self) -> DepthCameraView:
+        """The camera."""
+        return self.Camera()  # type: ignore[return-value]
+
+    def DepthData(self) -> NDArray[np.float32]:
+        """Depths of the last picture [m], row after row from the top; +inf where nothing is seen."""
+        return self.DepthCamera().DepthData()
+
+    GetDepthCamera, GetDepthData = DepthCamera, DepthData
+
+    def image_message(self) -> Any:
+        """The last depths as a msgs.ImageStamped."""
+        msg = super().image_message()
+        msg.image.pixel_format = PIXEL_FORMATS["FLOAT32"]
+        msg.image.step = 4 * self.ImageWidth()
+        msg.image.data = self.DepthData().astype(np.float32).tobytes()
+        return msg

@@ -1,0 +1,201 @@
+"""Noise: what makes measurements differ from the truth, one model for each value that a sensor measures."""
+
+from __future__ import annotations
+
+import math
+import zlib
+from collections.abc import Callable
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.classic.sensors.read import choice, number
+from libgz.errors import ParameterError
+from libgz.sdf.element import Element
+
+__all__ = ["GaussianNoiseModel", "Noise", "NoiseFactory", "SensorNoiseType", "new_noise"]
+
+
+class SensorNoiseType(IntEnum):
+    """What a sensor has noise on."""
+
+    NO_NOISE = 0
+    CAMERA_NOISE = 1
+    GPU_RAY_NOISE = 2
+    GPS_POSITION_LATITUDE_NOISE_METERS = 3
+    GPS_POSITION_LONGITUDE_NOISE_METERS = 4
+    GPS_POSITION_ALTITUDE_NOISE_METERS = 5
+    GPS_VELOCITY_LATITUDE_NOISE_METERS = 6
+    GPS_VELOCITY_LONGITUDE_NOISE_METERS = 7
+    GPS_VELOCITY_ALTITUDE_NOISE_METERS = 8
+    RAY_NOISE = 9
+    MAGNETOMETER_X_NOISE_TESLA = 10
+    MAGNETOMETER_Y_NOISE_TESLA = 11
+    MAGNETOMETER_Z_NOISE_TESLA = 12
+    ALTIMETER_POSITION_NOISE_METERS = 13
+    ALTIMETER_VELOCITY_NOISE_METERS_PER_S = 14
+    IMU_ANGVEL_X_NOISE_RADIANS_PER_S = 15
+    IMU_ANGVEL_Y_NOISE_RADIANS_PER_S = 16
+    IMU_ANGVEL_Z_NOISE_RADIANS_PER_S = 17
+    IMU_LINACC_X_NOISE_METERS_PER_S_SQR = 18
+    IMU_LINACC_Y_NOISE_METERS_PER_S_SQR = 19
+    IMU_LINACC_Z_NOISE_METERS_PER_S_SQR = 20
+
+
+class NoiseType(IntEnum):
+    """Kinds of noise."""
+
+    NONE = 0
+    CUSTOM = 1
+    GAUSSIAN = 2
+    GAUSSIAN_QUANTIZED = 3
+
+
+class Noise:
+    """A model of noise; this one adds none until it is given a callback."""
+
+    NONE, CUSTOM, GAUSSIAN, GAUSSIAN_QUANTIZED = NoiseType
+
+    def __init__(self, kind: NoiseType = NoiseType.NONE) -> None:
+        self._kind = kind
+        self._custom: Callable[[float], float] | None = None
+
+    def GetNoiseType(self) -> NoiseType:
+        """NONE, CUSTOM, GAUSSIAN or GAUSSIAN_QUANTIZED."""
+        return self._kind
+
+    def SetCustomNoiseCallback(self, callback: Callable[[float], float]) -> None:
+        """Let a function make the noise: it takes the value and returns the noisy one."""
+        if not callable(callback):
+            raise ParameterError(f"the noise callback {callback!r} cannot be called")
+        self._custom, self._kind = callback, NoiseType.CUSTOM
+
+    def Apply(self, value: float) -> float:
+        """A value with noise."""
+        return float(self._custom(value)) if self._custom is not None else self._one(value)
+
+    def apply_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values with noise, each with its own."""
+        if self._custom is not None:
+            return np.array([float(self._custom(value)) for value in values.ravel().tolist()]).reshape(values.shape)
+        return self._many(values)
+
+    def _one(self, value: float) -> float:
+        return value
+
+    def _many(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return values
+
+    def restart(self) -> None:
+        """Begin anew, with the random numbers of the start."""
+
+    def Fini(self) -> None:
+        """Let a callback go."""
+        self._custom = None
+
+
+class GaussianNoiseModel(Noise):
+    """Adds normally distributed numbers, and a bias that is drawn once.
+
+    Args:
+        mean, stddev: of the noise, in units of the value.
+        bias_mean, bias_stddev: of the bias, whose sign is drawn, too.
+        precision: values are rounded to multiples of it; 0: they are not.
+        seed: where the random numbers begin.
+    """
+
+    def __init__(
+        self,
+        mean: float,
+        stddev: float,
+        bias_mean: float = 0.0,
+        bias_stddev: float = 0.0,
+        precision: float = 0.0,
+        seed: np.random.SeedSequence | None = None,
+    ) -> None:
+        super().__init__(NoiseType.GAUSSIAN_QUANTIZED if precision else NoiseType.GAUSSIAN)
+        self._mean, self._stddev = mean, stddev
+        self._bias_mean, self._bias_stddev = bias_mean, bias_stddev
+        self._precision = precision
+        self._seed = seed if seed is not None else np.random.SeedSequence()
+        self.restart()
+
+    def restart(self) -> None:
+        """Begin anew, with the random numbers of the start."""
+        self._random = np.random.Generator(np.random.PCG64(self._seed))
+        self.SampleBias()
+
+    def SampleBias(self) -> None:
+        """Draw the bias again."""
+        bias = self._random.normal(self._bias_mean, self._bias_stddev)
+        self._bias = float(bias if self._random.random() < 0.5 else -bias)
+
+    def _one(self, value: float) -> float:
+        noisy = value + self._bias + self._random.normal(self._mean, self._stddev)
+        return round(noisy / self._precision) * self._precision if self._precision else float(noisy)
+
+    def _many(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        noisy = values + self._bias + self._random.normal(self._mean, self._stddev, values.shape)
+        return np.round(noisy / self._precision) * self._precision if self._precision else noisy
+
+    def GetMean(self) -> float:
+        """Mean of the noise."""
+        return self._mean
+
+    def GetStdDev(self) -> float:
+        """Standard deviation of the noise."""
+        return self._stddev
+
+    def GetBias(self) -> float:
+        """The bias that was drawn."""
+        return self._bias
+
+    def SetMean(self, mean: float) -> None:
+        """Set the mean, and draw the bias again."""
+        self._mean = float(mean)
+        self.SampleBias()
+
+    def SetStdDev(self, stddev: float) -> None:
+        """Set the standard deviation, and draw the bias again."""
+        if not (stddev >= 0.0 and math.isfinite(stddev)):
+            raise ParameterError(f"stddev is {stddev:g}; it must be at least 0")
+        self._stddev = float(stddev)
+        self.SampleBias()
+
+
+KINDS = ("none", "gaussian", "gaussian_quantized")
+
+
+def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0) -> Noise:
+    """The noise that a `<noise>` element describes.
+
+    Args:
+        element: with `type` as an attribute, or as a child in older places.
+        seed: of the world.
+        name, channel: of the sensor and of what it measures: each has random numbers of its own.
+
+    Raises:
+        ParameterError: the kind is unknown, or a value is not allowed.
+    """
+    kind = choice(element, "type", KINDS)
+    if kind == "none":
+        return Noise()
+    stream = np.random.SeedSequence(entropy=seed, spawn_key=(zlib.crc32(name.encode()), channel))
+    return GaussianNoiseModel(
+        number(element, "mean"),
+        number(element, "stddev", 0.0),
+        number(element, "bias_mean"),
+        number(element, "bias_stddev", 0.0),
+        number(element, "precision", 0.0),
+        stream,
+    )
+
+
+class NoiseFactory:
+    """Makes noise from SDF."""
+
+    @staticmethod
+    def NewNoiseModel(sdf: Element, sensorType: str = "") -> Noise:
+        """The noise that a `<noise>` element describes."""
+        return new_noise(sdf, name=sensorType)

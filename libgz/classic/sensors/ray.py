@@ -1,0 +1,249 @@
+"""RaySensor: a laser that scans in rows."""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.classic.common import Time
+from libgz.classic.math import Angle
+from libgz.classic.physics.ray_shape import MultiRayShape, ScanGrid
+from libgz.classic.sensors.noise import SensorNoiseType
+from libgz.classic.sensors.read import count, number, wrong
+from libgz.classic.sensors.sensor import Sensor, SensorCategory
+from libgz.geometry import GzCoordPoseAdd, GzPose
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Link
+    from libgz.classic.sensors.manager import WorldSensors
+    from libgz.sdf.element import Element
+
+__all__ = ["RaySensor"]
+
+log = logging.getLogger("libgz.classic")
+
+FULL_TURN = 2.0 * math.pi
+MOST_RAYS = 10_000_000
+
+
+class RaySensor(Sensor):
+    """A laser. What lies beyond its range is +inf, what lies closer than it measures -inf.
+
+    Rays are cast against collisions, those of the laser's own link included, from the minimum range on. Where
+    `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.
+    """
+
+    category: ClassVar[SensorCategory] = SensorCategory.RAY
+    topic_suffix: ClassVar[str | None] = "scan"
+    message_type: ClassVar[str] = "LaserScanStamped"
+    noise_type: ClassVar[SensorNoiseType] = SensorNoiseType.RAY_NOISE
+
+    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+        super().__init__(sensors, parent, sdf)
+        self.link = parent
+        ray = sdf.child("ray")
+        scan, reach = ray.child("scan"), ray.child("range")
+        horizontal = _row(scan.child("horizontal"))
+        vertical = _row(scan.child("vertical")) if scan.HasElement("vertical") else (1, 1, (0.0, 0.0))
+        if horizontal[0] * vertical[0] > MOST_RAYS or horizontal[1] * vertical[1] > MOST_RAYS:
+            raise wrong(scan, "samples", f"there are more than {MOST_RAYS} rays or readings")
+        near, far = number(reach, "min", 0.0, unit="m"), number(reach, "max", 0.0, unit="m")
+        if not far > near:
+            raise wrong(reach, "max", f"is {far:g} m; it must be beyond <min>, {near:g} m")
+        self._resolution = number(reach, "resolution", 0.0, unit="m")
+        self._readings = horizontal[1], vertical[1]
+        grid = ScanGrid((horizontal[0], vertical[0]), (horizontal[2], vertical[2]), (near, far))
+        self._shape = MultiRayShape(parent.body, self._pose, grid)
+        self._mixing = _mixing(grid.samples, self._readings) if grid.samples != self._readings else None
+        self._ranges: NDArray[np.float64] = np.zeros(0)
+        self._retros: NDArray[np.float64] = np.zeros(0)
+        self.add_noise(self.noise_type, ray)
+
+    def Init(self) -> None:
+        """Let viewers show the rays, if they are to."""
+        if self.Visualize():
+            self.world.core.engine.ray_bundles.add(self._shape)
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Set the pose in its link [m]."""
+        super().SetPose(pose)
+        self._shape.place(self._pose)
+
+    def LaserShape(self) -> MultiRayShape:
+        """The rays."""
+        return self._shape
+
+    GetLaserShape = LaserShape
+
+    # Measuring ---------------------------------------------------------------------------------------------------
+
+    def measure(self, now: float) -> bool:
+        """Cast all rays."""
+        self._measured = now
+        self._shape.Update()
+        ranges, self._retros = self._shape.ranges(), self._shape.retros()
+        if self._mixing is not None:
+            ranges = _mix(ranges, self._mixing)
+            self._retros = _mix(self._retros, self._mixing, average=True)
+        near, far = self._shape.grid.reach
+        noise = self.noises.get(self.noise_type)
+        measured = ranges if noise is None else np.clip(noise.apply_all(ranges), near, far)
+        self._ranges = np.where(ranges >= far, math.inf, np.where(ranges <= near, -math.inf, measured))
+        if self.listened():
+            self.publish(self.scan_message())
+        return True
+
+    def scan_message(self) -> Any:
+        """The last scan as a msgs.LaserScanStamped."""
+        from libgz.classic import msgs
+
+        msg = self.new_message()
+        msgs.Set(msg.time, Time(self._measured))
+        scan = msg.scan
+        scan.frame = self.ParentName()
+        msgs.Set(scan.world_pose, GzCoordPoseAdd(self._pose, self.link.pose()))
+        scan.angle_min, scan.angle_max = self.AngleMin().Radian(), self.AngleMax().Radian()
+        scan.angle_step, scan.count = self.AngleResolution(), self.RangeCount()
+        scan.vertical_angle_min, scan.vertical_angle_max = (
+            self.VerticalAngleMin().Radian(),
+            self.VerticalAngleMax().Radian(),
+        )
+        scan.vertical_angle_step, scan.vertical_count = self.VerticalAngleResolution(), self.VerticalRangeCount()
+        scan.range_min, scan.range_max = self._shape.grid.reach
+        scan.ranges, scan.intensities = self._ranges.tolist(), self._retros.tolist()
+        return msg
+
+    def Ranges(self) -> list[float]:
+        """All readings of the last scan [m], row after row."""
+        return self._ranges.tolist()  # type: ignore[no-any-return]
+
+    def Range(self, index: int) -> float:
+        """One reading of the last scan [m]; 0 before there was one."""
+        return self._reading(self._ranges, index, "range")
+
+    def Retro(self, index: int) -> float:
+        """How much of the laser came back, for one reading."""
+        return self._reading(self._retros, index, "intensity")
+
+    def _reading(self, values: NDArray[np.float64], index: int, what: str) -> float:
+        if not 0 <= index < len(values):
+            log.error("sensor %s: Invalid %s index[%s]; it has %d", self.ScopedName(), what, index, len(values))
+            return 0.0
+        return float(values[index])
+
+    def Fiducial(self, index: int) -> int:
+        """The fiducial number of what the ray of a reading hit; -1 for none."""
+        row, column = divmod(index, self._readings[0])
+        rays, rows = self._shape.grid.samples
+        return self._shape.Fiducial(row * rows // self._readings[1] * rays + column * rays // self._readings[0])
+
+    GetRanges, GetRange, GetRetro, GetFiducial = Ranges, Range, Retro, Fiducial
+
+    # Description -------------------------------------------------------------------------------------------------
+
+    def RangeMin(self) -> float:
+        """Nearest that is measured [m]."""
+        return self._shape.MinRange()
+
+    def RangeMax(self) -> float:
+        """Farthest that is measured [m]."""
+        return self._shape.MaxRange()
+
+    def RangeResolution(self) -> float:
+        """The file's resolution of ranges [m], which nothing depends on."""
+        return self._resolution
+
+    def AngleMin(self) -> Angle:
+        """Direction of a row's first reading [rad]."""
+        return self._shape.MinAngle()
+
+    def AngleMax(self) -> Angle:
+        """Direction of a row's last reading [rad]."""
+        return self._shape.MaxAngle()
+
+    def VerticalAngleMin(self) -> Angle:
+        """Elevation of the lowest row [rad]."""
+        return self._shape.VerticalMinAngle()
+
+    def VerticalAngleMax(self) -> Angle:
+        """Elevation of the highest row [rad]."""
+        return self._shape.VerticalMaxAngle()
+
+    def AngleResolution(self) -> float:
+        """Between the readings of a row [rad]."""
+        return _step(self.AngleMin(), self.AngleMax(), self.RangeCount())
+
+    def VerticalAngleResolution(self) -> float:
+        """Between rows [rad]."""
+        return _step(self.VerticalAngleMin(), self.VerticalAngleMax(), self.VerticalRangeCount())
+
+    def RayCount(self) -> int:
+        """Rays in a row."""
+        return self._shape.SampleCount()
+
+    def VerticalRayCount(self) -> int:
+        """Rows of rays."""
+        return self._shape.VerticalSampleCount()
+
+    def RangeCount(self) -> int:
+        """Readings in a row."""
+        return self._readings[0]
+
+    def VerticalRangeCount(self) -> int:
+        """Rows of readings."""
+        return self._readings[1]
+
+    GetRangeMin, GetRangeMax, GetRangeResolution = RangeMin, RangeMax, RangeResolution
+    GetAngleMin, GetAngleMax, GetAngleResolution = AngleMin, AngleMax, AngleResolution
+    GetVerticalAngleMin, GetVerticalAngleMax = VerticalAngleMin, VerticalAngleMax
+    GetVerticalAngleResolution = VerticalAngleResolution
+    GetRayCount, GetVerticalRayCount = RayCount, VerticalRayCount
+    GetRangeCount, GetVerticalRangeCount = RangeCount, VerticalRangeCount
+
+
+def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
+    """(rays, readings, (first, last) angle [rad]) of `<horizontal>` or `<vertical>`."""
+    samples = count(element, "samples")
+    resolution = number(element, "resolution")
+    readings = int(samples * resolution)
+    if readings < 1:
+        raise wrong(element, "resolution", f"is {resolution:g}; samples times resolution must be at least 1")
+    low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))
+    if high < low:
+        raise wrong(element, "max_angle", f"is {high:g} rad; it must be at least <min_angle>, {low:g} rad")
+    return samples, readings, (low, high)
+
+
+def _step(low: Angle, high: Angle, readings: int) -> float:
+    return (high.Radian() - low.Radian()) / (readings - 1) if readings > 1 else 0.0
+
+
+_Mixing = tuple[NDArray[np.int64], NDArray[np.float64]]
+
+
+def _mixing(samples: tuple[int, int], readings: tuple[int, int]) -> _Mixing:
+    """(indices, weights), shape (readings, 4): what readings between rays are made of, bilinearly."""
+    lower, upper, share = [], [], []
+    for rays, wanted in zip(samples, readings, strict=True):
+        place = np.linspace(0.0, rays - 1.0, wanted) if wanted > 1 else np.zeros(1)
+        below = np.minimum(np.floor(place), rays - 1).astype(np.int64)
+        lower.append(below)
+        upper.append(np.minimum(below + 1, rays - 1))
+        share.append(place - below)
+    rows = [lower[1], lower[1], upper[1], upper[1]]
+    columns = [lower[0], upper[0], lower[0], upper[0]]
+    h, v = share[0][None, :], share[1][:, None]
+    weights = [(1 - v) * (1 - h), (1 - v) * h, v * (1 - h), v * h]
+    indices = [(row[:, None] * samples[0] + column[None, :]).ravel() for row, column in zip(rows, columns, strict=True)]
+    return np.stack(indices, axis=1), np.stack([weight.ravel() for weight in weights], axis=1)
+
+
+def _mix(values: NDArray[np.float64], mixing: _Mixing, average: bool = False) -> NDArray[np.float64]:
+    indices, weights = mixing
+    corners = values[indices]
+    mixed: NDArray[np.float64] = corners.mean(axis=1) if average else (corners * weights).sum(axis=1)
+    return mixed

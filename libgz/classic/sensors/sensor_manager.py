@@ -1,0 +1,139 @@
+"""SensorManager: the sensors of all worlds of this process, by Gazebo's names."""
+
+from __future__ import annotations
+
+import logging
+from typing import TYPE_CHECKING, ClassVar
+
+from libgz.classic.physics import get_world, worlds
+from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.link import Link
+from libgz.classic.sensors.kinds import KINDS
+from libgz.errors import NotFoundError, ParameterError, nearest
+
+if TYPE_CHECKING:
+    from libgz.classic.sensors.manager import WorldSensors
+    from libgz.classic.sensors.sensor import Sensor
+    from libgz.sdf.element import Element
+
+__all__ = ["SensorManager", "get_sensor", "remove_sensors", "run_once", "run_threads"]
+
+log = logging.getLogger("libgz.classic")
+
+
+class SensorManager:
+    """All sensors; there is one: `SensorManager.Instance()`.
+
+    Sensors measure by themselves after each iteration of their world, in its thread; there are no threads to run.
+    """
+
+    _instance: ClassVar[SensorManager | None] = None
+
+    @classmethod
+    def Instance(cls) -> SensorManager:
+        """The one of this process."""
+        if cls._instance is None:
+            cls._instance = cls()
+        return cls._instance
+
+    def _all(self) -> list[WorldSensors]:
+        return [world.server.sensors for world in worlds() if world.server.sensors is not None]
+
+    def GetSensor(self, name: str) -> Sensor | None:
+        """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None."""
+        found = [sensor for sensors in self._all() for sensor in sensors.find(name)]
+        if len(found) > 1:
+            names = ", ".join(sensor.ScopedName() for sensor in found)
+            log.warning("Unable to get a sensor, multiple sensors are called %s: %s. Use a scoped name.", name, names)
+        return found[0] if len(found) == 1 else None
+
+    def GetSensors(self) -> list[Sensor]:
+        """All sensors."""
+        return [sensor for sensors in self._all() for sensor in sensors.sensors.values()]
+
+    def GetSensorTypes(self) -> list[str]:
+        """What a `<sensor>` can be."""
+        return list(KINDS)
+
+    def SensorsInitialized(self) -> bool:
+        """Whether all sensors are ready: always, for they are made with their models."""
+        return True
+
+    def CreateSensor(self, sdf: Element, worldName: str, parentName: str, parentId: int = 0) -> str:
+        """Give a link or joint a sensor; its full name.
+
+        Raises:
+            NotFoundError: there is no such world, link or joint.
+            ParameterError: the element is wrong.
+        """
+        world = get_world(worldName)
+        parent = world.BaseByName(parentName)
+        if not isinstance(parent, Link | Joint):
+            names = [part.GetScopedName() for part in world.tree() if isinstance(part, Link | Joint)]
+            raise NotFoundError(f"world {worldName!r} has no link or joint {parentName!r}{nearest(parentName, names)}")
+        sensors = world.server.all_sensors()
+        sensor = sensors.create(parent, sdf)
+        sensors.start_new()
+        if sensor is None:
+            raise ParameterError(f"{sdf.where}: this sensor could not be made")
+        return sensor.ScopedName()
+
+    def RemoveSensor(self, name: str) -> None:
+        """Take a sensor out, with its plugins; the name is as for GetSensor.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        sensor = self.GetSensor(name)
+        if sensor is None:
+            names = [known.ScopedName() for known in self.GetSensors()]
+            raise NotFoundError(f"Unable to remove sensor[{name}] because it does not exist.{nearest(name, names)}")
+        sensor.sensors.remove(sensor)
+
+    def RemoveSensors(self) -> None:
+        """Take all sensors out."""
+        for sensor in self.GetSensors():
+            sensor.sensors.remove(sensor)
+
+    def Update(self, force: bool = False) -> None:
+        """Let all sensors measure whose time has come, or all by force."""
+        for sensors in self._all():
+            sensors.update()
+            for sensor in list(sensors.sensors.values()) if force else ():
+                sensor.Update(True)
+
+    def ResetLastUpdateTimes(self) -> None:
+        """Forget when sensors have measured."""
+        for sensor in self.GetSensors():
+            sensor.ResetLastUpdateTime()
+
+    def Init(self) -> None:
+        """Nothing to do: sensors begin with their models."""
+
+    def RunThreads(self) -> None:
+        """Nothing to do: sensors measure after each iteration."""
+
+    def Stop(self) -> None:
+        """Nothing to do: there are no threads."""
+
+    def Fini(self) -> None:
+        """Nothing to do: sensors end with their worlds."""
+
+
+def get_sensor(name: str) -> Sensor | None:
+    """`SensorManager.Instance().GetSensor(name)`."""
+    return SensorManager.Instance().GetSensor(name)
+
+
+def remove_sensors() -> None:
+    """Take all sensors of all worlds out."""
+    SensorManager.Instance().RemoveSensors()
+
+
+def run_once(force: bool = False) -> None:
+    """`SensorManager.Instance().Update(force)`."""
+    SensorManager.Instance().Update(force)
+
+
+def run_threads() -> None:
+    """Nothing to do: sensors measure after each iteration, in the world's thread."""

@@ -1,0 +1,176 @@
+"""How an SDF world looks: materials of visuals, lights, and the scene behind them."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
+from libgz.physics.body import Body
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import DomeGeom, LightGeom
+from libgz.sdf.element import Element
+from libgz.sdf.materials import NEUTRAL, Material, find_material, own_texture
+
+if TYPE_CHECKING:
+    from libgz.simulation.world import World
+
+__all__ = [
+    "KINDS",
+    "apply_scene",
+    "dress",
+    "link_lights",
+    "material_name",
+    "put_on",
+    "set_light",
+    "set_sky",
+    "set_transparency",
+]
+
+log = logging.getLogger("libgz.simulation")
+
+Note = Callable[[Element, str], object]  # tells a warning about an element
+
+UNSET = "__default__"
+KINDS = ("point", "directional", "spot")
+HOUR = 3600.0  # [s]
+
+
+# Visuals ---------------------------------------------------------------------------------------------------------
+
+
+def dress(geom: Geom, element: Element, note: Note) -> None:
+    """Give a geom the material and transparency of its `<visual>`. Without a material it is white."""
+    look = geom.appearance
+    if not element.child("geometry").HasElement("mesh"):
+        put_on(look, Material())
+    if element.HasElement("material"):
+        _material(look, element.child("material"), note)
+    set_transparency(look, min(max(element.Get(float, "transparency"), 0.0), 1.0))
+    geom.SetRetro(element.Get(float, "laser_retro"))
+
+
+def _material(look: Appearance, element: Element, note: Note) -> None:
+    name = material_name(element)
+    if name:
+        script = element.child("script")
+        uris = [uri.Get(str) for uri in script.named("uri")]
+        folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
+        found = find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
+        if found is None:
+            note(script, f"there is no material {name!r}; it is shown in grey")
+        put_on(look, found or NEUTRAL)
+    for key, attribute in (("ambient",) * 2, ("diffuse",) * 2, ("specular",) * 2, ("emissive", "emission")):
+        if element.HasElement(key):
+            setattr(look, attribute, element.Get(GzColor, key))
+    if element.HasElement("lighting") and not element.Get(bool, "lighting"):
+        _unlight(look)
+    look.version += 1
+
+
+def material_name(element: Element) -> str:
+    """The name in the script of a `<material>`; old worlds have it as plain text. Empty if there is none."""
+    script = element.child("script") if element.HasElement("script") else None
+    if script is None:
+        return ""
+    name = script.Get(str, "name").strip()
+    name = script.value.GetAsString() if name in ("", UNSET) else name
+    return "" if name == UNSET else name
+
+
+def put_on(look: Appearance, material: Material) -> None:
+    """Give an appearance a material's colours and texture."""
+    look.ambient, look.diffuse = GzColor(*material.ambient), GzColor(*material.diffuse)
+    look.specular, look.emission = GzColor(*material.specular), GzColor(*material.emissive)
+    look.shininess, look.texture_file = material.shininess, material.texture
+    if not material.lit:
+        _unlight(look)
+    set_transparency(look, look.transparency)
+
+
+def _unlight(look: Appearance) -> None:
+    """Show plain colours, whatever the light."""
+    glow = look.emission if any(tuple(look.emission)[:3]) else look.diffuse
+    look.emission = GzColor(*glow)
+    look.ambient, look.specular = GzColor(), GzColor()
+    look.diffuse = GzColor(0.0, 0.0, 0.0, look.diffuse.a)
+
+
+def set_transparency(look: Appearance, transparency: float) -> None:
+    """Set how much can be seen through, 0 to 1, on top of the alpha of the diffuse colour."""
+    look.transparency = transparency
+    clear = look.diffuse.a * (1.0 - transparency) < 1.0
+    look.render_order = RENDER_TRANSPARENT if clear else RENDER_OPAQUE
+    look.version += 1
+
+
+# Lights ----------------------------------------------------------------------------------------------------------
+
+
+def set_light(light: LightGeom, element: Element) -> None:
+    """Give a light what a `<light>` says; one without `<attenuation>` does not fade."""
+    light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
+    light.SetSpecularColor(element.Get(GzColor, "specular"))
+    light.SetAmbientColor(GzColor())  # what comes from everywhere is the scene's
+    kind = element.Get(str, "type").strip()
+    light.kind = kind if kind in KINDS else "point"
+    light.direction = element.Get(GzVector, "direction")
+    if element.HasElement("attenuation"):
+        fading = element.child("attenuation")
+        light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        light.range = fading.Get(float, "range")
+    if element.HasElement("spot"):
+        cone = element.child("spot")
+        light.spot = (cone.Get(float, "inner_angle"), cone.Get(float, "outer_angle"), cone.Get(float, "falloff"))
+    elif light.kind == "spot":
+        light.spot = (math.pi / 2.0, math.pi / 2.0, 0.0)
+
+
+def link_lights(body: Body, link: Element) -> None:
+    """The lights of a `<link>`, which go along with it."""
+    for element in link.named("light"):
+        light = LightGeom(body, None)
+        light.SetRelativePose(element.Get(GzPose, "pose"), updateCoM=False)
+        set_light(light, element)
+
+
+# Scene -----------------------------------------------------------------------------------------------------------
+
+
+def apply_scene(world: World, element: Element) -> None:
+    """Give a world the colours, the fog and the sky of a `<scene>`."""
+    world.backdrop.ambient = element.Get(GzColor, "ambient")
+    world.skyColor = element.Get(GzColor, "background")
+    if element.HasElement("fog"):
+        fog, back = element.child("fog"), world.backdrop
+        kind = fog.Get(str, "type").strip()
+        world.fogEnable = kind in ("linear", "exp", "exp2")
+        world.fogDensity = fog.Get(float, "density")
+        back.fog_kind = kind if world.fogEnable else back.fog_kind
+        back.fog_color, back.fog_start, back.fog_end = (
+            fog.Get(GzColor, "color"),
+            fog.Get(float, "start"),
+            fog.Get(float, "end"),
+        )
+    if element.HasElement("sky"):
+        set_sky(world, element.child("sky").Get(float, "time"))
+
+
+def set_sky(world: World, time: float | None) -> None:
+    """Draw a sky for a time of day [h] behind everything, or none."""
+    dome = next((geom for geom in world.engine.geoms.values() if isinstance(geom, DomeGeom)), None)
+    if time is None:
+        if dome is not None:
+            dome.appearance.visible = False
+            dome.appearance.version += 1
+        return
+    if dome is None:
+        dome = DomeGeom(Body(world, dummy=True))
+        dome.SetTexture2DFile(own_texture("sky.png"))
+    dome.appearance.visible = True
+    dome.appearance.version += 1
+    dome.SetDayTime(time * HOUR)

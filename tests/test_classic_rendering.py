@@ -1,0 +1,695 @@
+"""Rendering of Gazebo classic: pictures, depths, visuals, materials, lights, scene, Visual plugins."""
+
+import logging
+import math
+import textwrap
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import libgz
+from libgz.classic import physics, rendering
+from libgz.classic.event import Events
+from libgz.classic.math import Color, Pose3d, Vector3d
+from libgz.classic.server import attach
+from libgz.errors import ParameterError
+from libgz.sdf.materials import find_material
+
+AMBIENT = "<scene><ambient>1 1 1 1</ambient><background>.2 .4 .6 1</background></scene>"
+BOX = "<box><size>1 1 1</size></box>"
+FLAT = "<ambient>{0} 1</ambient><diffuse>{0} 1</diffuse>"
+BEHIND = (51, 102, 153)
+
+
+@pytest.fixture(autouse=True)
+def own_places(monkeypatch, tmp_path):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    monkeypatch.delenv("GAZEBO_MODEL_PATH", raising=False)
+    monkeypatch.delenv("GAZEBO_RESOURCE_PATH", raising=False)
+
+
+@pytest.fixture
+def world_of(tmp_path):
+    """A classic world that holds these elements; without <scene> in them, all light comes from everywhere."""
+    worlds = []
+
+    def make(*inside, scene=AMBIENT):
+        path = tmp_path / f"w{len(worlds)}.world"
+        path.write_text(f"<sdf version='1.6'><world name='default'>{scene}{''.join(inside)}</world></sdf>")
+        worlds.append(libgz.World.from_file(path))
+        return attach(worlds[-1]).world
+
+    yield make
+    for world in worlds:
+        world.close()
+
+
+def material(text):
+    return f"<material>{text}</material>"
+
+
+def script(name, uri=""):
+    uris = "".join(f"<uri>{u}</uri>" for u in uri.split())
+    return material(f"<script>{uris}<name>{name}</name></script>")
+
+
+def visual(name="v", looks="", geometry=BOX, pose="0 0 0 0 0 0"):
+    return f"<visual name='{name}'><pose>{pose}</pose><geometry>{geometry}</geometry>{looks}</visual>"
+
+
+def model(name="m", inside=None, pose="3 0 0 0 0 0", static=True):
+    inside = visual() if inside is None else inside
+    return (
+        f"<model name='{name}'><static>{str(static).lower()}</static><pose>{pose}</pose>"
+        f"<link name='link'>{inside}</link></model>"
+    )
+
+
+def red(**options):
+    return visual(looks=material(FLAT.format("1 0 0")), **options)
+
+
+def see(world, pose=(0, 0, 0, 0, 0, 0), size=(64, 48), kind=rendering.Camera, **options):
+    """One picture, shape (height, width, 3)."""
+    with kind(world, "eye", *size, **options) as camera:
+        camera.SetWorldPose(Pose3d(*pose))
+        rendering.draw_frame(world, [camera])
+        return camera.pixels.copy()
+
+
+def middle(pixels):
+    return tuple(int(c) for c in pixels[pixels.shape[0] // 2, pixels.shape[1] // 2])
+
+
+# Cameras ---------------------------------------------------------------------------------------------------------
+
+
+def test_a_flat_colour_fills_its_place_and_the_background_the_rest(world_of):
+    pixels = see(world_of(model(inside=red())))
+    assert middle(pixels) == (255, 0, 0)
+    assert tuple(pixels[0, 0]) == BEHIND
+    # The front face stands 2.5 m away, 1 m wide.
+    across = np.flatnonzero((pixels[24] == (255, 0, 0)).all(axis=1))
+    assert len(across) == pytest.approx(64 / (2 * math.tan(1.047 / 2)) / 2.5, abs=1)
+
+
+def test_frames_come_to_callbacks_and_files(world_of, tmp_path):
+    world, got = world_of(model(inside=red())), []
+    with rendering.Camera(world, "eye", 32, 24) as camera:
+        connection = camera.ConnectNewImageFrame(lambda *values: got.append(values))
+        rendering.draw_frame(world, [camera])
+        data, *rest = got[0]
+        assert rest == [32, 24, 3, "R8G8B8"]
+        assert np.array_equal(np.frombuffer(data, np.uint8).reshape(24, 32, 3), camera.pixels)
+        camera.SetCaptureData(False)
+        rendering.draw_frame(world, [camera])
+        assert len(got) == 1
+        camera.SetCaptureData(True)
+        camera.DisconnectNewImageFrame(connection)
+        camera.EnableSaveFrame(True)
+        camera.SetSaveFramePathname(str(tmp_path / "frames"))
+        for _ in range(2):
+            rendering.draw_frame(world, [camera])
+        assert len(got) == 1
+        assert camera.SaveFrame(str(tmp_path / "one.png"))
+        assert not camera.SaveFrame(str(tmp_path / "one.nothing"))
+        assert np.array_equal(np.array(Image.open(tmp_path / "one.png")), camera.pixels)
+    assert sorted(p.name for p in (tmp_path / "frames").iterdir()) == ["eye-0000.jpg", "eye-0001.jpg"]
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "value"),
+    [
+        ("R8G8B8", 3, [255, 0, 0]),
+        ("B8G8R8", 3, [0, 0, 255]),
+        ("L8", 1, [76]),
+        ("RGB_INT16", 6, [255, 255, 0, 0, 0, 0]),
+        ("BAYER_RGGB8", 1, [255]),
+        ("BAYER_BGGR8", 1, [0]),
+    ],
+)
+def test_image_formats(world_of, name, depth, value):
+    world = world_of(model(inside=red()))
+    with rendering.Camera(world, "eye", 32, 24, image_format=name) as camera:
+        rendering.draw_frame(world, [camera])
+        assert camera.ImageDepth() == depth
+        assert len(camera.ImageData()) == camera.ImageByteSize() == 32 * 24 * depth
+        at = (12 * 32 + 16) * depth  # an even row and column
+        assert list(camera.ImageData()[at : at + depth]) == value
+
+
+def test_wrong_values_are_told(world_of):
+    world = world_of(model())
+    with pytest.raises(ParameterError, match="no image format 'R8G8B9'; did you mean 'R8G8B8'"):
+        rendering.Camera(world, "eye", image_format="R8G8B9")
+    with rendering.Camera(world, "eye", 8, 8) as camera:
+        with pytest.raises(ParameterError, match="near < far"):
+            camera.SetClipDist(2.0, 1.0)
+        with pytest.raises(ParameterError, match="zero size"):
+            camera.SetImageSize(0, 8)
+
+
+def test_pixels_and_rays_agree(world_of):
+    with rendering.Camera(world_of(model()), "eye", 320, 240, 1.0) as camera:
+        camera.SetWorldPose(Pose3d(1, 2, 3, 0, 0.3, 0.7))
+        ahead = camera.Project(camera.WorldPosition() + camera.Direction() * 4)
+        assert tuple(ahead) == pytest.approx((160, 120), abs=1)
+        for pixel in ((10, 20), (300, 200)):
+            start, way = camera.CameraToViewportRay(pixel[0] + 0.5, pixel[1] + 0.5)
+            assert tuple(camera.Project(start + way * 7)) == pixel
+            below = camera.WorldPointOnPlane(pixel[0] + 0.5, pixel[1] + 0.5) if way.z < 0 else None
+            assert below is None or tuple(camera.Project(below)) == pixel
+        assert tuple(camera.Project(camera.WorldPosition() - camera.Direction())) == (-1, -1)
+        assert camera.Direction().Cross(camera.Up()).Equal(camera.Right(), 1e-12)
+        assert float(camera.VFOV()) == pytest.approx(2 * math.atan(math.tan(0.5) * 0.75))
+        assert camera.AspectRatio() == pytest.approx(4 / 3)
+
+
+def test_depths_are_those_of_the_geometry(world_of):
+    world, got = world_of(model()), {}
+    with rendering.DepthCamera(world, "eye", 320, 240, 1.047, 0.1, 10.0) as camera:
+        kept = [
+            camera.ConnectNewDepthFrame(lambda *values: got.update(depth=values)),
+            camera.ConnectNewRGBPointCloud(lambda *values: got.update(cloud=values)),
+        ]
+        rendering.draw_frame(world, [camera])
+        depths = got["depth"][0].reshape(240, 320)
+        assert got["depth"][1:] == (320, 240, 1, "FLOAT32")
+        assert depths[120, 160] == pytest.approx(2.5, abs=1e-4)
+        assert np.isinf(depths[[0, -1, 120, 120], [0, -1, 0, -1]]).all()
+        assert np.array_equal(camera.DepthData(), got["depth"][0])
+        cloud = got["cloud"][0].reshape(240, 320, 4)
+        for row, column in ((100, 140), (100, 180), (140, 140), (140, 180)):
+            x, y, z, _ = cloud[row, column]
+            assert z == pytest.approx(2.5, abs=1e-4)
+            assert (x > 0, y > 0) == (column > 160, row > 120)
+        assert x == pytest.approx(2.5 * 20.5 / (160 / math.tan(0.5235)), abs=1e-4)
+        camera.SetClipDist(0.1, 2.0)
+        rendering.draw_frame(world, [camera])
+        assert np.isinf(camera.DepthData()).all()
+        del kept
+
+
+def test_cameras_follow_track_and_travel(world_of):
+    world = world_of(model(), model("other", pose="0 5 1 0 0 0"))
+    scene = rendering.get_scene()
+    with rendering.UserCamera(world, "user", 8, 8) as camera:
+        camera.SetWorldPose(Pose3d(0, 0, 1, 0, 0, 0))
+        assert camera.TrackVisual("other")
+        camera.Update()
+        assert camera.Direction().Equal(Vector3d(0, 1, 0), 1e-9)
+        camera.TrackVisual("")
+        camera.SetWorldPose(Pose3d(1, 0, 1, 0, 0, 0))
+        assert camera.AttachToVisual(scene.GetVisual("m"))
+        world.ModelByName("m").SetWorldPose(Pose3d(3, 2, 0, 0, 0, math.pi / 2))
+        camera.Update()
+        assert camera.WorldPose().Equal(Pose3d(3, 0, 1, 0, 0, math.pi / 2), 1e-9)
+        assert not camera.AttachToVisual("nobody")
+
+        arrived, now = [], [100.0]
+        camera.mount.clock = lambda: now[0]
+        assert camera.MoveToPositions([Pose3d(0, 0, 9, 0, 0, 0)], 2.0, lambda: arrived.append(1))
+        assert camera.IsAnimating()
+        assert not camera.MoveToPosition(Pose3d(), 1.0)
+        now[0] += 1.0
+        camera.Update()
+        assert 1.5 < camera.WorldPosition().z < 8.5
+        now[0] += 1.0
+        camera.Update()
+        assert camera.WorldPose().Equal(Pose3d(0, 0, 9, 0, 0, 0), 1e-9)
+        assert arrived == [1]
+        assert not camera.IsAnimating()
+
+
+# Events ----------------------------------------------------------------------------------------------------------
+
+
+def test_events_around_a_frame_come_in_order_and_once(world_of):
+    world, heard = world_of(model()), []
+    names = ("PreRender", "Render", "PostRender")
+    kept = [getattr(Events, f"Connect{name}")(lambda name=name: heard.append(name)) for name in names]
+    with rendering.Camera(world, "a", 8, 8) as a, rendering.Camera(world, "b", 8, 8) as b:
+        kept.append(b.ConnectNewImageFrame(lambda data: heard.append("frame")))
+        rendering.draw_frame(world, [a, b])
+    assert heard == ["PreRender", "Render", "frame", "PostRender"]
+
+
+def test_a_callback_that_raises_is_told_and_pictures_go_on(world_of, caplog):
+    world = world_of(model(inside=red()))
+
+    def spoil():
+        raise RuntimeError("no more paint")
+
+    kept = Events.ConnectPreRender(spoil)
+    assert middle(see(world)) == (255, 0, 0)
+    assert "no more paint" in caplog.text
+    assert "PreRender" in caplog.text
+    assert not kept.connected
+
+
+# Visuals ---------------------------------------------------------------------------------------------------------
+
+
+def test_visuals_are_found_by_name_and_know_each_other(world_of):
+    world = world_of(model(inside=visual("a") + visual("b")))
+    scene = rendering.get_scene("default")
+    assert [v.Name() for v in scene.visuals()] == ["__world_node__", "m", "m::link", "m::link::a", "m::link::b"]
+    shape = scene.GetVisual("default::m::link::a")
+    assert shape is scene.GetVisual("m::link").GetChild(0) is scene.GetVisual(shape.GetId())
+    assert shape.GetParent().GetParent() is shape.GetRootVisual() is scene.GetVisual("m")
+    assert scene.GetVisual("nobody") is None
+    assert (shape.GetGeometryType(), tuple(shape.Scale())) == ("box", (1, 1, 1))
+    assert shape.GetScene() is scene
+    assert world.Name() == scene.Name()
+
+
+def test_a_visual_is_moved_without_its_link(world_of):
+    world = world_of(model(inside=red()))
+    shape = rendering.get_scene().GetVisual("m::link::v")
+    assert shape.WorldPose().Equal(Pose3d(3, 0, 0, 0, 0, 0), 1e-12)
+    shape.SetWorldPose(Pose3d(3, 2, 0, 0, 0, 0.5))
+    assert middle(see(world)) == BEHIND
+    assert middle(see(world, pose=(0, 2, 0, 0, 0, 0))) == (255, 0, 0)
+    assert shape.Pose().Equal(Pose3d(0, 2, 0, 0, 0, 0.5), 1e-12)
+    assert world.ModelByName("m").WorldPose().Equal(Pose3d(3, 0, 0, 0, 0, 0), 1e-12)
+    world.ModelByName("m").SetWorldPose(Pose3d(3, -2, 0, 0, 0, 0))
+    assert middle(see(world)) == (255, 0, 0)
+
+
+def test_a_model_visual_takes_along_what_is_in_it(world_of):
+    inner = f"<model name='n'><pose>0 0 1 0 0 0</pose><link name='k'>{visual('w')}</link></model>"
+    world_of(model().replace("</model>", f"{inner}</model>"))
+    scene = rendering.get_scene()
+    scene.GetVisual("m").SetWorldPose(Pose3d(0, 5, 0, 0, 0, math.pi / 2))
+    assert scene.GetVisual("m::link::v").WorldPose().Equal(Pose3d(0, 5, 0, 0, 0, math.pi / 2), 1e-9)
+    assert scene.GetVisual("m::n::k::w").WorldPose().Equal(Pose3d(0, 5, 1, 0, 0, math.pi / 2), 1e-9)
+    assert scene.GetVisual("m::n::k").Pose().Equal(Pose3d(), 1e-9)
+
+
+def test_visuals_are_hidden_and_shown(world_of):
+    world = world_of(model(inside=red()))
+    group, shape = (rendering.get_scene().GetVisual(name) for name in ("m", "m::link::v"))
+    assert middle(see(world)) == (255, 0, 0)
+    shape.SetVisible(False)
+    assert middle(see(world)) == BEHIND
+    assert shape is rendering.get_scene().GetVisual("m::link::v")
+    shape.ToggleVisible()
+    assert middle(see(world)) == (255, 0, 0)
+    group.SetVisible(False)
+    assert not shape.Visible()
+    assert middle(see(world)) == BEHIND
+
+
+def test_transparency_mixes_with_what_is_behind(world_of):
+    world = world_of(model(inside=red()))
+    group, shape = (rendering.get_scene().GetVisual(name) for name in ("m", "m::link::v"))
+    shape.SetTransparency(0.5)
+    half = [(255 + BEHIND[0]) / 2, BEHIND[1] / 2, BEHIND[2] / 2]
+    assert middle(see(world)) == pytest.approx(half, abs=1.5)
+    group.SetTransparency(0.5)
+    assert shape.DerivedTransparency() == pytest.approx(0.75)
+    quarter = [255 / 4 + BEHIND[0] * 3 / 4, BEHIND[1] * 3 / 4, BEHIND[2] * 3 / 4]
+    assert middle(see(world)) == pytest.approx(quarter, abs=1.5)
+    group.SetTransparency(0)
+    shape.SetTransparency(0)
+    assert middle(see(world)) == (255, 0, 0)
+
+
+def test_transparency_of_the_file_and_of_a_colour(world_of):
+    see_through = red().replace("<visual name='v'>", "<visual name='v'><transparency>0.5</transparency>")
+    half = [(255 + BEHIND[0]) / 2, BEHIND[1] / 2, BEHIND[2] / 2]
+    assert middle(see(world_of(model(inside=see_through)))) == pytest.approx(half, abs=1.5)
+    colour = material("<ambient>1 0 0 1</ambient><diffuse>1 0 0 0.5</diffuse>")
+    assert middle(see(world_of(model(inside=visual(looks=colour))))) == pytest.approx(half, abs=1.5)
+
+
+def test_colours_are_set_on_one_and_on_groups(world_of):
+    world = world_of(model(inside=red()))
+    group, shape = (rendering.get_scene().GetVisual(name) for name in ("m", "m::link::v"))
+    shape.SetAmbient(Color(0, 1, 0))
+    assert middle(see(world)) == (0, 255, 0)
+    group.SetAmbient(Color(0, 0, 0))
+    group.SetEmissive(Color(0, 0, 1))
+    assert middle(see(world)) == (0, 0, 255)
+    assert (shape.GetEmissive(), shape.Ambient(), shape.Diffuse()) == (Color(0, 0, 1), Color(), Color(1, 0, 0))
+
+
+def test_scale_is_the_size_of_simple_shapes(world_of):
+    world = world_of(model(inside=red(geometry="<box><size>1 2 1</size></box>")))
+    shape = rendering.get_scene().GetVisual("m::link::v")
+    assert tuple(shape.Scale()) == (1, 2, 1)
+    wide = (see(world) == (255, 0, 0)).all(axis=2).sum()
+    shape.SetScale(Vector3d(1, 1, 1))
+    assert (see(world) == (255, 0, 0)).all(axis=2).sum() == pytest.approx(wide / 2, rel=0.1)
+    assert tuple(shape.BoundingBox().Size()) == pytest.approx((1, 1, 1))
+    rendering.get_scene().GetVisual("m").SetScale(Vector3d(2, 2, 2))
+    assert tuple(shape.Scale()) == pytest.approx((2, 2, 2))
+
+
+def test_plugins_draw_shapes_and_lines_of_their_own(world_of):
+    world = world_of(model())
+    scene = rendering.get_scene()
+    made = rendering.Visual("mine", scene)
+    made.Load()
+    made.AttachMesh("unit_sphere")
+    made.SetScale(Vector3d(0.4, 0.4, 0.4))
+    made.SetMaterial("Gazebo/GreenGlow")
+    made.SetWorldPosition(Vector3d(1.5, 0, 0))
+    assert middle(see(world)) == (0, 255, 0)
+    assert scene.GetVisual("mine") is made
+    made.Fini()
+    assert scene.GetVisual("mine") is None
+    assert middle(see(world)) == (255, 255, 255)
+
+    line = scene.WorldVisual().CreateDynamicLine(rendering.RENDERING_LINE_LIST)
+    line.AddPoint(Vector3d(1, -1, 0), Color(1, 0, 1))
+    line.AddPoint(1, 1, 0, Color(1, 0, 1))
+    pixels = see(world, size=(65, 49))
+    assert (pixels[24] == (255, 0, 255)).all(axis=1).sum() > 60
+    scene.GetVisual("m").AttachLineVertex(line, 1)
+    see(world)
+    assert line.Point(1).Equal(Vector3d(3, 0, 0), 1e-9)
+    scene.WorldVisual().DeleteDynamicLine(line)
+    assert not (see(world) == (255, 0, 255)).all(axis=2).any()
+
+
+def test_a_highlighted_visual_has_a_box_around_it(world_of):
+    world = world_of(model(inside=red()))
+    shape = rendering.get_scene().GetVisual("m::link::v")
+    assert not (see(world) == 255).all(axis=2).any()
+    shape.SetHighlighted(True)
+    assert (see(world) == 255).all(axis=2).sum() > 30
+    shape.SetHighlighted(False)
+    assert not (see(world) == 255).all(axis=2).any()
+
+
+def test_a_pixel_tells_its_model(world_of):
+    world = world_of(model())
+    with rendering.Camera(world, "eye", 32, 24) as camera:
+        rendering.draw_frame(world, [camera])
+        scene = camera.GetScene()
+        assert scene.GetModelVisualAt(camera, (16, 12)) is scene.GetVisual("m")
+        assert scene.GetModelVisualAt(camera, (0, 0)) is None
+        assert scene.GetCamera("eye") is scene.GetCamera(0) is camera
+    assert scene.CameraCount() == 0
+
+
+def test_a_plane_visual_has_its_size_though_its_collision_has_none(world_of):
+    plane = "<plane><normal>0 0 1</normal><size>2 2</size></plane>"
+    inside = f"<collision name='c'><geometry>{plane}</geometry></collision>" + red(geometry=plane)
+    box = "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
+    world = world_of(model(inside=inside, pose="0 0 0 0 0 0"), model("b", box, "9 0 0.5 0 0 0", static=False))
+    above = (0, 0, 4, 0, math.pi / 2, 0)
+    pixels = see(world, pose=above)
+    assert middle(pixels) == (255, 0, 0)
+    assert tuple(pixels[24, 0]) == BEHIND
+    world.Step(50)
+    assert world.ModelByName("b").WorldPose().pos.z == pytest.approx(0.5, abs=1e-3)
+
+
+# Materials -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "ambient"),
+    [("Gazebo/Red", (255, 0, 0)), ("Gazebo/Grey", (76, 76, 76)), ("Gazebo/Yellow", (255, 255, 0)),
+     ("Gazebo/RedBright", (222, 66, 18)), ("Gazebo/SkyBlue", (33, 112, 178)), ("Gazebo/WhiteGlow", (255, 255, 255))],
+)  # fmt: skip
+def test_materials_by_name(world_of, name, ambient):
+    looks = script(name, "file://media/materials/scripts/gazebo.material")
+    assert middle(see(world_of(model(inside=visual(looks=looks))))) == pytest.approx(ambient, abs=1)
+
+
+def test_a_material_named_in_plain_text_and_one_that_is_not_known(world_of, caplog):
+    plain = visual("a", material("<script>Gazebo/Green</script>"))
+    world = world_of(model(inside=plain))
+    assert middle(see(world)) == (0, 255, 0)
+    assert "Green" not in caplog.text
+    world = world_of(model(inside=visual("a", script("My/Nope"))))
+    assert middle(see(world)) == pytest.approx((76, 76, 76), abs=1)
+    assert caplog.text.count("there is no material 'My/Nope'") == 1
+    shape = rendering.scene.scene_of(world).GetVisual("m::link::a")
+    shape.SetMaterial("Gazebo/Blu")
+    assert "no material 'Gazebo/Blu'" in caplog.text
+    shape.SetMaterial("Gazebo/Blue")
+    assert (shape.GetMaterialName(), middle(see(world))) == ("Gazebo/Blue", (0, 0, 255))
+
+
+SCRIPT = """
+// a material with a parent, and one with a picture
+material My/Base { technique { pass { ambient 0 0.5 0 1
+    diffuse 0 0.5 0 1
+    specular 0.1 0.2 0.3 1 20 } } }
+material My/Child : My/Base
+{
+  technique
+  {
+    pass
+    {
+      emissive 0 0 1 /* blue
+      light */
+    }
+  }
+}
+material My/Picture
+{
+  technique { pass { ambient 1 1 1 1
+    texture_unit
+    {
+      texture blue.png
+    } } }
+}
+"""
+
+
+def test_materials_of_scripts(world_of, tmp_path):
+    for folder in ("scripts", "textures"):
+        (tmp_path / "media" / folder).mkdir(parents=True)
+    (tmp_path / "media" / "scripts" / "my.material").write_text(SCRIPT)
+    Image.new("RGB", (4, 4), (0, 0, 200)).save(tmp_path / "media" / "textures" / "blue.png")
+    uris = f"file://{tmp_path}/media/scripts file://{tmp_path}/media/textures"
+    child, picture = (world_of(model(inside=visual(looks=script(f"My/{n}", uris)))) for n in ("Child", "Picture"))
+    assert middle(see(child)) == pytest.approx((0, 128, 255), abs=1)
+    assert middle(see(picture)) == (0, 0, 200)
+    found = find_material("My/Base", uris.split())
+    assert (found.shininess, found.specular) == (20.0, (0.1, 0.2, 0.3, 1.0))
+    assert find_material("My/Nothing", uris.split()) is None
+
+
+def test_without_light_counting_a_colour_is_plain(world_of):
+    looks = material("<lighting>false</lighting><ambient>0 0 0 1</ambient><diffuse>.2 .6 1 1</diffuse>")
+    dark = "<scene><ambient>0 0 0 1</ambient></scene>"
+    assert middle(see(world_of(model(inside=visual(looks=looks)), scene=dark))) == pytest.approx((51, 153, 255), abs=1)
+
+
+# Light and scene -------------------------------------------------------------------------------------------------
+
+DARK = "<scene><ambient>0 0 0 1</ambient><background>0 0 0 1</background></scene>"
+
+
+def light(kind, inside="", pose="0 0 0 0 0 0"):
+    return (
+        f"<light name='l' type='{kind}'><pose>{pose}</pose><diffuse>1 1 1 1</diffuse><specular>0 0 0 1</specular>"
+        f"<direction>1 0 0</direction>{inside}</light>"
+    )
+
+
+def white(world, **options):
+    return middle(see(world, **options))[0]
+
+
+def test_ambient_light_is_the_scene_s(world_of):
+    world = world_of(model(), scene=DARK)
+    scene = rendering.get_scene()
+    assert white(world) == 0
+    scene.SetAmbientColor(Color(0.5, 0.5, 0.5))
+    assert white(world) == pytest.approx(127, abs=1)
+    scene.SetBackgroundColor(Color(0, 1, 0))
+    assert tuple(see(world)[0, 0]) == (0, 255, 0)
+    assert (scene.AmbientColor(), scene.GetBackgroundColor()) == (Color(0.5, 0.5, 0.5), Color(0, 1, 0))
+
+
+def test_directional_light_falls_by_the_cosine(world_of):
+    angle = 0.9
+    world = world_of(model(pose=f"3 0 0 0 0 {angle}"), light("directional", pose="50 50 50 0 0 0"), scene=DARK)
+    pixels = see(world)
+    assert np.ptp(pixels, axis=2).max() == 0
+    assert np.unique(pixels) == pytest.approx([0, 255 * math.cos(angle), 255 * math.sin(angle)], abs=1)
+
+
+def test_point_light_fades_and_ends_at_its_range(world_of):
+    wall = visual(geometry="<box><size>.02 .02 .02</size></box>")
+    fading = "<constant>1</constant><linear>.5</linear><quadratic>.25</quadratic>"
+    fading = f"<attenuation><range>{{}}</range>{fading}</attenuation>"
+    near = {"pose": (2.9, 0, 0, 0, 0, 0), "near": 0.01}
+    world = world_of(model(inside=wall), light("point", fading.format(10), pose="0.99 0 0 0 0 0"), scene=DARK)
+    assert white(world, **near) == pytest.approx(255 / (1 + 0.5 * 2 + 0.25 * 4), abs=2)
+    world = world_of(model(inside=wall), light("point", fading.format(1.5), pose="0.99 0 0 0 0 0"), scene=DARK)
+    assert white(world, **near) == 0
+    lamp = rendering.scene.scene_of(world).LightByName("l")
+    lamp.SetRange(3.0)
+    lamp.SetAttenuation(1.0, 0.0, 0.0)
+    assert white(world, **near) == pytest.approx(255, abs=2)
+    lamp.SetVisible(False)
+    assert white(world, **near) == 0
+
+
+def test_a_spot_lights_its_cone_only(world_of):
+    cone = "<spot><inner_angle>.4</inner_angle><outer_angle>.8</outer_angle><falloff>1</falloff></spot>"
+    plane = visual(geometry="<plane><normal>-1 0 0</normal><size>8 8</size></plane>")
+    world = world_of(model(inside=plane), light("spot", cone), scene=DARK)
+    pixels = see(world, hfov=2.0)[24, :, 0].astype(int)
+    assert pixels[32] > 240
+    angle = np.abs(np.arctan((np.arange(64) + 0.5 - 32) / (32 / math.tan(1.0))))
+    assert (pixels[angle > 0.6] == 0).all()
+    assert (pixels[angle < 0.1] > 200).all()
+
+
+def test_several_lights_add_up(world_of):
+    both = light("directional").replace("1 1 1 1", "1 0 0 1")
+    both += light("directional").replace("1 1 1 1", "0 0 1 1").replace("name='l'", "name='k'")
+    world = world_of(model(), both, scene=DARK)
+    assert middle(see(world)) == (255, 0, 255)
+    scene = rendering.get_scene()
+    assert scene.LightCount() == 2
+    scene.GetLight("k").SetDiffuseColor(Color(0, 1, 0))
+    assert middle(see(world)) == (255, 255, 0)
+
+
+@pytest.mark.parametrize(
+    ("fog", "share"),
+    [
+        ("<type>linear</type><start>1</start><end>5</end>", (5 - 2.5) / 4),
+        ("<type>exp</type><density>.3</density>", math.exp(-0.3 * 2.5)),
+        ("<type>exp2</type><density>.3</density>", math.exp(-((0.3 * 2.5) ** 2))),
+        ("<type>none</type><density>9</density>", 1.0),
+    ],
+)
+def test_fog(world_of, fog, share):
+    scene = AMBIENT.replace("</scene>", f"<fog><color>0 1 0 1</color>{fog}</fog></scene>")
+    pixels = see(world_of(model(inside=red()), scene=scene))
+    assert middle(pixels) == pytest.approx((255 * share, 255 * (1 - share), 0), abs=3)
+
+
+def test_a_sky_is_drawn_by_the_time_of_day(world_of):
+    noon = see(world_of(scene="<scene><sky><time>12</time></sky></scene>"), pose=(0, 0, 0, 0, -0.5, 0))
+    night = see(world_of(scene="<scene><sky><time>0</time></sky></scene>"), pose=(0, 0, 0, 0, -0.5, 0))
+    assert noon[0, 0][2] > 150 > 60 > night[0, 0][2]
+    assert noon[0, 0][2] > noon[0, 0][0]
+
+
+def test_only_users_see_the_grid(world_of):
+    world = world_of()
+    above = {"pose": (0.5, 0.5, 5, 0, math.pi / 2, 0)}
+    assert (see(world, **above) == BEHIND).all()
+    assert not (see(world, kind=rendering.UserCamera, **above) == BEHIND).all()
+    rendering.get_scene().SetGrid(False)
+    assert (see(world, kind=rendering.UserCamera, **above) == BEHIND).all()
+
+
+# Plugins ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def plugin(tmp_path):
+    def write(name, text):
+        head = "from libgz.classic import *\nfrom libgz.classic.event import Events\n"
+        (tmp_path / f"{name}.py").write_text(head + textwrap.dedent(text))
+
+    return write
+
+
+BLINKER = """
+class Blinker(VisualPlugin):
+    def Load(self, visual, sdf):
+        print("Load", visual.Name(), sdf.Get(str, "colour"))
+        self.visual, self.frames = visual, 0
+    def Init(self):
+        print("Init")
+        self.connection = Events.ConnectPreRender(self.OnPreRender)
+    def OnPreRender(self):
+        self.frames += 1
+        self.visual.SetVisible(self.frames % 2 == 1)
+    def Reset(self):
+        print("Reset")
+GZ_REGISTER_VISUAL_PLUGIN(Blinker)
+"""
+
+
+def with_plugin(name="blinker"):
+    return red().replace(
+        "</visual>", f"<plugin name='p' filename='lib{name}.so'><colour>red</colour></plugin></visual>"
+    )
+
+
+def test_a_visual_plugin_blinks(world_of, plugin, capsys):
+    plugin("blinker", BLINKER)
+    world = world_of(model(inside=with_plugin()))
+    assert capsys.readouterr().out == ""  # nothing is drawn yet
+    world.server.serve_visuals().add(world.core.models)
+    assert capsys.readouterr().out == "Load m::link::v red\nInit\n"
+    seen = [middle(see(world)) for _ in range(4)]
+    assert seen == [(255, 0, 0), BEHIND] * 2
+    world.Reset()
+    assert capsys.readouterr().out == "Reset\n"
+    shape = rendering.get_scene().GetVisual("m::link::v")
+    shape.LoadPlugin("blinker.py", "second")
+    assert capsys.readouterr().out == "Load m::link::v \nInit\nInit\n"
+    shape.RemovePlugin("second")
+    shape.RemovePlugin("p")
+    shape.SetVisible(True)
+    assert [middle(see(world)) for _ in range(2)] == [(255, 0, 0)] * 2
+
+
+def test_visual_plugins_of_models_that_come_and_go(world_of, plugin, capsys):
+    plugin("blinker", BLINKER)
+    world = world_of()
+    world.server.serve_visuals().add(())
+    world.InsertModelString(f"<sdf version='1.6'>{model(inside=with_plugin())}</sdf>")
+    world.Step(1)
+    world.server.serve_visuals().add(())
+    assert capsys.readouterr().out == "Load m::link::v red\nInit\n"
+    assert len(list(world.server.serve_visuals().plugins())) == 1
+    world.RemoveModel("m")
+    world.Step(1)
+    assert not list(world.server.serve_visuals().plugins())
+    assert (see(world) == BEHIND).all()
+
+
+@pytest.mark.parametrize("where", ["__init__", "Load", "Init", "OnPreRender"])
+def test_a_visual_plugin_that_raises_is_named_and_stopped(world_of, plugin, caplog, where):
+    text = BLINKER.replace("(VisualPlugin):", "(VisualPlugin):\n    def __init__(self):\n        pass")
+    lines = []
+    for line in text.splitlines():
+        lines.append(line)
+        if line.strip().startswith(f"def {where}("):
+            lines.append("        raise ValueError('broken paint')")
+    plugin("blinker", "\n".join(lines))
+    world = world_of(model(inside=with_plugin()))
+    world.server.serve_visuals().add(())
+    assert middle(see(world)) == (255, 0, 0)
+    assert middle(see(world)) == (255, 0, 0)
+    assert "broken paint" in caplog.text
+    assert "name[p] and filename[libblinker.so]" in caplog.text
+
+
+def test_a_plugin_of_another_kind_is_refused_in_classic_s_words(world_of, plugin, caplog):
+    plugin("wrong", "class W(WorldPlugin):\n    pass\nGZ_REGISTER_WORLD_PLUGIN(W)")
+    world = world_of(model(inside=with_plugin("wrong")))
+    world.server.serve_visuals().add(())
+    assert (
+        "Visual[m::link::v] is attempting to load a plugin, but detected an incorrect plugin type. "
+        "Plugin filename[libwrong.so] name[p]" in caplog.text
+    )
+
+
+def test_a_world_without_cameras_draws_nothing(world_of, plugin, caplog, capsys):
+    plugin("blinker", BLINKER)
+    with caplog.at_level(logging.WARNING):
+        world = world_of(model(inside=with_plugin()))
+        world.Step(3)
+    assert world.server.visuals is None
+    assert capsys.readouterr().out == ""
+    assert physics.get_world() is world

@@ -1,0 +1,748 @@
+"""Sensors of SDF worlds: Gazebo's own acceptance figures, rates, noise, plugins, resets, wrong values."""
+
+import logging
+import math
+import statistics
+
+import numpy as np
+import pytest
+
+import libgz
+from libgz.classic import physics, sensors
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.errors import NotFoundError, WorldFileError
+
+G = 9.8
+
+
+def world_of(content, version="1.6", gravity="0 0 -9.8"):
+    holder = f"<gravity>{gravity}</gravity>"
+    inside, outside = (holder, "") if version != "1.6" else ("", holder)
+    holder = f"{outside}<physics type='ode'>{inside}</physics>"
+    return libgz.World.from_string(f"<sdf version='{version}'><world name='default'>{holder}{content}</world></sdf>")
+
+
+def model(name, link, pose="0 0 0 0 0 0", static=True, more=""):
+    return (
+        f"<model name='{name}'><static>{str(static).lower()}</static><pose>{pose}</pose>"
+        f"<link name='link'>{link}</link>{more}</model>"
+    )
+
+
+def collision(shape, surface="", name="collision", pose="0 0 0 0 0 0"):
+    return (
+        f"<collision name='{name}'><pose>{pose}</pose><geometry>{shape}</geometry>"
+        f"<surface>{surface}</surface></collision>"
+    )
+
+
+def box(name, pose, size="1 1 1", static=True):
+    return model(name, collision(f"<box><size>{size}</size></box>"), pose, static)
+
+
+GROUND = model("ground", collision("<plane><normal>0 0 1</normal></plane>"))
+
+
+def sensor(kind, content, name="s", rate=0, on=True, pose="0 0 0 0 0 0", more=""):
+    return (
+        f"<sensor name='{name}' type='{kind}'><always_on>{int(on)}</always_on><update_rate>{rate}</update_rate>"
+        f"<pose>{pose}</pose>{content}{more}</sensor>"
+    )
+
+
+def ray(samples=1, angles=(0, 0), reach=(0, 10), vertical=None, noise="", resolution=1):
+    def row(tag, count, low, high, step=1):
+        return (
+            f"<{tag}><samples>{count}</samples><resolution>{step}</resolution>"
+            f"<min_angle>{low!r}</min_angle><max_angle>{high!r}</max_angle></{tag}>"
+        )
+
+    rows = row("horizontal", samples, *angles, resolution)
+    if vertical:
+        rows += row("vertical", *vertical)
+    return f"<ray><scan>{rows}</scan><range><min>{reach[0]}</min><max>{reach[1]}</max></range>{noise}</ray>"
+
+
+def get(name):
+    found = sensors.get_sensor(name)
+    assert found is not None
+    return found
+
+
+# Gazebo's acceptance figures -----------------------------------------------------------------------------------------
+
+
+def test_row_14_a_laser_in_an_empty_world_sees_nothing_then_a_box_then_the_ground():
+    laser = sensor("ray", ray(640, (-2.27, 2.27), (0, 10)))
+    with world_of(GROUND + model("laser", laser, "0 0 0.5 0 0 0")) as world:
+        world.step(1)
+        scan = get("s")
+        assert len(scan.Ranges()) == 640
+        assert all(r == math.inf for r in scan.Ranges())
+
+        physics.get_world().InsertModelString(f"<sdf version='1.6'>{box('box', '2 0 0.5 0 0 0')}</sdf>")
+        scan.Update(True)
+        angles = np.linspace(-2.27, 2.27, 640)
+        expected = np.where(np.abs(np.tan(angles)) * 1.5 <= 0.5, 1.5 / np.cos(angles), math.inf)
+        expected[np.cos(angles) <= 0] = math.inf
+        got = np.array(scan.Ranges())
+        assert np.array_equal(np.isinf(got), np.isinf(expected))
+        seen = np.isfinite(expected)
+        assert np.abs(got[seen] - expected[seen]).max() < 2e-6
+
+        physics.get_world().ModelByName("box").SetWorldPose(Pose3d(20, 0, 0.5, 0, 0, 0))
+        physics.get_world().ModelByName("laser").SetWorldPose(Pose3d(0, 0, 1, 0, math.pi / 2, 0))
+        scan.Update(True)
+        down = np.where(np.cos(angles) > 0.1, 1.0 / np.maximum(np.cos(angles), 0.1), math.inf)
+        seen = np.isfinite(down)
+        assert np.abs(np.array(scan.Ranges())[seen] - down[seen]).max() < 1e-6
+
+
+def test_row_15_a_laser_among_boxes_and_then_alone():
+    scene = model("laser", sensor("ray", ray(320, (-math.pi / 2, math.pi / 2), (0.1, 5))))
+    scene += box("a", "1 0 0 0 0 0", static=False) + box("b", "0 -1 0 0 0 0") + box("c", "0 6 0 0 0 0", static=False)
+    with world_of(scene, gravity="0 0 0") as world:
+        world.step(1)
+        scan = get("s")
+        assert scan.Range(160) == pytest.approx(0.5, abs=1e-5)
+        assert scan.Range(0) == pytest.approx(0.5, abs=1e-5)
+        assert scan.Range(319) == math.inf
+        for name in "abc":
+            physics.get_world().ModelByName(name).SetWorldPose(Pose3d(0, 0, 50, 0, 0, 0))
+        world.step(1)
+        assert all(r == math.inf for r in scan.Ranges())
+
+
+def test_row_16_a_laser_with_rows():
+    laser = sensor("ray", ray(640, (-2.27, 2.27), (0.1, 10), vertical=(3, -0.1, 0.1)))
+    with world_of(model("laser", laser, "0.25 0 0.5 0 0 0") + box("box", "1 0 0.5 0 0 0")) as world:
+        world.step(1)
+        scan = get("s")
+        assert (scan.RangeCount(), scan.VerticalRangeCount()) == (640, 3)
+        step = scan.AngleResolution()
+        for row, elevation in enumerate((-0.1, 0.0, 0.1)):
+            expected = 0.25 / math.cos(elevation) / math.cos(step / 2)
+            assert scan.Range(row * 640 + 320) == pytest.approx(expected, abs=1e-5)
+            assert scan.Range(row * 640) == scan.Range(row * 640 + 639) == math.inf
+
+
+def imu(name="s", **options):
+    return sensor("imu", "<imu/>", name, **options)
+
+
+def test_row_17_an_imu_at_rest_and_in_free_fall():
+    turned = Quaterniond(0.5, -1.0, 0.2)
+    still = model("still", imu("still"), "0 0 0.05 0.5 -1.0 0.2")
+    falls = model("falls", imu("falls") + collision("<sphere><radius>0.5</radius></sphere>"), "0 0 50 0 0 0", False)
+    with world_of(still + falls) as world:
+        world.step(100)
+        rest, fall = get("still"), get("falls")
+        assert tuple(rest.AngularVelocity()) == pytest.approx((0, 0, 0), abs=8e-5)
+        up = turned.RotateVectorReverse(Vector3d(0, 0, G))
+        assert tuple(rest.LinearAcceleration()) == pytest.approx(tuple(up), abs=8e-5)
+        assert tuple(rest.Orientation()) == pytest.approx((1, 0, 0, 0), abs=8e-5)
+        assert tuple(fall.LinearAcceleration()) == pytest.approx((0, 0, 0), abs=8e-5)
+
+
+def test_row_17_an_imu_on_a_frictionless_ramp():
+    slip = "<friction><ode><mu>0</mu><mu2>0</mu2></ode></friction>"
+    ramp = model("ramp", collision("<plane><normal>0 0 1</normal></plane>", slip), "0 0 0 0 0.5 0")
+    ball = collision("<sphere><radius>0.5</radius></sphere>", slip) + imu()
+    high = 0.5 / math.cos(0.5)
+    with world_of(ramp + model("ball", ball, f"0 0 {high + 0.0} 0 0 0", False)) as world:
+        world.step(1000)
+        link = physics.get_world().ModelByName("ball").GetLink("link")
+        link.WorldLinearAccel()
+        world.step(100)
+        assert get("s").LinearAcceleration().Length() == pytest.approx(G * math.cos(0.5), abs=8e-5)
+        assert link.WorldLinearAccel().Length() == pytest.approx(G * math.sin(0.5), abs=8e-5)
+
+
+def test_row_17_an_imu_on_a_pendulum():
+    inertia = "<inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia>"
+    bob = imu() + f"<inertial><mass>1</mass>{inertia}</inertial>"
+    hinge = (
+        "<joint name='j' type='revolute'><parent>world</parent><child>link</child><pose>0 1 0 0 0 0</pose>"
+        "<axis><xyz>1 0 0</xyz></axis></joint>"
+    )
+    with world_of(model("bob", bob, "0 -1 0 0 0 0", False, hinge)) as world:
+        pulls = []
+        for _ in range(700):  # 0.59 s to the lowest point
+            world.step(1)
+            pulls.append(get("s").LinearAcceleration().Length())
+        # g + v^2 / r = 3 g at the lowest point, but for 1e-3 by its radius of gyration of 3 cm.
+        assert max(pulls) == pytest.approx(3 * G, rel=5e-3)
+
+
+def sonar(**options):
+    return sensor("sonar", "<sonar><min>0</min><max>2</max><radius>0.3</radius></sonar>", **options)
+
+
+def test_row_18_sonars():
+    own = collision("<box><size>0.1 0.1 0.1</size></box>")
+    wall = model("wall", own + sonar(name="wall"), "0 0 0.5 1.5707 0 0") + box("box", "0 2 0.5 0 0 0")
+    down = model("down", sonar(name="down"), "10 0 1 0 0 0")
+    with world_of(GROUND + wall + down) as world:
+        world.step(100)
+        assert get("wall").Range() == pytest.approx(1.4999, abs=1e-3)
+        assert get("down").Range() == pytest.approx(1.0, abs=0.01)
+        physics.get_world().ModelByName("down").SetWorldPose(Pose3d(10, 0, 1, 0, 1.5707, 0))
+        world.step(100)
+        assert get("down").Range() == pytest.approx(2.0, abs=0.01)
+        physics.get_world().ModelByName("down").SetWorldPose(Pose3d(10, 0, 90, 0, 0, 0))
+        world.step(100)
+        assert get("down").Range() == 2.0
+        assert (get("down").RangeMin(), get("down").RangeMax(), get("down").Radius()) == (0.0, 2.0, 0.3)
+
+
+def test_row_18_a_sonar_with_a_sphere_sees_all_around():
+    around = sensor("sonar", "<sonar><min>0</min><max>2</max><geometry>sphere</geometry></sonar>")
+    with world_of(model("m", around) + box("b", "-1.2 0 0 0 0 0", "0.4 0.4 0.4")) as world:
+        world.step(1)
+        assert get("s").Range() == pytest.approx(1.0, abs=0.01)
+        assert get("s").Geometry() == "sphere"
+
+
+def test_row_18_readings_are_samples_times_resolution_and_names_are_scoped():
+    laser = sensor("ray", ray(120, (-1, 1), (0.1, 5), (2, -0.1, 0.1, 3), resolution=2), "laser")
+    ground = GROUND.replace("name='ground'", "name='ground_plane'").replace("</link>", laser + "</link>")
+    with world_of(ground + box("b", "1 0 0 0 0 0")) as world:
+        world.step(1)
+        scan = get("default::ground_plane::link::laser")
+        assert scan.ScopedName() == "default::ground_plane::link::laser"
+        assert (scan.RayCount(), scan.RangeCount()) == (120, 240)
+        assert (scan.VerticalRayCount(), scan.VerticalRangeCount()) == (2, 6)
+        assert len(scan.Ranges()) == 240 * 6
+        assert scan.Range(3 * 240 + 120) == pytest.approx(0.5, abs=0.01)
+
+
+def test_row_18_a_gps_at_the_origin_and_elsewhere():
+    gps = sensor("gps", "<gps/>")
+    with world_of(model("m", gps, static=False), gravity="0 0 0") as world:
+        get("s").Update(True)
+        assert (get("s").Latitude().Radian(), get("s").Longitude().Radian(), get("s").Altitude()) == (0.0, 0.0, 0.0)
+        physics.get_world().ModelByName("m").SetLinearVel(Vector3d(1, 2, 3))
+        world.step(1000)
+        one = get("s")
+        assert tuple(one.VelocityENU()) == pytest.approx((1, 2, 3), abs=1e-6)
+        assert one.Longitude().Degree() == pytest.approx(math.degrees(1 / 6378137.0), rel=1e-4)
+        assert one.Latitude().Degree() == pytest.approx(math.degrees(2 / 6335439.0), rel=1e-3)
+        assert one.Altitude() == pytest.approx(3.0, abs=1e-3)
+
+
+CONTACT = "<contact><collision>top</collision></contact>"
+
+
+def touching(on=False, rate=0):
+    base = collision("<box><size>1 1 1</size></box>", name="top") + sensor("contact", CONTACT, rate=rate, on=on)
+    ball = collision("<sphere><radius>0.5</radius></sphere>", name="skin")
+    inertia = "<inertial><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>"
+    return GROUND + model("base", base, "0 0 0.5 0 0 0", False) + model("ball", ball + inertia, "0 0 1.5 0 0 0", False)
+
+
+def test_row_21_a_contact_sensor_is_inactive_until_it_is_told_to_be():
+    with world_of(touching()) as world:
+        one = get("s")
+        world.step(50)
+        assert not one.IsActive()
+        assert not world.engine.record_contacts
+        assert len(one.Contacts().contact) == 0
+        one.SetActive(True)
+        world.step(950)
+        found = one.Contacts("base::link::top")
+        assert set(found) == {"ground::link::collision", "ball::link::skin"}
+        contact = found["ball::link::skin"]
+        assert contact.count == 1 == one.GetCollisionContactCount("ball::link::skin")
+        point, normal = contact.positions[0], contact.normals[0]
+        assert tuple(point)[:2] == pytest.approx((0, 0), abs=1e-4)
+        assert abs(normal.z) == pytest.approx(1.0, abs=1e-4)
+        assert tuple(normal)[:2] == pytest.approx((0, 0), abs=1e-4)
+        on_base = contact.collision1.GetScopedName().startswith("base")
+        force = contact.wrench[0].body1Force if on_base else contact.wrench[0].body2Force
+        torque = contact.wrench[0].body1Torque if on_base else contact.wrench[0].body2Torque
+        assert force.z == pytest.approx(-G, rel=0.05)
+        assert torque.Length() < 2
+        msg = one.Contacts()
+        assert {msg.contact[0].collision1, msg.contact[1].collision1} & {"base::link::top", "ball::link::skin"}
+        assert len(msg.contact[0].position) == len(msg.contact[0].wrench) == len(msg.contact[0].depth)
+        assert (one.GetCollisionCount(), one.GetCollisionName(0)) == (1, "base::link::top")
+        one.Update(True)
+        assert one.Contacts() == msg  # no iteration since
+        one.SetActive(False)
+        world.step(2)
+        assert not world.engine.record_contacts
+
+
+def test_a_slow_contact_sensor_tells_of_every_iteration_in_between():
+    with world_of(touching(on=True, rate=100)) as world:
+        world.step(1000)
+        assert len(get("s").Contacts().contact) == 20  # two pairs in each of ten iterations
+
+
+@pytest.mark.parametrize(("rate", "seconds"), [(5, 6.0), (10, 3.0)])
+def test_row_26_thirty_measurements_take_as_long_as_they_should(rate, seconds):
+    with world_of(model("m", imu(rate=rate))) as world:
+        times = []
+        kept = get("s").ConnectUpdated(lambda: times.append(world.GetSimTime()))
+        while len(times) < 30:
+            world.step(1)
+        assert times[-1] == pytest.approx(seconds, abs=1e-6)
+        assert kept.connected
+
+
+def test_a_rate_that_is_no_multiple_of_the_step_does_not_drift():
+    with world_of(model("m", imu(rate=30))) as world:
+        count = []
+        kept = get("s").ConnectUpdated(lambda: count.append(1))
+        world.step(10_000)
+        assert len(count) in (299, 300)
+        assert kept.connected
+
+
+def arm(sensors_1="", sensors_2=""):
+    """Two links of 10 kg on two hinges, one on the other, standing upright."""
+    inertia = "<inertial><pose>0 0 0.5 0 0 0</pose><mass>10</mass></inertial>"
+    hinge = (
+        "<joint name='{}' type='revolute'><parent>{}</parent><child>{}</child>"
+        "<axis><xyz>1 0 0</xyz><limit><lower>-1.57</lower><upper>1.57</upper></limit></axis>{}</joint>"
+    )
+    return (
+        f"<model name='arm'><link name='one'>{inertia}</link><link name='two'><pose>0 0 1 0 0 0</pose>{inertia}</link>"
+        f"{hinge.format('j1', 'world', 'one', sensors_1)}{hinge.format('j2', 'one', 'two', sensors_2)}</model>"
+    )
+
+
+def force_torque(frame, direction, name, **options):
+    content = f"<frame>{frame}</frame><measure_direction>{direction}</measure_direction>"
+    return sensor("force_torque", f"<force_torque>{content}</force_torque>", name, **options)
+
+
+def test_row_11_force_and_torque_of_upright_links():
+    to_child = force_torque("child", "parent_to_child", "up")
+    to_parent = force_torque("parent", "child_to_parent", "down")
+    with world_of(
+        arm(to_child + to_parent, force_torque("child", "parent_to_child", "upper")), gravity="0 0 -50"
+    ) as world:
+        world.step(1)
+        for _ in range(10):  # the engine's least cfm makes joints soft: 2.5e-6 of the force are missing
+            assert tuple(get("up").Force()) == pytest.approx((0, 0, 1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("down").Force()) == pytest.approx((0, 0, -1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("upper").Force()) == pytest.approx((0, 0, 500), rel=5e-6, abs=1e-9)
+            assert tuple(get("up").Torque()) == pytest.approx((0, 0, 0), abs=1e-6)
+            world.step(1)
+        assert get("up").ScopedName() == "default::arm::j1::up"
+        assert get("up").Joint().GetName() == "j1"
+
+
+def test_a_force_torque_sensor_tells_in_its_own_axes_and_to_listeners():
+    inertia = "<inertial><pose>1 0 0 0 0 0</pose><mass>2</mass></inertial>"
+    joint = (
+        "<joint name='j' type='fixed'><parent>world</parent><child>link</child>"
+        f"<pose>0 0 0 0 0 {math.pi / 2}</pose>{{}}</joint>"
+    )
+    both = force_torque("child", "child_to_parent", "plain")
+    both += force_torque("sensor", "child_to_parent", "turned", pose=f"0 0 0 {math.pi / 2} 0 0", on=False)
+    with world_of(model("m", inertia, "0 0 5 0 0 0", False, joint.format(both))) as world:
+        heard = []
+        kept = get("turned").ConnectUpdate(heard.append)
+        world.step(5)
+        weight = 2 * G
+        assert tuple(get("plain").Force()) == pytest.approx((0, 0, -weight), abs=1e-6)
+        assert tuple(get("plain").Torque()) == pytest.approx((0, weight, 0), abs=1e-6)
+        # The sensor's x is the child's y, its y the child's z, its z the child's x.
+        assert tuple(get("turned").Force()) == pytest.approx((0, -weight, 0), abs=1e-6)
+        assert tuple(get("turned").Torque()) == pytest.approx((weight, 0, 0), abs=1e-6)
+        assert len(heard) == 5
+        assert heard[-1].wrench.force.y == pytest.approx(-weight, abs=1e-6)
+        assert kept.connected
+
+
+# Life ----------------------------------------------------------------------------------------------------------------
+
+
+def test_a_sensor_that_nobody_wants_does_not_measure():
+    with world_of(model("m", imu(on=False))) as world:
+        one = get("s")
+        world.step(100)
+        assert one.LastUpdateTime().Double() == 0.0
+        assert not one.IsActive()
+        kept = one.ConnectUpdated(lambda: None)
+        world.step(1)
+        assert one.LastUpdateTime().Double() == pytest.approx(0.101)
+        assert one.IsActive()
+        del kept
+        world.step(100)
+        assert one.LastUpdateTime().Double() == pytest.approx(0.101)
+        assert not one.IsActive()
+        one.SetActive(True)
+        world.step(1)
+        assert one.LastMeasurementTime().Double() == pytest.approx(0.202)
+
+
+def test_a_paused_world_measures_only_by_force():
+    with world_of(model("m", imu())) as world:
+        world.step(10)
+        world.paused = True
+        count = []
+        kept = get("s").ConnectUpdated(lambda: count.append(1))
+        world.step(10)
+        assert not count
+        laser = get("s")
+        laser.SetUpdateRate(1)
+        laser.Update(True)
+        assert laser.UpdateRate() == 1.0
+        assert kept.connected
+
+
+def test_a_listener_of_the_topic_wakes_a_sensor():
+    from libgz.classic import transport
+
+    scene = model("m", sensor("ray", ray(3, (-0.1, 0.1)), "laser", on=False, rate=10)) + box("b", "1 0 0 0 0 0")
+    with world_of(scene) as world:
+        scans = []
+        node = transport.Node()
+        node.Init("default")
+        laser = get("laser")
+        world.step(10)
+        assert laser.Topic() == "~/m/link/laser/scan"
+        assert not laser.IsActive()
+        kept = node.Subscribe("~/m/link/laser/scan", scans.append)
+        world.step(500)
+        transport.TopicManager.Instance().ProcessNodes()
+        assert laser.IsActive()
+        assert len(scans) == 5
+        scan = scans[0].scan
+        assert scan.count == 3
+        assert scan.ranges[1] == pytest.approx(0.5)
+        assert scan.frame == "m::link"
+        kept.Unsubscribe()
+        world.step(200)
+        assert not laser.IsActive()
+
+
+def test_a_reset_puts_times_and_noise_back_and_sensors_live_on():
+    noise = "<noise><type>gaussian</type><mean>0</mean><stddev>0.1</stddev></noise>"
+    scene = model("m", sensor("ray", ray(20, (-0.1, 0.1), noise=noise), rate=50)) + box("b", "2 0 0 0 0 0")
+    with world_of(scene) as world:
+        laser = get("s")
+        world.step(20)
+        first = laser.Ranges()
+        world.step(480)
+        assert laser.Ranges() != first
+        physics.get_world().Reset()
+        assert laser.LastUpdateTime().Double() == 0.0
+        world.step(20)
+        assert laser.LastUpdateTime().Double() == pytest.approx(0.02)
+        assert laser.Ranges() == first
+
+
+def test_a_clock_that_is_set_back_stops_no_sensor():
+    with world_of(model("m", imu(rate=100))) as world:
+        world.step(500)
+        physics.get_world().SetSimTime(0.1)
+        world.step(20)
+        assert get("s").LastUpdateTime().Double() == pytest.approx(0.12, abs=0.011)
+
+
+def test_a_sensor_of_a_nested_model_goes_with_it():
+    inner = "<model name='inner'><link name='link'>" + imu("deep") + "</link></model>"
+    with world_of(model("outer", collision("<sphere><radius>1</radius></sphere>"), static=True, more=inner)) as world:
+        assert get("deep").ScopedName() == "default::outer::inner::link::deep"
+        assert get("outer::inner::link::deep") is get("deep")
+        world.step(5)
+        assert get("deep").LastUpdateTime().Double() == pytest.approx(0.005)
+        physics.get_world().RemoveModel("outer")
+        assert sensors.get_sensor("deep") is None
+        world.step(5)
+
+
+def test_the_manager_finds_makes_and_removes():
+    with world_of(model("m", imu("same") + imu("own")) + model("n", imu("same"))) as world:
+        manager = sensors.SensorManager.Instance()
+        assert manager.GetSensor("same") is None
+        assert manager.GetSensor("m::link::same") is not manager.GetSensor("default::n::link::same") is not None
+        assert len(manager.GetSensors()) == 3
+        assert manager.SensorsInitialized()
+        element = manager.GetSensor("own").GetSDF().Clone()
+        element.set_attribute("name", "made")
+        assert manager.CreateSensor(element, "default", "n::link") == "default::n::link::made"
+        world.step(1)
+        assert get("made").LastUpdateTime().Double() == pytest.approx(0.001)
+        manager.RemoveSensor("made")
+        assert sensors.get_sensor("made") is None
+        with pytest.raises(NotFoundError, match="Unable to remove sensor"):
+            manager.RemoveSensor("made")
+        with pytest.raises(NotFoundError, match="no link or joint 'x'"):
+            manager.CreateSensor(element, "default", "x")
+        link = physics.get_world().ModelByName("m").GetLink("link")
+        assert link.GetSensorCount() == 2
+        assert link.GetSensorName(0) == "default::m::link::same"
+
+
+PLUGIN = """
+from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin
+
+
+@GZ_REGISTER_SENSOR_PLUGIN
+class Watch(SensorPlugin):
+    def Load(self, sensor, sdf):
+        self.sensor = sensor
+        self.seen = sensor.seen = []
+        self.kept = sensor.ConnectUpdated(self.OnUpdate)
+        if sdf.Get(bool, "fail_in_load"):
+            raise RuntimeError("not today")
+
+    def OnUpdate(self):
+        self.seen.append(self.sensor.LastMeasurementTime().Double())
+        if len(self.seen) == 3:
+            raise RuntimeError("enough")
+"""
+
+
+def test_a_sensor_plugin_that_raises_is_named_and_stopped(tmp_path, monkeypatch, caplog):
+    (tmp_path / "watch.py").write_text(PLUGIN)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    named = "<plugin name='{}' filename='libwatch.so'>{}</plugin>"
+    good = imu("good", more=named.format("watcher", ""))
+    bad = imu("bad", more=named.format("loser", "<fail_in_load>1</fail_in_load>"))
+    missing = imu("missing", more="<plugin name='p' filename='libnowhere.so'/>")
+    with caplog.at_level(logging.ERROR), world_of(model("m", good + bad + missing)) as world:
+        world.step(10)
+        assert len(get("good").seen) == 3
+        assert get("good").LastUpdateTime().Double() == pytest.approx(0.01)
+        assert get("bad").seen == []
+        assert "name[watcher] and filename[libwatch.so]" in caplog.text
+        assert "enough" in caplog.text
+        assert "in the Load function of plugin with name[loser]" in caplog.text
+        assert "not today" in caplog.text
+        assert "Failed to load plugin libnowhere.so" in caplog.text
+        assert get("missing").IsActive()
+
+
+# Noise ---------------------------------------------------------------------------------------------------------------
+
+
+def noise(kind="gaussian", mean=0.0, stddev=0.0, bias=(0.0, 0.0), precision=0.0):
+    return (
+        f"<noise type='{kind}'><mean>{mean}</mean><stddev>{stddev}</stddev><bias_mean>{bias[0]}</bias_mean>"
+        f"<bias_stddev>{bias[1]}</bias_stddev><precision>{precision}</precision></noise>"
+    )
+
+
+def test_noise_has_its_mean_deviation_and_bias():
+    rate = f"<x>{noise(mean=1.0, stddev=0.1)}</x><y>{noise(bias=(2.0, 0.0))}</y>"
+    content = f"<imu><angular_velocity>{rate}</angular_velocity></imu>"
+    with world_of(model("m", sensor("imu", content))) as world:
+        one, got = get("s"), []
+        for _ in range(1000):
+            world.step(1)
+            got.append(tuple(one.AngularVelocity()))
+        x, y, z = zip(*got, strict=True)
+        assert statistics.mean(x) == pytest.approx(1.0, abs=3 * 0.1 / math.sqrt(1000))
+        assert statistics.stdev(x) == pytest.approx(0.1, rel=0.1)
+        assert set(map(abs, y)) == {2.0}
+        assert len(set(y)) == 1
+        assert set(z) == {0.0}
+        assert tuple(one.AngularVelocity(noiseFree=True)) == (0.0, 0.0, 0.0)
+        kind = sensors.SensorNoiseType.IMU_ANGVEL_X_NOISE_RADIANS_PER_S
+        assert one.Noise(kind).GetStdDev() == 0.1
+        one.Noise(kind).SetCustomNoiseCallback(lambda value: value + 7.0)
+        world.step(1)
+        assert one.AngularVelocity().x == 7.0
+        with pytest.raises(NotFoundError, match="has no noise"):
+            one.Noise(sensors.RAY_NOISE)
+
+
+def test_noise_of_sdf_1_4_is_on_all_axes_and_quantized_noise_is_rounded():
+    old = (
+        "<imu><noise><type>gaussian</type><rate><mean>3</mean><stddev>0</stddev></rate>"
+        "<accel><mean>1</mean><stddev>0</stddev></accel></noise></imu>"
+    )
+    with world_of(model("m", sensor("imu", old)), "1.4") as world:
+        world.step(1)
+        assert tuple(get("s").AngularVelocity()) == (3.0, 3.0, 3.0)
+        assert tuple(get("s").LinearAcceleration()) == pytest.approx((1, 1, 10.8))
+    rounded = noise("gaussian_quantized", 0.26, precision=0.5)
+    content = f"<altimeter><vertical_position>{rounded}</vertical_position></altimeter>"
+    with world_of(model("m", sensor("altimeter", content))) as world:
+        world.step(1)
+        assert get("s").Altitude() == 0.5
+
+
+def test_two_runs_with_one_seed_are_equal_and_sensors_have_noise_of_their_own():
+    content = ray(50, (-0.5, 0.5), (0.1, 10), noise="<noise><type>gaussian</type><stddev>0.1</stddev></noise>")
+    scene = model("m", sensor("ray", content, "a") + sensor("ray", content, "b")) + box("b", "3 0 0 0 0 0", "1 9 9")
+
+    def run(seed):
+        text = f"<sdf version='1.6'><world name='default'>{scene}</world></sdf>"
+        with libgz.World.from_string(text, seed=seed) as world:
+            world.step(5)
+            return get("a").Ranges(), get("b").Ranges()
+
+    first, again, other = run(1), run(1), run(2)
+    assert first == again
+    assert first != other
+    assert first[0] != first[1]
+    angles = np.linspace(-0.5, 0.5, 50)
+    assert np.std(np.array(first[0]) - 2.5 / np.cos(angles)) == pytest.approx(0.1, rel=0.35)
+
+
+# Other kinds ---------------------------------------------------------------------------------------------------------
+
+
+def test_readings_beyond_the_range_are_plus_and_below_it_minus_infinity():
+    laser = sensor("ray", ray(1, reach=(0.5, 3)), pose="0.2 0 0 0 0 0")
+    with world_of(model("m", laser) + box("b", "1.2 0 0 0 0 0", "1 1 1", True)) as world:
+        world.step(1)
+        assert get("s").Range(0) == -math.inf  # the box begins at 0.5 m
+        physics.get_world().ModelByName("b").SetWorldPose(Pose3d(4.5, 0, 0, 0, 0, 0))
+        world.step(1)
+        assert get("s").Range(0) == math.inf
+        assert get("s").LaserShape().GetRange(0) == 3.0
+        physics.get_world().ModelByName("b").SetWorldPose(Pose3d(2.7, 0, 0, 0, 0, 0))
+        world.step(1)
+        assert get("s").Range(0) == pytest.approx(2.0)
+
+
+def test_a_laser_tells_how_much_comes_back_and_plugins_can_shape_its_scans():
+    bright = box("b", "1 0 0 0 0 0").replace("<geometry>", "<laser_retro>2000</laser_retro><geometry>")
+    with world_of(model("m", sensor("gpu_ray", ray(2, (0, 1.5), (0, 5)))) + bright) as world:
+        one, frames, scans = get("s"), [], []
+        kept = [
+            one.ConnectNewLaserFrame(lambda *values: frames.append(values)),
+            one.LaserShape().ConnectNewLaserScans(lambda: scans.append(1)),
+        ]
+        world.step(1)
+        assert (one.Retro(0), one.Retro(1)) == (2000.0, 0.0)
+        assert one.Fiducial(0) == -1
+        data, width, height, depth, layout = frames[0]
+        assert (width, height, depth, layout) == (2, 1, 3, "FLOAT32_RGB")
+        assert data[0] == pytest.approx(0.5)
+        assert data[1] == 2000.0
+        assert len(scans) == 1
+        assert len(kept) == 2
+        assert one.HorzFOV() == pytest.approx(1.5)
+
+
+def test_an_altimeter_and_a_magnetometer():
+    both = sensor("altimeter", "<altimeter/>", "alt") + sensor("magnetometer", "<magnetometer/>", "mag")
+    with world_of(model("m", both, f"0 0 2 0 0 {math.pi / 2}", False), gravity="0 0 0") as world:
+        physics.get_world().ModelByName("m").SetLinearVel(Vector3d(0, 0, 0.5))
+        world.step(1000)
+        altimeter = get("alt")
+        assert altimeter.Altitude() == pytest.approx(0.5, abs=1e-6)
+        assert altimeter.VerticalVelocity() == pytest.approx(0.5, abs=1e-6)
+        assert altimeter.ReferenceAltitude() == 2.0
+        assert altimeter.Topic() == "~/m/link/alt"
+        field = physics.get_world().MagneticField()
+        assert tuple(get("mag").MagneticField()) == pytest.approx((field.y, -field.x, field.z), abs=1e-12)
+
+
+def test_orientations_are_told_in_the_frame_that_the_file_names():
+    def framed(name, more=""):
+        frame = f"<orientation_reference_frame><localization>{name}</localization>{more}</orientation_reference_frame>"
+        return sensor("imu", f"<imu>{frame}</imu>", name)
+
+    custom = framed("CUSTOM", "<custom_rpy>0 0 0.5</custom_rpy>")
+    link = framed("ENU") + framed("NED") + framed("NWU") + framed("GRAV_UP") + custom + imu("own")
+    with world_of(model("m", link, "0 0 0 0 0 0.5")) as world:
+        world.step(1)
+        expected = {
+            "ENU": Quaterniond(0, 0, 0.5),
+            "GRAV_UP": Quaterniond(0, 0, 0.5),
+            "NWU": Quaterniond(0, 0, 0.5 - math.pi / 2),
+            "NED": Quaterniond(math.pi, 0, math.pi / 2).Inverse() * Quaterniond(0, 0, 0.5),
+            "CUSTOM": Quaterniond(0, 0, 0),
+            "own": Quaterniond(0, 0, 0),
+        }
+        for name, orientation in expected.items():
+            assert abs(get(name).Orientation().Dot(orientation)) == pytest.approx(1.0, abs=1e-9), name
+        get("own").SetWorldToReferenceOrientation(Quaterniond(0, 0, 0.2))
+        world.step(1)
+        assert get("own").Orientation().Yaw() == pytest.approx(0.3)
+
+
+def test_a_logical_camera_names_what_is_in_sight():
+    camera = (
+        "<logical_camera><near>0.5</near><far>5</far><aspect_ratio>2</aspect_ratio>"
+        "<horizontal_fov>1.5707963</horizontal_fov></logical_camera>"
+    )
+    scene = model("eye", sensor("logical_camera", camera, pose="0 0 1 0 0 0")) + GROUND
+    scene += box("ahead", "3 0 1 0 0 0") + box("edge", "3 3.4 1 0 0 0") + box("aside", "3 3.6 1 0 0 0", "1 0.2 1")
+    scene += box("above", "3 0 3.5 0 0 0") + box("far", "5.4 0 1 0 0 0") + box("farther", "5.6 0 1 0 0 0")
+    scene += box("near", "0.3 0 1 0 0 0", "0.2 0.2 0.2") + box("behind", "-3 0 1 0 0 0")
+    with world_of(scene) as world:
+        world.step(1)
+        seen = {one.name: one.pose.position for one in get("s").Image().model}
+        assert set(seen) == {"ahead", "edge", "far", "ground"}
+        assert (seen["ahead"].x, seen["ahead"].y, seen["ahead"].z) == (3.0, 0.0, 0.0)
+        assert get("s").Topic() == "~/eye/link/s/models"
+        assert (get("s").Near(), get("s").Far(), get("s").AspectRatio()) == (0.5, 5.0, 2.0)
+
+
+def test_sensors_describe_themselves():
+    from libgz.classic import msgs
+
+    with world_of(model("m", imu(rate=20, pose="0 0 1 0 0 0"))):
+        msg = msgs.Sensor()
+        get("s").FillMsg(msg)
+        assert (msg.name, msg.type, msg.parent, msg.update_rate, msg.pose.position.z) == ("s", "imu", "m::link", 20, 1)
+        assert get("s").GetTopic() == "~/m/link/s/imu"
+
+
+def test_rays_of_one_s_own():
+    with world_of(box("b", "0 0 2 0 0 0")) as world:
+        world.step(1)
+        ray_shape = physics.get_world().Physics().CreateShape("ray", None)
+        ray_shape.SetPoints(Vector3d(0, 0, 0), Vector3d(0, 0, 10))
+        assert ray_shape.GetIntersection() == (pytest.approx(1.5), "b::link::collision")
+        assert ray_shape.GetLength() == pytest.approx(1.5)
+        ray_shape.SetPoints(Vector3d(5, 0, 0), Vector3d(5, 0, 10))
+        assert ray_shape.GetIntersection() == (1000.0, "")
+
+
+# Wrong values --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be at least 1"),
+        (sensor("ray", ray(5, reach=(3, 2))), "<max>: is 2 m; it must be beyond <min>, 3 m"),
+        (sensor("ray", ray(5, (1, -1))), "<max_angle>: is -1 rad; it must be at least <min_angle>, 1 rad"),
+        (sensor("ray", ray(5, resolution=0.1)), "samples times resolution must be at least 1"),
+        (sensor("rai", ""), "type is 'rai'; allowed are altimeter, .*did you mean 'ray'"),
+        (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
+        (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
+        (sensor("force_torque", ""), "must be a joint"),
+        (imu() + imu(), "there is a 'default::m::link::s' already"),
+        (
+            sensor("altimeter", f"<altimeter><vertical_position>{noise('pink')}</vertical_position></altimeter>"),
+            "'pink'",
+        ),
+        (
+            sensor("imu", f"<imu><angular_velocity><x>{noise(stddev=-1)}</x></angular_velocity></imu>"),
+            "<stddev>: is -1; it must be at least 0",
+        ),
+    ],
+)
+def test_wrong_values_are_told_with_file_and_line(text, message):
+    with pytest.raises(WorldFileError, match=message):
+        world_of("\n" + model("m", text))
+
+
+def test_a_wrong_sensor_of_a_model_that_joins_later_is_told_and_left_out(caplog):
+    with world_of(model("m", imu())) as world:
+        wrong = model("n", sensor("ray", ray(0), "bad") + imu("fine"))
+        with caplog.at_level(logging.ERROR):
+            physics.get_world().InsertModelString(f"<sdf version='1.6'>{wrong}</sdf>")
+        assert "<samples>: is 0" in caplog.text
+        world.step(1)
+        assert sensors.get_sensor("bad") is None
+        assert get("fine").IsActive()
+
+
+def test_sensors_that_are_not_simulated_are_left_out_with_a_word(caplog):
+    with world_of(model("m", sensor("rfid", "") + imu())):
+        assert "type 'rfid' is not simulated" in caplog.text
+        assert len(sensors.SensorManager.Instance().GetSensors()) == 1

@@ -1,0 +1,109 @@
+"""The commands for running SDF worlds, against a real gzserver: libgz model, joint, stats."""
+
+import os
+import re
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+
+WORLD = """
+<sdf version='1.6'><world name='w'>
+  <model name='box'><pose>1 2 3 0 0 0</pose><static>1</static>
+    <link name='link'><collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link>
+  </model>
+  <model name='arm'>
+    <link name='base'><pose>0 0 1 0 0 0</pose></link>
+    <link name='rod'><pose>0 0 1 0 0 0</pose><gravity>0</gravity></link>
+    <joint name='fix' type='fixed'><parent>world</parent><child>base</child></joint>
+    <joint name='hinge' type='revolute'><parent>base</parent><child>rod</child>
+      <axis><xyz>0 0 1</xyz><dynamics><damping>1</damping></dynamics></axis></joint>
+  </model>
+</world></sdf>
+"""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """The environment of a server that runs, and of its clients."""
+    folder = tmp_path_factory.mktemp("server")
+    (folder / "w.world").write_text(WORLD)
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
+    env = {**kept, "HOME": str(folder), "GAZEBO_MASTER_URI": f"http://localhost:{port}"}
+    command = [sys.executable, "-m", "libgz.apps.gzserver", "--verbose", str(folder / "w.world")]
+    with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
+        while "Publicized" not in server.stdout.readline():
+            assert server.poll() is None
+        yield env
+        server.terminate()
+        assert server.wait(20) == 0
+
+
+@pytest.fixture
+def libgz(place):
+    def run(*words, code=0):
+        command = [sys.executable, "-m", "libgz.apps.libgz", *words]
+        done = subprocess.run(command, env=place, capture_output=True, text=True, timeout=60)
+        assert done.returncode == code, done.stderr
+        return done.stderr if code else done.stdout
+
+    return run
+
+
+def eventually(condition):
+    end = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.1)
+
+
+def pose(libgz, name):
+    return [float(word) for word in libgz("model", "-m", name, "-p").split()]
+
+
+def test_a_model_is_shown_and_moved(libgz):
+    assert pose(libgz, "box") == pytest.approx([1, 2, 3, 0, 0, 0])
+    assert 'name: "box"' in libgz("model", "-m", "box", "-i")
+    libgz("model", "-m", "box", "-x", "4", "-Y", "0.5")
+    eventually(lambda: pose(libgz, "box") == pytest.approx([4, 2, 3, 0, 0, 0.5]))
+
+
+def test_models_come_and_go(libgz, tmp_path):
+    file = tmp_path / "new.sdf"
+    file.write_text("<sdf version='1.6'><model name='x'><static>1</static><link name='l'/></model></sdf>")
+    libgz("model", "-f", str(file), "-m", "guest", "-z", "2")
+    eventually(lambda: "guest" in libgz("topic", "-r", "entity_list"))
+    assert pose(libgz, "guest")[2] == pytest.approx(2.0)
+    libgz("model", "-m", "guest", "-d")
+    assert "there is no 'guest'; there are box, arm" in libgz("model", "-m", "guest", "-p", code=1)
+
+
+def test_a_joint_is_steered(libgz):
+    assert libgz("joint", "-m", "arm", "-i").split() == ["fix", "hinge", "0.000000"]
+    libgz("joint", "-m", "arm", "-j", "hinge", "--pos-t", "0.7", "--pos-p", "20", "--pos-d", "10")
+
+    def arrived():
+        return abs(float(libgz("joint", "-m", "arm", "-j", "hinge", "-i").split()[1]) - 0.7) < 0.05
+
+    eventually(arrived)
+    assert "has no joint 'hing'; it has fix, hinge; did you mean 'hinge'?" in libgz(
+        "joint", "-m", "arm", "-j", "hing", "-f", "1", code=1
+    )
+
+
+def test_statistics_are_printed(libgz):
+    lines = libgz("stats", "-d", "2").splitlines()
+    assert len(lines) >= 2
+    for line in lines:
+        assert re.fullmatch(r"Factor\[\d+\.\d\d\] SimTime\[[\d.]+\] RealTime\[[\d.]+\] Paused\[F\]", line)
+
+
+def test_what_is_missing_is_told(libgz):
+    assert "which model?" in libgz("model", "-i", code=1)
+    assert "what is to be done?" in libgz("model", "-m", "box", code=1)
+    assert "what is to be done?" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)

@@ -597,3 +597,16 @@ def test_both_forms_of_the_step_run_sdf_worlds_to_the_bit(load, monkeypatch):
         ends.append((kept, made.engine.states.tobytes()))
         assert max(map(abs, kept)) > math.pi
     assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+@pytest.mark.parametrize("parent", ["world", "a"])
+def test_two_axes_at_any_angle_but_none(load, kind, parent):
+    for first, second in (("0 1 0", "0 0 1"), ("0 1 0", "1 0 0"), ("1 0 0", "0 1 0"), ("0 0 1", "0 1 1")):
+        crossed = joint("j", kind, parent, "b", first, f"<axis2><xyz>{second}</xyz></axis2>")
+        made = load(world(two_links(crossed)))
+        made.body("m", "b").SetAngularVel((1, 2, 3))
+        made.step(50)
+        assert made.model("m").failed is None
+    with pytest.raises(WorldFileError, match="must not be parallel"):
+        load(world(two_links(joint("j", kind, parent, "b", "0 0 1", "<axis2><xyz>0 0 -2</xyz></axis2>"))))

@@ -98,10 +98,9 @@ class SdfJoint(JointLimits):
             raise ParameterError(f"joint {self.name!r}: the axes of a {self.kind} joint must not be parallel")
         if self.kind == "screw":
             del self.axes[1:]
-        if self.kind == "screw" and (self.plan.pitch == 0.0 or not math.isfinite(self.plan.pitch)):
-            raise ParameterError(f"joint {self.name!r}: thread_pitch is {self.plan.pitch}; it must not be zero")
-        if self.kind == "gearbox" and (self.plan.ratio == 0.0 or not math.isfinite(self.plan.ratio)):
-            raise ParameterError(f"joint {self.name!r}: gearbox_ratio is {self.plan.ratio}; it must not be zero")
+            self.check_coupling("thread_pitch", self.plan.pitch)
+        if self.kind == "gearbox":
+            self.check_coupling("gearbox_ratio", self.plan.ratio)
 
     # Bodies ------------------------------------------------------------------------------------------------------
 

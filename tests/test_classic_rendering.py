@@ -685,6 +685,22 @@ def test_a_plugin_of_another_kind_is_refused_in_classic_s_words(world_of, plugin
     )
 
 
+def test_a_server_with_a_camera_loads_them_and_draws_at_its_rate(world_of, plugin, capsys):
+    plugin("blinker", BLINKER)
+    sensor = (
+        "<sensor name='cam' type='camera'><always_on>1</always_on><update_rate>10</update_rate><camera>"
+        "<image><width>64</width><height>48</height></image></camera></sensor>"
+    )
+    world = world_of(model(inside=with_plugin()), model("eye", sensor, pose="0 0 0 0 0 0"))
+    seen = []
+    camera = world.server.sensors and rendering.get_scene().GetCamera(0)
+    kept = camera.ConnectNewImageFrame(lambda: seen.append(middle(camera.pixels)))
+    assert capsys.readouterr().out == "Load m::link::v red\nInit\n"
+    world.Step(450)
+    assert seen == [(255, 0, 0), BEHIND] * 2
+    assert kept.connected
+
+
 def test_a_world_without_cameras_draws_nothing(world_of, plugin, caplog, capsys):
     plugin("blinker", BLINKER)
     with caplog.at_level(logging.WARNING):

@@ -18,13 +18,26 @@ from libgz.classic.common import LogFormatter, gzlog
 from libgz.classic.loading import new_plugin
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach, system_plugins
-from libgz.classic.transport import publicized_address, serve
+from libgz.classic.transport import Link, publicized_address, serve
 from libgz.errors import GazeboError, NotFoundError
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
 
-__all__ = ["BANNER", "main", "system_options"]
+__all__ = [
+    "BANNER",
+    "FAILED",
+    "Help",
+    "Parser",
+    "Version",
+    "call_system_plugins",
+    "construct_system_plugins",
+    "drop_system_plugins",
+    "main",
+    "open_log",
+    "system_options",
+    "tell_link",
+]
 
 log = logging.getLogger("libgz.classic")
 
@@ -51,20 +64,26 @@ FLAGS = ("--lockstep", "--record", "--record_resources", "--minimal_comms")
 SHORT = {"--play": "-p", "--record": "-r", "--gui-plugin": "-g"}
 
 
-class _Parser(argparse.ArgumentParser):
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in classic's words, too."""
+
     def error(self, message: str) -> NoReturn:
         """Say that the arguments are wrong, in classic's words and in ours, and end with 255."""
         self.exit(FAILED, f"Error. Invalid arguments\n{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
 
 
-class _Help(argparse.Action):
+class Help(argparse.Action):
+    """-h, --help."""
+
     def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
         """Print the options on stderr, and end with 255."""
         parser.print_help(sys.stderr)
         parser.exit(FAILED)
 
 
-class _Version(argparse.Action):
+class Version(argparse.Action):
+    """-v, --version."""
+
     def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
         """Print the banner on stdout, and end with 255."""
         sys.stdout.write(BANNER + "\n")
@@ -83,12 +102,12 @@ _count.__name__ = "number"
 
 def make_parser() -> argparse.ArgumentParser:
     """The options of Gazebo 11's gzserver."""
-    parser = _Parser(prog="gzserver", description="gzserver -- Run the Gazebo server.", add_help=False)
+    parser = Parser(prog="gzserver", description="gzserver -- Run the Gazebo server.", add_help=False)
     add = parser.add_argument
     add("world", nargs="?", default="worlds/empty.world", help="world to run (default worlds/empty.world)")
-    add("-v", "--version", action=_Version, nargs=0, help="print the version and end")
+    add("-v", "--version", action=Version, nargs=0, help="print the version and end")
     add("--verbose", action="store_true", help="show all messages; errors and warnings are always shown")
-    add("-h", "--help", action=_Help, nargs=0, help="print this and end")
+    add("-h", "--help", action=Help, nargs=0, help="print this and end")
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; there is ode")
     add("-o", "--profile", help="name of the <physics> element to use")
@@ -116,6 +135,33 @@ def system_options(parser: argparse.ArgumentParser, words: Sequence[str]) -> arg
     return options
 
 
+def construct_system_plugins(filenames: Sequence[str]) -> None:
+    """Find System plugins, and construct them."""
+    for filename in filter(None, filenames):
+        plugin = new_plugin("System", filename, filename, "System", None)
+        if plugin is not None:
+            system_plugins.append(plugin)
+
+
+def call_system_plugins(function: str, *values: object) -> None:
+    """Call a function of all System plugins."""
+    for plugin in system_plugins:
+        plugin.call(function, *values)
+
+
+def drop_system_plugins() -> None:
+    """Let all System plugins go."""
+    for plugin in system_plugins:
+        plugin.drop()
+    system_plugins.clear()
+
+
+def tell_link(link: Link) -> None:
+    """Say where the master is, in classic's words."""
+    log.info("Connected to gazebo master @ %s", link.address.uri)
+    log.info("Publicized address: %s", publicized_address())
+
+
 class Server:
     """A run of gzserver."""
 
@@ -123,39 +169,23 @@ class Server:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
 
-    def load_system_plugins(self, filenames: Sequence[str], stage: str) -> None:
-        """Construct System plugins; later Load them, then Init them."""
-        if stage == "construct":
-            for filename in filter(None, filenames):
-                plugin = new_plugin("System", filename, filename, "System", None)
-                if plugin is not None:
-                    system_plugins.append(plugin)
-        for plugin in system_plugins:
-            if stage == "Load":
-                plugin.call("Load", len(self.words), self.words)
-            elif stage == "Init":
-                plugin.call("Init")
-
     def run(self) -> int:
         """Everything, in classic's order; the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._interrupted)
-        self.load_system_plugins(self.options.server_plugin, "construct")
+        construct_system_plugins(self.options.server_plugin)
         try:
             with serve() as link:
-                _open_log(link.address.port)
-                self.load_system_plugins((), "Load")
+                open_log("server", link.address.port)
+                call_system_plugins("Load", len(self.words), self.words)
                 log.info("Waiting for master.")
-                log.info("Connected to gazebo master @ %s", link.address.uri)
-                log.info("Publicized address: %s", publicized_address())
-                self.load_system_plugins((), "Init")
+                tell_link(link)
+                call_system_plugins("Init")
                 with self._open_world() as core:
                     self._loop(core)
             return 0
         finally:
-            for plugin in system_plugins:
-                plugin.drop()
-            system_plugins.clear()
+            drop_system_plugins()
 
     def _interrupted(self, _number: int, _frame: object) -> None:
         self._stopped = True
@@ -210,9 +240,9 @@ class Server:
         return self._stopped or (server is not None and server.stopped) or (limit is not None and done >= limit)
 
 
-def _open_log(port: int) -> None:
-    """Write all messages to ``server-<port>/default.log`` in GAZEBO_LOG_PATH or ~/.gazebo, too."""
-    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"server-{port}"
+def open_log(kind: str, port: int) -> None:
+    """Write all messages to ``<kind>-<port>/default.log`` in GAZEBO_LOG_PATH or ~/.gazebo, too."""
+    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"{kind}-{port}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handler = logging.FileHandler(folder / "default.log", mode="w")

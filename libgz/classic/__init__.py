@@ -16,7 +16,7 @@ _KINDS = ("GUI", "Model", "Sensor", "System", "Visual", "World")
 _PLUGIN = [name for kind in _KINDS for name in (f"{kind}Plugin", f"GZ_REGISTER_{kind.upper()}_PLUGIN")]
 _CONSOLE = ("gzdbg", "gzerr", "gzlog", "gzmsg", "gzwarn")
 
-__all__ = [*_MODULES, *_PLUGIN, *_CONSOLE, "sdf"]
+__all__ = [*_MODULES, *_PLUGIN, *_CONSOLE]
 
 
 def __getattr__(name: str) -> Any:

@@ -51,16 +51,20 @@ class WorldServer:
     """Loads what a world names, in classic's order, and goes along with it.
 
     Everything of a world happens in one thread and in one order, so that the same world runs the same each time.
+
+    Args:
+        core: the engine's world.
+        quiet: without topics, for a client's copy of a world.
     """
 
-    def __init__(self, core: CoreWorld) -> None:
+    def __init__(self, core: CoreWorld, quiet: bool = False) -> None:
         self.core = core
         root = core.sdf.root if core.sdf is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = World(core, self)
         self.world_plugins: dict[str, LoadedPlugin] = {}
         self.sensors: WorldSensors | None = None
-        self.topics = WorldTopics(self)
+        self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
         self._to_step, self._stepping = 0, False
@@ -94,8 +98,9 @@ class WorldServer:
             added, self._new = self._new, []
             self._add_sensors(added)
             self._load_model_plugins(added)
-            for model in self._models(added):
-                self.topics.model_added(model)
+            if self.topics is not None:
+                for model in self._models(added):
+                    self.topics.model_added(model)
 
     def _add_sensors(self, added: list[CoreModel]) -> None:
         for core in added:
@@ -220,7 +225,8 @@ class WorldServer:
             self.finish_added()
         if self.sensors is not None:
             self.sensors.update()
-        self.topics.update()
+        if self.topics is not None:
+            self.topics.update()
         if self._to_step and not self._stepping:
             steps, self._to_step = self._to_step, 0
             self._stepping = True

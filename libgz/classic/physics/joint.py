@@ -79,7 +79,10 @@ class Joint(Base):
         return self.core.force(index)
 
     def GetForceTorque(self, index: int = 0) -> JointWrench:
-        """What the joint did to the links in the last step: 1 the parent, 2 the child, in the links' axes."""
+        """What the links did to the joint in the last step: 1 the parent, 2 the child, in the links' axes.
+
+        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo.
+        """
         return self._wrench()
 
     def SetProvideFeedback(self, enable: bool) -> None:
@@ -91,7 +94,7 @@ class Joint(Base):
         force1, torque1, force2, torque2 = self.core.wrench
         for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
-            values += [Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
+            values += [-Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
         return JointWrench(*values)
 
     def LinkForce(self, index: int) -> Vector3d:

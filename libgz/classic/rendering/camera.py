@@ -188,6 +188,11 @@ class Camera:
                 self.ImageData(), self.ImageWidth(), self.ImageHeight(), self.ImageDepth(), self.ImageFormat()
             )
 
+    @property
+    def wanted(self) -> bool:
+        """Whether anybody waits for its pictures."""
+        return self._capture and (self._saving or bool(self._new_frame))
+
     def ConnectNewImageFrame(self, callback: Callable[..., object]) -> Connection:
         """Call ``callback(data, width, height, depth, format)`` with each picture, as long as the result is kept."""
         return self._new_frame.Connect(callback)
@@ -313,10 +318,6 @@ class Camera:
     def SetSaveFramePathname(self, pathname: str) -> None:
         """The folder for the pictures; it is made when it is needed."""
         self._folder, self._saved = Path(pathname), 0
-
-    def ResetImageCounter(self) -> None:
-        """Number the files from 0 again."""
-        self._saved = 0
 
     def _save_next(self) -> None:
         self._saving = self.SaveFrame(str(self._folder / f"{self._name.replace('::', '_')}-{self._saved:04d}.jpg"))

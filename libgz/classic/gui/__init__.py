@@ -1,0 +1,51 @@
+"""Gazebo classic's `gui` names: what GUI plugins get in the client, which has no window of its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.gui.events import Events
+from libgz.classic.gui.window import GUI, MainWindow
+
+if TYPE_CHECKING:
+    from libgz.classic.rendering.user_camera import UserCamera
+
+__all__ = [
+    "GUI",
+    "Events",
+    "MainWindow",
+    "get_active_camera",
+    "get_main_window",
+    "get_world",
+    "set_active_camera",
+    "set_main_window",
+]
+
+_window: MainWindow | None = None
+
+
+def get_main_window() -> MainWindow | None:
+    """The client's main window; None where there is no client."""
+    return _window
+
+
+def set_main_window(window: MainWindow | None) -> None:
+    """Make this the main window: the client does it."""
+    global _window
+    _window = window
+
+
+def get_active_camera() -> UserCamera | None:
+    """The camera through which the user looks; None where there is no client."""
+    return _window.camera if _window is not None else None
+
+
+def set_active_camera(camera: UserCamera) -> None:
+    """Let the user look through another camera."""
+    if _window is not None:
+        _window.camera = camera
+
+
+def get_world() -> str:
+    """The name of the world that is shown; empty where there is no client."""
+    return _window.scene.Name() if _window is not None else ""

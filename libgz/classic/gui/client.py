@@ -1,0 +1,145 @@
+"""Client: shows a server's world to GUI and Visual plugins, and takes pictures of it."""
+
+from __future__ import annotations
+
+import configparser
+import logging
+import os
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+
+from libgz.classic.gui import Events, MainWindow, set_main_window
+from libgz.classic.gui.scene_link import SceneLink
+from libgz.classic.loading import LoadedPlugin, new_plugin
+from libgz.classic.rendering.camera import draw_frame
+from libgz.classic.rendering.scene import scene_of
+from libgz.classic.rendering.user_camera import UserCamera
+from libgz.geometry import GzPose
+from libgz.sdf.element import Element
+
+__all__ = ["Client", "ini_plugins"]
+
+log = logging.getLogger("libgz.classic")
+
+SIZE = (800, 600)  # [px]
+NEAR, FAR = 0.1, 1000.0  # [m]
+
+
+def ini_plugins() -> list[str]:
+    """The plugins that GAZEBO_GUI_INI_FILE, or ~/.gazebo/gui.ini, names: ``[overlay_plugins] filenames=a.so:b.so``."""
+    path = Path(os.environ.get("GAZEBO_GUI_INI_FILE") or "~/.gazebo/gui.ini").expanduser()
+    parser = configparser.ConfigParser(interpolation=None, strict=False)
+    try:
+        parser.read(path, encoding="utf-8")
+    except (configparser.Error, UnicodeDecodeError) as fault:
+        log.warning("%s cannot be read: %s", path, fault)
+        return []
+    names = parser.get("overlay_plugins", "filenames", fallback="")
+    return [name.strip() for name in names.split(":") if name.strip()]
+
+
+class Client:
+    """A client without a window: its main window is an object, its user camera draws into memory.
+
+    Args:
+        size: of what the user camera sees [px].
+        pose: of the user camera [m]; else the world's `<gui>` says it, or Gazebo's default holds.
+        filenames: GUI plugins of the command line.
+
+    Raises:
+        ServerError: no world answers.
+        LibraryError: OpenGL does not work here.
+    """
+
+    def __init__(self, size: tuple[int, int] = SIZE, pose: GzPose | None = None, filenames: Sequence[str] = ()) -> None:
+        self.plugins: list[LoadedPlugin] = []
+        self.link = SceneLink()
+        self.world = self.link.world
+        try:
+            camera = UserCamera(self.world, "user_camera", *size, near=NEAR, far=FAR)
+            self.window = MainWindow(scene_of(self.world), camera)
+            set_main_window(self.window)
+            self._aim(camera, pose)
+            for filename, name, element in self._named(filenames):
+                self._load(filename, name, element)
+            self.world.server.serve_visuals().add()
+            Events.mainWindowReady()
+        except BaseException:
+            self.close()
+            raise
+
+    def _gui(self) -> Element | None:
+        element = self.world.SDF()
+        return next(element.named("gui"), None) if element is not None else None
+
+    def _aim(self, camera: UserCamera, pose: GzPose | None) -> None:
+        """Place the user camera."""
+        gui = self._gui()
+        element = next(gui.named("camera"), None) if gui is not None else None
+        if pose is None and element is not None and element.HasElement("pose"):
+            pose = element.Get(GzPose, "pose")
+        if pose is not None:
+            camera.SetDefaultPose(pose)
+        if element is not None:
+            camera.SetViewController(element.Get(str, "view_controller"))
+            name = element.child("track_visual").Get(str, "name") if element.HasElement("track_visual") else ""
+            if name not in ("", "__default__"):
+                camera.TrackVisual(name)
+
+    # Plugins -----------------------------------------------------------------------------------------------------
+
+    def _named(self, filenames: Sequence[str]) -> Iterator[tuple[str, str, Element]]:
+        """(filename, name, element) of all GUI plugins: gui.ini, command line, world."""
+        for filename in (*ini_plugins(), *filenames):
+            yield filename, filename, Element("plugin")
+        gui = self._gui()
+        for element in gui.named("plugin") if gui is not None else ():
+            yield element.Get(str, "filename"), element.Get(str, "name"), element
+
+    def _load(self, filename: str, name: str, element: Element) -> None:
+        loaded = new_plugin("GUI", filename, name, "System", self.world.core.events)
+        if loaded is None or loaded.plugin is None:
+            log.error("Unable to create gui overlay plugin with filename[%s]", filename)
+            return
+        loaded.plugin.gui = self.window.AddPlace(name)  # type: ignore[attr-defined]
+        if loaded.start(element):
+            self.plugins.append(loaded)
+
+    # Frames ------------------------------------------------------------------------------------------------------
+
+    def frame(self, picture: bool = False) -> None:
+        """Take in the server's news, and draw: only if a picture is asked for or somebody waits for one."""
+        self.link.update()
+        camera = self.window.camera
+        camera.Update()
+        draw_frame(self.world, [camera] if picture or camera.wanted else [])
+
+    def run(self, rate: float) -> Iterator[None]:
+        """Frames at a rate of wall-clock time [Hz], until the window is closed: one each time that it is asked."""
+        due = time.monotonic()
+        while self.window.open:
+            self.frame()
+            yield
+            due = max(due + 1.0 / rate, time.monotonic())
+            time.sleep(max(due - time.monotonic(), 0.0))
+
+    def close(self) -> None:
+        """End it. Can be called twice."""
+        for plugin in self.plugins:
+            plugin.drop()
+        self.plugins.clear()
+        window: MainWindow | None = getattr(self, "window", None)
+        if window is not None:
+            window.camera.close()
+        set_main_window(None)
+        self.link.close()
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()

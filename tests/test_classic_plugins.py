@@ -327,3 +327,30 @@ def test_a_topic_callback_that_raises_stops_its_plugin(plugin, run, caplog):
     assert caplog.text.count(words) == 1
     assert "RuntimeError: hi" in caplog.text
     assert world.events["WorldUpdateBegin"].ConnectionCount() == 0
+
+
+def test_batteries_follow_their_rule_and_are_reset(run):
+    inside = "<model name='m'><link name='l'><battery name='cell'><voltage>12</voltage></battery></link></model>"
+    world = run(inside)
+    view = physics.get_world()
+    cell = view.ModelByName("m").GetLink("l").Battery("cell")
+    load = cell.AddConsumer()
+    cell.SetPowerLoad(load, 24.0)
+    cell.SetUpdateFunc(lambda b: b.Voltage() - 0.001 * sum(b.PowerLoads().values()))
+    world.step(10)
+    assert cell.Voltage() == pytest.approx(12.0 - 10 * 0.024)
+    view.Reset()
+    assert cell.Voltage() == 12.0
+
+
+def test_a_model_can_be_held_where_it_is(run):
+    world = run(BOX.format(name="box", pose="0 0 5 0 0 0", inside=""))
+    box = physics.get_world().ModelByName("box")
+    world.step(50)
+    box.SetStatic(True)
+    held = box.WorldPose().Pos().Z()
+    world.step(50)
+    assert box.WorldPose().Pos().Z() == pytest.approx(held, abs=1e-12)
+    box.SetStatic(False)
+    world.step(50)
+    assert box.WorldPose().Pos().Z() < held - 0.001

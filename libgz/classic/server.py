@@ -189,11 +189,13 @@ class WorldServer:
     def model_added(self, model: CoreModel) -> None:
         """A model was built; its sensors and plugins come when all that come with it are there."""
         self._new.append(model)
+        self.world.changed()
         self.core.events["AddEntity"](model.GetId())
 
     def model_removed(self, model: CoreModel) -> None:
         """Let its plugins, sensors and controllers go."""
         self._new = [new for new in self._new if new is not model]
+        self.world.changed()
         self.core.events["DeleteEntity"](model.GetId())
         if isinstance(model, SdfLight | WorldJoints):
             return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from libgz.classic.common.animation import Animation, NumericAnimation, PoseAnimation
+from libgz.classic.common.battery import Battery
 from libgz.classic.common.console import (
     Console,
     ConsoleFormatter,
@@ -28,6 +29,7 @@ from libgz.classic.math.pid import PID
 __all__ = [
     "PID",
     "Animation",
+    "Battery",
     "Color",
     "Console",
     "ConsoleFormatter",

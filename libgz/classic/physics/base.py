@@ -190,6 +190,9 @@ class Entity(Base):
         """Whether it never moves by itself."""
         return False
 
+    def SetStatic(self, static: bool) -> None:
+        """Hold it where it is, or let it go; what never moves by itself stays as it is."""
+
     # Velocity ----------------------------------------------------------------------------------------------------
 
     def WorldLinearVel(self) -> Vector3d:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from libgz.classic.common import Battery
 from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
@@ -281,6 +283,28 @@ class Link(Entity):
         """How much its collisions reflect of a laser."""
         for collision in self.GetCollisions():
             collision.SetLaserRetro(retro)
+
+    def SetStatic(self, static: bool) -> None:
+        """Hold it where it is, or let it go."""
+        self.SetLinkStatic(static)
+
+    # Batteries ---------------------------------------------------------------------------------------------------
+
+    @functools.cached_property
+    def batteries(self) -> list[Battery]:
+        """Those that its file names."""
+        elements = self._sdf.named("battery") if self._sdf is not None else ()
+        return [Battery(e.Get(str, "name"), e.Get(float, "voltage")) for e in elements]
+
+    def Battery(self, which: str | int) -> Battery | None:
+        """A battery by name or number; None if there is none."""
+        if isinstance(which, int):
+            return self.batteries[which] if 0 <= which < len(self.batteries) else None
+        return next((battery for battery in self.batteries if battery.Name() == which), None)
+
+    def BatteryCount(self) -> int:
+        """How many batteries it has."""
+        return len(self.batteries)
 
     # Parts -------------------------------------------------------------------------------------------------------
 

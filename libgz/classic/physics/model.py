@@ -127,6 +127,9 @@ class Model(Entity):
         """Its links were put back: so are its joints, their controller, and its plugins."""
         for joint in self.GetJoints():
             joint.Reset()
+        for link in self.GetLinks():
+            for battery in link.batteries:
+                battery.ResetVoltage()
         if self.controller is not None:
             self.controller.Reset()
         for plugin in list(self.plugins):
@@ -296,6 +299,11 @@ class Model(Entity):
     def IsStatic(self) -> bool:
         """Whether it never moves by itself."""
         return bool(getattr(self.core, "static", False))
+
+    def SetStatic(self, static: bool) -> None:
+        """Hold all its links where they are, or let them go."""
+        for link in self.family_links():
+            link.SetStatic(static)
 
     def SetCollideMode(self, mode: str) -> None:
         """What it touches: ``all``, ``none``, ``sensors`` or ``ghost``."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.classic.common import SphericalCoordinates, Time, UpdateInfo
+from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.accelerations import Accelerations
 from libgz.classic.physics.animations import Animations
@@ -54,6 +54,7 @@ class World(Base):
         self._presets: PresetManager | None = None
         self._info = UpdateInfo()
         self.joint_event = Event("JointUpdate")
+        self._batteries: list[Battery] | None = None
         self._attached: list[tuple[Model, Model, GzPose]] = []
         enter(self)
 
@@ -454,10 +455,21 @@ class World(Base):
 
     # Called by the server ----------------------------------------------------------------------------------------
 
+    def changed(self) -> None:
+        """Models have come or gone."""
+        self._batteries = None
+
+    def _all_batteries(self) -> list[Battery]:
+        if self._batteries is None:
+            self._batteries = [b for model in self.all_models() for link in model.GetLinks() for b in link.batteries]
+        return self._batteries
+
     def before_physics(self) -> None:
         """What acts by itself in every iteration: joint controllers, animations, what is carried along."""
         for controller in self.controllers:
             controller.Update()
+        for battery in self._all_batteries():
+            battery.Update()
         if self.joint_event:
             self.joint_event()
         self.animations.update()

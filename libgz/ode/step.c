@@ -71,6 +71,10 @@ typedef struct {
     X(const double *, dBodyGetLinearVel, (void *))                              \
     X(const double *, dBodyGetAngularVel, (void *))                             \
     X(const double *, dBodyGetForce, (void *))                                  \
+    X(void, dBodySetLinearVel, (void *, double, double, double))                \
+    X(void, dBodySetAngularVel, (void *, double, double, double))               \
+    X(void, dBodySetForce, (void *, double, double, double))                    \
+    X(void, dBodySetTorque, (void *, double, double, double))                   \
     X(const double *, dBodyGetTorque, (void *))                                 \
     X(double, dJointGetHingeAngle, (void *))                                    \
     X(double, dJointGetHingeAngleRate, (void *))                                \
@@ -185,6 +189,8 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
+#define FASTEST 1e7    /* [m/s] and [rad/s] */
+#define STRONGEST 1e12 /* [N] and [N m] */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -681,14 +687,39 @@ void gz_forget_contacts(context *c)
     c->record_count = c->record_room = 0;
 }
 
-/* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
- * of memory. */
+static int is_within(const double *v, double most)
+{
+    return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
+}
+
+/* Halt bodies that run away, in classic worlds: ODE ends the process on numbers that are none. How many there were. */
+static int halt_runaways(context *c)
+{
+    int64_t i;
+    int count = 0;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        if (!body || (is_within(dBodyGetLinearVel(body), FASTEST) && is_within(dBodyGetAngularVel(body), FASTEST) &&
+                      is_within(dBodyGetForce(body), STRONGEST) && is_within(dBodyGetTorque(body), STRONGEST)))
+            continue;
+        dBodySetLinearVel(body, 0.0, 0.0, 0.0);
+        dBodySetAngularVel(body, 0.0, 0.0, 0.0);
+        dBodySetForce(body, 0.0, 0.0, 0.0);
+        dBodySetTorque(body, 0.0, 0.0, 0.0);
+        count++;
+    }
+    return count;
+}
+
+/* The second half: move everything, drop the contacts, copy the states out. Returns 0 if ODE is out of memory, 2 if a
+ * body was halted, else 1. */
 int gz_solve(context *c)
 {
-    int done;
+    int done, halted;
     dRandSetSeed((unsigned long)c->seed);
     ask_contacts(c);
     push_joints(c);
+    halted = c->classic ? halt_runaways(c) : 0;
     if (c->watch)
         watch_bodies(c);
     done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
@@ -698,7 +729,7 @@ int gz_solve(context *c)
     c->steps++;
     read_bodies(c);
     read_joints(c);
-    return done;
+    return done ? 1 + (halted > 0) : 0;
 }
 
 int gz_step(context *c)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import math
 from typing import TYPE_CHECKING, Any
 
-from libgz.errors import ClosedError
+from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import (
     GzCoordPoseAdd,
     GzPose,
@@ -410,6 +411,11 @@ class Body:
         self.engine.com[self.row] = total.c[:3]
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
+        if not (math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
+            raise ParameterError(
+                f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
+                "of inertia is beyond what can be reckoned with"
+            )
         ode().dBodySetMass(self.id, ctypes.addressof(final))
         if self.kinematic:
             self.set_kinematic(True)  # for ODE forgets it with a new mass

@@ -6,6 +6,7 @@ bodies, joints and sensors read the tables, never ODE one value at a time.
 
 from __future__ import annotations
 
+import logging
 import weakref
 from collections.abc import Callable
 from threading import get_ident
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from libgz.physics.joint import Joint
 
 __all__ = ["Engine", "HasEngine", "Space"]
+
+log = logging.getLogger("libgz.physics")
 
 FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collide with each other
 LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
@@ -147,6 +150,7 @@ class Engine(EngineSettings):
         self.step_form: Step = choose_step(self._context, self)
         self._step = self.step_form.step
         self._thread = 0  # that stepped last
+        self._warned = False  # of bodies that run away
         self._publish_tables()
         shapes = (probe, ray, stand_in)
         self._destroy = weakref.finalize(
@@ -343,14 +347,19 @@ class Engine(EngineSettings):
         """The second half of a step."""
         self._finish(self.step_form.solve())
 
-    def _finish(self, done: bool) -> None:
+    def _finish(self, done: int) -> None:
         """Note which rows are fresh now."""
         if self._touched:
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints
             self._touched = not self.step_form.reads_all
-        if not done:
+        if done == 0:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
+        if done == 2 and not self._warned:
+            self._warned = True
+            log.warning(
+                "a body ran away and was halted: a spring is too stiff, or a mass too small, for steps this long"
+            )
 
     def scan(
         self,
@@ -383,7 +392,7 @@ class Engine(EngineSettings):
         self._destroy()
         self._step = self._closed_step
 
-    def _closed_step(self) -> bool:
+    def _closed_step(self) -> int:
         raise ClosedError("this world was closed")
 
     @property

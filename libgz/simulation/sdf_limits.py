@@ -15,6 +15,14 @@ from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
 __all__ = ["JointLimits"]
 
 TURN = 2.0 * math.pi
+# What makes sense to ODE; what lies outside is taken as the nearest.
+RANGES = {
+    **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
+    **dict.fromkeys(("cfm", "stop_cfm", "suspension_cfm"), (0.0, 1e10)),
+    "fmax": (0.0, 1e16),
+    "vel": (-1e6, 1e6),
+}
+COUPLINGS = {"thread_pitch": (1e-5, 1e9), "gearbox_ratio": (1e-4, 1e4)}
 
 
 class JointLimits:
@@ -121,6 +129,8 @@ class JointLimits:
             self._set_coupling(key, number)
         else:
             ode_parameter = self._number(key, index)
+            least, most = RANGES.get(key, (-math.inf, math.inf))
+            number = min(max(number, least), most)
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
 
@@ -134,9 +144,18 @@ class JointLimits:
             )
         return number
 
+    def check_coupling(self, key: str, value: float) -> None:
+        """Refuse what no screw or gearbox can be.
+
+        Raises:
+            ParameterError: it is zero, or absurdly small or large.
+        """
+        least, most = COUPLINGS[key]
+        if not least <= abs(value) <= most:
+            raise ParameterError(f"joint {self.name!r}: {key} is {value:g}; its size must be {least:g} to {most:g}")
+
     def _set_coupling(self, key: str, value: float) -> None:
-        if value == 0.0:
-            raise ParameterError(f"joint {self.name!r}: {key} must not be zero")
+        self.check_coupling(key, value)
         if key == "thread_pitch":
             self.plan.pitch = value
             if isinstance(self._coupling, Thread):

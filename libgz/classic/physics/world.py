@@ -10,7 +10,6 @@ import numpy as np
 
 from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
-from libgz.classic.physics.accelerations import Accelerations
 from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.engine import PhysicsEngine
@@ -48,7 +47,6 @@ class World(Base):
         self.core, self.server = core, server
         super().__init__(self, core.name, None)
         self.animations = Animations(self)
-        self.accelerations = Accelerations(core)
         self.controllers: list[JointController] = []
         self._physics = PhysicsEngine(self)
         self._presets: PresetManager | None = None
@@ -475,7 +473,6 @@ class World(Base):
         self.animations.update()
         for parent, model, offset in self._attached:
             model.move(GzCoordPoseAdd(offset, parent.pose()))
-        self.accelerations.before()
 
 
 def _is(part: Base, name: str) -> bool:

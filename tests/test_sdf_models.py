@@ -642,3 +642,18 @@ def test_a_body_that_runs_away_is_halted_and_told_once(load, monkeypatch, caplog
         assert all(map(math.isfinite, made.body("m").GetPosition()))
         ends.append(made.engine.states.tobytes())
     assert len(set(ends)) == 1
+
+
+def test_parameters_that_were_set_outlive_a_new_anchor_and_axis(load):
+    rod = "<link name='rod'><gravity>0</gravity></link>"
+    hinge = (
+        "<joint name='j' type='revolute'><parent>world</parent><child>rod</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+    made = load(world(f"<model name='m'>{rod}{hinge}</model>"))
+    joint = made.model("m").sdf_joints["j"]
+    joint.set_param("fmax", 50.0)
+    joint.set_param("vel", 2.0)
+    joint.set_anchor((0.0, 0.1, 0.0))
+    joint.set_axis(0, (1, 0, 0))
+    made.run(0.2)
+    assert joint.velocity() == pytest.approx(2.0, abs=1e-3)

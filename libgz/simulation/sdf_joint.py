@@ -80,6 +80,7 @@ class SdfJoint(JointLimits):
         self._laid: dict[int, float] = {}
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
         self.acts = self._engine_pushes = False
+        self._given = {}
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
@@ -336,8 +337,10 @@ class SdfJoint(JointLimits):
         """Global pose of the joint's frame, which goes with the child [m]."""
         return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
 
-    def anchor(self) -> GzVector:
-        """Global anchor [m]."""
+    def anchor(self, index: int = 0) -> GzVector:
+        """Global anchor [m]; of index 1 that on the second link, which a suspension sets apart."""
+        if index == 1 and isinstance(self.joint, Hinge2Joint):
+            return self.joint.GetAnchor2()
         return self.frame().pos
 
     def set_frame(self, pose: GzPose) -> None:

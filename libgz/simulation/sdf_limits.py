@@ -39,6 +39,7 @@ class JointLimits:
     acts: bool  # whether `update` has anything to do
     _engine_pushes: bool  # whether the engine does what its springs do
     _laid: dict[int, float]  # axis -> turns [rad] that its stops were laid for
+    _given: dict[tuple[str, int], float]  # ODE's parameters as users set them, by key and axis
     _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
 
     def position(self, index: int = 0) -> float:
@@ -79,7 +80,8 @@ class JointLimits:
         return self.axes[index]
 
     def _set_parameters(self) -> None:
-        """Stops, friction, and what the file says of ODE's parameters."""
+        """Stops, friction, what the file says of ODE's parameters, and what users have set."""
+        given = dict(self._given)
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
             if axis.friction > 0.0:
@@ -88,6 +90,9 @@ class JointLimits:
             for index in range(max(1, len(self.axes))):
                 if ode_number(self.joint, key, index) is not None and (value != 0.0 or key not in ("fmax", "vel")):
                     self.set_param(key, value, index)
+        for (key, index), value in given.items():  # what users had set before the joint was made anew
+            if ode_number(self.joint, key, index) is not None:
+                self.set_param(key, value, index)
 
     def get_param(self, key: str, index: int = 0) -> float:
         """A parameter by its classic key; see `set_param`.
@@ -131,6 +136,7 @@ class JointLimits:
             ode_parameter = self._number(key, index)
             least, most = RANGES.get(key, (-math.inf, math.inf))
             number = min(max(number, least), most)
+            self._given[key, index] = number
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
 

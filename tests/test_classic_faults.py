@@ -75,7 +75,7 @@ def test_bodies_that_run_away_are_stopped_and_told_of(core, view, caplog, what):
     RUNAWAYS[what](view, view.ModelByName("box").GetLink())
     core.step(20)
     assert view.Iterations() == 20
-    assert "ran away and is stopped" in caplog.text
+    assert "ran away and was halted" in caplog.text
     for model in view.Models():
         for link in model.GetLinks():
             assert all(map(math.isfinite, (*link.WorldPose().Pos(), *link.WorldLinearVel())))
@@ -157,7 +157,7 @@ def fail(self):
     world.ModelByName("box").SetAnimation(way, self.fail)""",
         ),
         (
-            "the update function of battery 'b'",
+            "the rule of battery 'b'",
             """def Load(self, world, sdf):
     world.ModelByName("box").GetLink().Battery("b").SetUpdateFunc(self.fail)""",
         ),

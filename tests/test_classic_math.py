@@ -258,7 +258,7 @@ def test_quaternions_agree_with_the_engine_and_with_matrices(a, b, v):
     assert near((a * 3.0) * v, a * v)  # of any length
     assert near((a * 3.0) * (a * 3.0).Inverse(), Quaterniond.Identity)
     assert same_rotation(Quaterniond(Matrix3d(a)), a)
-    assert same_rotation(a.Log().Exp(), a)  # -1 has the logarithm of 1
+    assert same_rotation(a.Log().Exp(), a)  # the logarithm of -1 has no direction
 
 
 @given(angles, st.floats(-1.57, 1.57), angles)

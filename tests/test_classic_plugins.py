@@ -354,3 +354,54 @@ def test_a_model_can_be_held_where_it_is(run):
     box.SetStatic(False)
     world.step(50)
     assert box.WorldPose().Pos().Z() < held - 0.001
+
+
+def test_what_raises_at_the_end_of_an_animation_or_in_a_battery_stops_its_plugin_only(plugin, run, caplog):
+    plugin(
+        "ends",
+        """
+        class P(ModelPlugin):
+            def Load(self, model, sdf):
+                animation = common.PoseAnimation("a", 0.002, False)
+                for time in (0.0, 0.002):
+                    animation.CreateKeyFrame(time)
+                model.SetAnimation(animation, lambda: 1 / 0)
+        GZ_REGISTER_MODEL_PLUGIN(P)
+        """,
+    )
+    plugin(
+        "rules",
+        """
+        class P(ModelPlugin):
+            def Load(self, model, sdf):
+                model.GetLink().Battery("b").SetUpdateFunc(lambda battery: float("nan"))
+        GZ_REGISTER_MODEL_PLUGIN(P)
+        """,
+    )
+    inside = element("ends") + element("rules")
+    box = BOX.format(name="box", pose="0 0 1 0 0 0", inside=inside)
+    world = run(box.replace("<collision", "<battery name='b'><voltage>5</voltage></battery><collision"))
+    world.step(5)
+    words = "Exception occured in {} of plugin with name[{}] and filename[lib{}.so]. This plugin will not run."
+    assert caplog.text.count(words.format("the end of the animation of box", "ends", "ends")) == 1
+    assert caplog.text.count(words.format("the rule of battery 'b'", "rules", "rules")) == 1
+    assert physics.get_world().ModelByName("box").GetLink().Battery("b").Voltage() == 5.0
+
+
+def test_animations_keep_time_when_others_begin(run):
+    from libgz.classic.common import PoseAnimation
+
+    world = run(*(BOX.format(name=name, pose="0 0 9 0 0 0", inside="") for name in ("a", "b")))
+    view = physics.get_world()
+
+    def start(name):
+        animation = PoseAnimation(name, 1.0, False)
+        for time in (0.0, 1.0):
+            animation.CreateKeyFrame(time).Translation((time, 0.0, 9.0))
+        view.ModelByName(name).SetAnimation(animation)
+
+    start("a")
+    kept = Events.ConnectWorldUpdateBegin(lambda: start("b"))
+    world.step(500)
+    assert view.ModelByName("a").WorldPose().Pos().X() == pytest.approx(0.5, abs=1e-4)
+    del kept

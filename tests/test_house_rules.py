@@ -29,6 +29,21 @@ LEVELS = [
 ]
 LEVEL = {name: i for i, row in enumerate(LEVELS) for name in row}
 
+# The same inside libgz.classic, for what a module needs when it is imported.
+CLASSIC_LEVELS = [
+    {"math"},
+    {"common"},
+    {"msgs"},
+    {"transport"},
+    {"plugin", "event", "sdf", "loading"},
+    {"physics"},
+    {"rendering"},
+    {"sensors"},
+    {"describe", "commands", "topics", "server"},
+    {"gui", "plugins"},
+]
+CLASSIC_LEVEL = {name: i for i, row in enumerate(CLASSIC_LEVELS) for name in row}
+
 
 def imports_of(path):
     for node in ast.walk(ast.parse(path.read_text())):
@@ -51,6 +66,24 @@ def test_imports_go_downwards_only():
             allowed_sideways = LEVEL[package] == 0 or (package, imported) in {("physics", "ode")}
             if LEVEL[imported] > LEVEL[package] or (sideways and not allowed_sideways):
                 wrong.append(f"{module} imports libgz.{imported}")
+    assert not wrong
+
+
+def needs_of(path):
+    """What a module imports at once: not for type checkers only, and not in a function."""
+    for node in ast.parse(path.read_text()).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("libgz.classic"):
+            inside = node.module.split(".")[2:]
+            yield from inside[:1] or (alias.name for alias in node.names)
+
+
+def test_inside_classic_imports_go_downwards_too():
+    wrong = []
+    for path, module in SOURCES.items():
+        room = [*module.split("."), "", ""][2]
+        if module.startswith("libgz.classic.") and room != "__init__":
+            above = [need for need in needs_of(path) if CLASSIC_LEVEL[need] > CLASSIC_LEVEL[room]]
+            wrong += [f"{module} imports libgz.classic.{need}" for need in above]
     assert not wrong
 
 

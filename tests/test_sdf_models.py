@@ -597,3 +597,63 @@ def test_both_forms_of_the_step_run_sdf_worlds_to_the_bit(load, monkeypatch):
         ends.append((kept, made.engine.states.tobytes()))
         assert max(map(abs, kept)) > math.pi
     assert ends[0] == ends[1]
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+@pytest.mark.parametrize("parent", ["world", "a"])
+def test_two_axes_at_any_angle_but_none(load, kind, parent):
+    for first, second in (("0 1 0", "0 0 1"), ("0 1 0", "1 0 0"), ("1 0 0", "0 1 0"), ("0 0 1", "0 1 1")):
+        crossed = joint("j", kind, parent, "b", first, f"<axis2><xyz>{second}</xyz></axis2>")
+        made = load(world(two_links(crossed)))
+        made.body("m", "b").SetAngularVel((1, 2, 3))
+        made.step(50)
+        assert made.model("m").failed is None
+    with pytest.raises(WorldFileError, match="must not be parallel"):
+        load(world(two_links(joint("j", kind, parent, "b", "0 0 1", "<axis2><xyz>0 0 -2</xyz></axis2>"))))
+
+
+def test_insane_numbers_are_told_and_do_not_end_the_process(load):
+    far = inertial(1.0, (1e-9,) * 3, "1e9 0 0 0 0 0")
+    rough = "<friction><ode><fdir1>1 inf 0</fdir1></ode></friction>"
+    for part, told in (
+        (link("l", far), "beyond what can be reckoned with"),
+        (link("l", collision("box", rough)), "fdir1 is"),
+        (link("l") + joint("j", "screw", "world", "l", more="<thread_pitch>0</thread_pitch>"), "thread_pitch is 0"),
+        (link("l") + joint("j", "revolute", "world", "l", "0 0 0"), "an axis must not be zero"),
+        (link("l") + joint("j", "revolute", "world", "l", inside="<limit><lower>nan</lower></limit>"), "not a number"),
+    ):
+        with pytest.raises(WorldFileError, match=told):
+            load(world(model("m", part)))
+    soft = "<physics><ode><limit><cfm>1e308</cfm><erp>-7</erp></limit></ode></physics>"
+    made = load(world(model("m", link("l"), joint("j", "revolute", "world", "l", "1e308 0 0", soft))))
+    assert made.model("m").sdf_joints["j"].get_param("stop_erp") == 0.0
+    made.step(10)
+
+
+def test_a_body_that_runs_away_is_halted_and_told_once(load, monkeypatch, caplog):
+    stiff = "<dynamics><spring_stiffness>1e15</spring_stiffness><spring_reference>1</spring_reference></dynamics>"
+    ends = []
+    for form in ("python", "native") if native_path() is not None else ("python",):
+        monkeypatch.setenv("LIBGZ_STEP", form)
+        caplog.clear()
+        made = load(world(model("m", link("l"), joint("j", "prismatic", "world", "l", "1 0 0", inside=stiff))))
+        made.step(50)
+        assert caplog.text.count("body m::l ran away and was halted") == 1
+        assert all(map(math.isfinite, made.body("m").GetPosition()))
+        ends.append(made.engine.states.tobytes())
+    assert len(set(ends)) == 1
+
+
+def test_parameters_that_were_set_outlive_a_new_anchor_and_axis(load):
+    rod = "<link name='rod'><gravity>0</gravity></link>"
+    hinge = (
+        "<joint name='j' type='revolute'><parent>world</parent><child>rod</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+    made = load(world(f"<model name='m'>{rod}{hinge}</model>"))
+    joint = made.model("m").sdf_joints["j"]
+    joint.set_param("fmax", 50.0)
+    joint.set_param("vel", 2.0)
+    joint.set_anchor((0.0, 0.1, 0.0))
+    joint.set_axis(0, (1, 0, 0))
+    made.run(0.2)
+    assert joint.velocity() == pytest.approx(2.0, abs=1e-3)

@@ -24,6 +24,7 @@ __all__ = [
     "Step",
     "StepContext",
     "Tables",
+    "halt_runaway",
     "push_joint",
     "read_body",
     "read_joint",
@@ -32,6 +33,7 @@ __all__ = [
 
 MAX_CONTACTS = 10  # of a pair of geoms
 MOST_CONTACTS = 250  # of a pair of geoms in worlds of classic, which keep the deepest of them
+FASTEST, STRONGEST = 1e7, 1e12  # [m/s], [rad/s]; [N], [N m]: bodies beyond have run away
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
 _VECTOR = (np.float64, (3,))
 # A contact point of a step: rows of its geoms; where it is [m], the unit normal, which points into the first geom, how
@@ -89,6 +91,7 @@ class StepContext(ctypes.Structure):
         ("joint_types", c_void_p),
         ("joint_state", c_void_p),
         ("springs", c_void_p),
+        ("halted", c_int64),
         ("gave_up", c_int64),
         ("lost", c_int64),
     ]
@@ -116,14 +119,14 @@ class Step(Protocol):
     name: str
     reads_all: bool  # whether step() leaves all states copied out
 
-    def step(self) -> bool:
-        """Both halves; false if ODE ran out of memory."""
+    def step(self) -> int:
+        """Both halves; 0 if ODE ran out of memory."""
 
     def collide(self) -> None:
         """The first half: find contacts and make joints of them."""
 
-    def solve(self) -> bool:
-        """The second half: move everything, empty the contact group; false if ODE ran out of memory."""
+    def solve(self) -> int:
+        """The second half: move everything, empty the contact group; returns what `step` does."""
 
     @property
     def release(self) -> Callable[[], object]:
@@ -200,6 +203,23 @@ def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = Fal
         state[0] = _unwind(before[0], state[0])
         if kind in (JointType.HINGE2, JointType.UNIVERSAL):
             state[1] = _unwind(before[1], state[1])
+
+
+def halt_runaway(ode_: OdeLibrary, body: int) -> bool:
+    """Halt a body if it runs away; halt_runaways in step.c."""
+    for get, most in (
+        (ode_.dBodyGetLinearVel, FASTEST),
+        (ode_.dBodyGetAngularVel, FASTEST),
+        (ode_.dBodyGetForce, STRONGEST),
+        (ode_.dBodyGetTorque, STRONGEST),
+    ):
+        if not all(abs(v) <= most for v in get(body).contents[:3]):
+            break
+    else:
+        return False
+    for put in (ode_.dBodySetLinearVel, ode_.dBodySetAngularVel, ode_.dBodySetForce, ode_.dBodySetTorque):
+        put(body, 0.0, 0.0, 0.0)
+    return True
 
 
 def push_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool) -> None:

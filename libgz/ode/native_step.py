@@ -65,17 +65,18 @@ class NativeStep:
         cls._library = library
         return library
 
-    def step(self) -> bool:
+    def step(self) -> int:
         """Collide, step and copy all states out."""
-        return bool(self._step())
+        done: int = self._step()
+        return done
 
     def collide(self) -> None:
         """Find contacts and make joints of them."""
         self._shared.gz_collide(self._address)
 
-    def solve(self) -> bool:
+    def solve(self) -> int:
         """Move everything, empty the contact group, copy all states out."""
-        return bool(self._shared.gz_solve(self._address))
+        return int(self._shared.gz_solve(self._address))
 
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step."""

@@ -11,7 +11,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.geometry import rotate
-from libgz.ode.context import MAX_CONTACTS, NO_HIT, StepContext, Tables, push_joint, read_body, read_joint, watch_body
+from libgz.ode.context import (
+    MAX_CONTACTS,
+    NO_HIT,
+    StepContext,
+    Tables,
+    halt_runaway,
+    push_joint,
+    read_body,
+    read_joint,
+    watch_body,
+)
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_contacts import CarefulContacts, make_surface
 from libgz.ode.types import Contact, ContactGeom, JointType
@@ -140,7 +150,7 @@ class PythonStep:
         array, contacts = self._contact_arrays[key]
         return c_void_p(ctypes.addressof(array) + Contact.geom.offset), contacts
 
-    def step(self) -> bool:
+    def step(self) -> int:
         """Both halves."""
         self.collide()
         return self.solve()
@@ -159,7 +169,7 @@ class PythonStep:
         context.contact_count = self._contact_count + self._careful.count
         self._raise_fault()
 
-    def solve(self) -> bool:
+    def solve(self) -> int:
         """Move everything, empty the contact group."""
         context, ode_ = self._context, self._ode
         ode_.dRandSetSeed(context.seed)
@@ -167,6 +177,11 @@ class PythonStep:
         pushing = self._tables.springs[: context.joint_count, :2].any(axis=1)
         for row in (pushing & (self._tables.joint_ids[: context.joint_count] != 0)).nonzero()[0].tolist():
             push_joint(ode_, self._tables, row, unwind=bool(context.classic))
+        context.halted = 0
+        if context.classic:
+            for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
+                if halt_runaway(ode_, int(self._tables.body_ids[row])):
+                    context.halted = row + 1
         if context.watch:
             for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
                 watch_body(ode_, self._tables, row)
@@ -177,7 +192,7 @@ class PythonStep:
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        return bool(done)
+        return int(done)
 
     def _raise_fault(self) -> None:
         fault, self._fault = self._fault, None

@@ -76,6 +76,10 @@ typedef struct {
     X(const double *, dBodyGetLinearVel, (void *))                              \
     X(const double *, dBodyGetAngularVel, (void *))                             \
     X(const double *, dBodyGetForce, (void *))                                  \
+    X(void, dBodySetLinearVel, (void *, double, double, double))                \
+    X(void, dBodySetAngularVel, (void *, double, double, double))               \
+    X(void, dBodySetForce, (void *, double, double, double))                    \
+    X(void, dBodySetTorque, (void *, double, double, double))                   \
     X(const double *, dBodyGetTorque, (void *))                                 \
     X(double, dJointGetHingeAngle, (void *))                                    \
     X(double, dJointGetHingeAngleRate, (void *))                                \
@@ -173,6 +177,7 @@ typedef struct {
     const int64_t *joint_types;
     double *joint_state;   /* 4 a row: angle 1 and 2, rate 1 and 2 */
     const double *springs; /* 3 a row, for hinges and sliders: stiffness, damping, reference */
+    int64_t halted;        /* 1 + the row of a body that ran away and was halted; 0: none */
     int64_t gave_up;       /* 1: the last step was given up */
     int64_t lost;          /* bodies whose numbers ran away */
 } context;
@@ -208,6 +213,8 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
+#define FASTEST 1e7    /* [m/s] and [rad/s] */
+#define STRONGEST 1e12 /* [N] and [N m] */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -714,6 +721,28 @@ void gz_forget_contacts(context *c)
     c->record_count = c->record_room = 0;
 }
 
+static int is_within(const double *v, double most)
+{
+    return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
+}
+
+/* Halt bodies that run away, in classic worlds: ODE ends the process on numbers that are none. */
+static void halt_runaways(context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        if (!body || (is_within(dBodyGetLinearVel(body), FASTEST) && is_within(dBodyGetAngularVel(body), FASTEST) &&
+                      is_within(dBodyGetForce(body), STRONGEST) && is_within(dBodyGetTorque(body), STRONGEST)))
+            continue;
+        dBodySetLinearVel(body, 0.0, 0.0, 0.0);
+        dBodySetAngularVel(body, 0.0, 0.0, 0.0);
+        dBodySetForce(body, 0.0, 0.0, 0.0);
+        dBodySetTorque(body, 0.0, 0.0, 0.0);
+        c->halted = i + 1;
+    }
+}
+
 /* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
  * of memory. */
 int gz_solve(context *c)
@@ -722,6 +751,9 @@ int gz_solve(context *c)
     dRandSetSeed((unsigned long)c->seed);
     ask_contacts(c);
     push_joints(c);
+    c->halted = 0;
+    if (c->classic)
+        halt_runaways(c);
     if (c->watch)
         watch_bodies(c);
     c->gave_up = 0;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import math
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError, ParameterError
@@ -418,11 +419,10 @@ class Body:
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        if not ode().dMassCheck(ctypes.addressof(final)):
-            centre = ", ".join(f"{length:g}" for length in total.c[:3])
+        if not (math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
             raise ParameterError(
-                f"body {self.bodyName!r}: {total.mass:g} kg at ({centre}) m with those moments of inertia is no mass "
-                "that ODE can reckon with"
+                f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
+                "of inertia is beyond what can be reckoned with"
             )
         self.engine.com[self.row] = total.c[:3]
         ode().dBodySetMass(self.id, ctypes.addressof(final))

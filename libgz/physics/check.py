@@ -76,4 +76,6 @@ def unit_axis(values: Iterable[float], what: str) -> tuple[float, ...]:
     length = math.sqrt(sum(a * a for a in axis))
     if length < 1e-12:
         raise ParameterError(f"{what} is {axis}; an axis must not be zero")
+    if length == math.inf:  # the squares are too large
+        return unit_axis([a / max(map(abs, axis)) for a in axis], what)
     return tuple(a / length for a in axis)

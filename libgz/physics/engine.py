@@ -19,7 +19,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
-from libgz.physics.runaway import mend
+from libgz.physics.runaway import mend, tell
 from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:
@@ -359,12 +359,14 @@ class Engine(EngineSettings):
         """The second half of a step."""
         self._finish(self.step_form.solve())
 
-    def _finish(self, done: bool) -> None:
+    def _finish(self, done: int) -> None:
         """Note which rows are fresh now."""
         if self._touched:
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints
             self._touched = not self.step_form.reads_all
+        if self._context.halted:
+            tell(self.bodies[self._context.halted - 1])
         if self._context.lost or self._context.gave_up:
             mend(self.bodies.values(), bool(self._context.gave_up))
         if not done:
@@ -401,7 +403,7 @@ class Engine(EngineSettings):
         self._destroy()
         self._step = self._closed_step
 
-    def _closed_step(self) -> bool:
+    def _closed_step(self) -> int:
         raise ClosedError("this world was closed")
 
     @property

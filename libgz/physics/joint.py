@@ -338,6 +338,17 @@ class Hinge2Joint(Joint):
         self._require_bodies(2)
         super().SetAnchor(anchor)
 
+    def SetAxes(self, axis1: VectorLike, axis2: VectorLike) -> None:
+        """Both at once; global.
+
+        Raises:
+            ParameterError: they are parallel, for which ODE would end the process.
+        """
+        a, b = unit_axis(axis1, "axis"), unit_axis(axis2, "axis")
+        if abs(sum(p * q for p, q in zip(a, b, strict=True))) > 1.0 - 1e-9:
+            raise ParameterError(f"the axes of {self!r} must not be parallel")
+        self._set_axes(a, b)
+
     def _set_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
         self._require_bodies(2)
         addresses = [None if a is None else (ctypes.c_double * 4)(*unit_axis(a, "axis")) for a in (axis1, axis2)]

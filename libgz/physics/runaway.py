@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from libgz.physics.body import Body
 
-__all__ = ["mend"]
+__all__ = ["mend", "tell"]
 
 log = logging.getLogger("libgz.physics")
 
@@ -22,7 +22,7 @@ STILL = (0.0, 0.0, 0.0)
 
 
 def mend(bodies: Iterable[Body], gave_up: bool) -> None:
-    """Stop bodies that a step has brought, or made so fast, where no robot comes; each is told of once.
+    """Halt bodies that a step has brought, or made so fast, where no robot comes.
 
     Args:
         bodies: all of a world.
@@ -36,9 +36,7 @@ def mend(bodies: Iterable[Body], gave_up: bool) -> None:
         speeds = *body.GetLinearVel(), *body.GetAngularRate()
         if all(abs(number) <= 2.0 * LARGEST for number in (*place, *body.GetCoMPose().pos, *turn, *speeds)):
             continue
-        if not body.ran_away:
-            body.ran_away = True
-            _tell(body, place, speeds)
+        tell(body)
         _drop_forces(body)
         body.SetLinearVel(STILL)
         body.SetAngularVel(STILL)
@@ -56,12 +54,14 @@ def _drop_forces(body: Body) -> None:
     body.SetTorque(*STILL)
 
 
-def _tell(body: Body, place: GzVector, speeds: tuple[float, ...]) -> None:
+def tell(body: Body) -> None:
+    """Tell of a body that ran away and was halted, the first time."""
+    if body.ran_away:
+        return
+    body.ran_away = True
     names = [body.model.GetId()] if body.model is not None else []
-    numbers = (", ".join(f"{number:.3g}" for number in row) for row in (place, speeds[:3], speeds[3:]))
     log.error(
-        "body %s ran away and is stopped: at (%s) m with (%s) m/s and (%s) rad/s; a force or a gain is too large, or "
-        "joints and contacts contradict each other",
+        "body %s ran away and was halted: a force, gain or stiffness is too large or a mass too small for steps this "
+        "long, or joints and contacts contradict each other",
         "::".join((*names, body.bodyName or "unnamed")),
-        *numbers,
     )

@@ -20,8 +20,8 @@ class UpdateRate:
         self.last = -math.inf
 
     def due(self, now: float) -> bool:
-        """Whether to act at sim time `now` [s]; if so, the next period begins."""
-        if now - self.last < self.period - _SLACK:
+        """Whether to act at sim time `now` [s]: also when time was set back. If so, the next period begins."""
+        if 0.0 <= now - self.last < self.period - _SLACK:
             return False
         self.last = now
         return True

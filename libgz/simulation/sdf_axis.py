@@ -131,21 +131,30 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axi
         if math.sqrt(sum(v * v for v in direction)) < 1e-12:
             raise ParameterError(f"joint {element.Get(str, 'name')!r}: <{name}> is zero; an axis must not be zero")
         dynamics, limit = axis.child("dynamics"), axis.child("limit")
+        lower, upper, effort, velocity = (_number(limit, key) for key in ("lower", "upper", "effort", "velocity"))
         axes.append(
             Axis(
                 direction,
-                limit.Get(float, "lower"),
-                limit.Get(float, "upper"),
-                limit.Get(float, "effort"),
-                limit.Get(float, "velocity"),
-                dynamics.Get(float, "damping"),
-                dynamics.Get(float, "friction"),
-                dynamics.Get(float, "spring_stiffness"),
-                dynamics.Get(float, "spring_reference"),
-                axis.Get(float, "initial_position"),
+                lower,
+                upper,
+                effort,
+                velocity,
+                _number(dynamics, "damping"),
+                _number(dynamics, "friction"),
+                _number(dynamics, "spring_stiffness"),
+                _number(dynamics, "spring_reference"),
+                _number(axis, "initial_position"),
             )
         )
     return axes
+
+
+def _number(element: Element, key: str) -> float:
+    """A number within what ODE can reckon with; what is beyond, infinity too, becomes that bound."""
+    value = element.Get(float, key)
+    if math.isnan(value):
+        raise ParameterError(f"{element.where}: <{key}> is not a number")
+    return max(-UNLIMITED, min(UNLIMITED, value))
 
 
 def _read_ode(element: Element, plan: JointPlan) -> None:

@@ -21,7 +21,7 @@ from libgz.geometry import (
     rotate,
 )
 from libgz.physics.body import Body
-from libgz.physics.check import finite
+from libgz.physics.check import finite, unit_axis
 from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
 from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, HingeJoint, Joint, SliderJoint, UniversalJoint
@@ -42,6 +42,7 @@ KINDS: dict[str, type[Joint]] = {
     "gearbox": TieJoint,
 }
 UNKNOWN = "is not a kind of joint here; allowed are " + ", ".join(KINDS)
+PARALLEL = 0.999  # cosine from which two axes count as parallel
 SKEW = 1e-3  # cosine up to which two axes are at right angles
 TWO_AXES = ("universal", "revolute2", "gearbox")
 
@@ -79,6 +80,7 @@ class SdfJoint(JointLimits):
         self._laid: dict[int, float] = {}
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
         self.acts = self._engine_pushes = False
+        self._given = {}
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
@@ -93,12 +95,13 @@ class SdfJoint(JointLimits):
             if self.kind != "gearbox":
                 raise ParameterError(f"joint {self.name!r}: a {self.kind} joint needs an <axis2>")
             self.axes.append(Axis(GzVector(*first.direction)))
+        if self.kind in ("universal", "revolute2") and self._cosine() > PARALLEL:
+            raise ParameterError(f"joint {self.name!r}: the axes of a {self.kind} joint must not be parallel")
         if self.kind == "screw":
             del self.axes[1:]
-        if self.kind == "screw" and (self.plan.pitch == 0.0 or not math.isfinite(self.plan.pitch)):
-            raise ParameterError(f"joint {self.name!r}: thread_pitch is {self.plan.pitch}; it must not be zero")
-        if self.kind == "gearbox" and (self.plan.ratio == 0.0 or not math.isfinite(self.plan.ratio)):
-            raise ParameterError(f"joint {self.name!r}: gearbox_ratio is {self.plan.ratio}; it must not be zero")
+            self.check_coupling("thread_pitch", self.plan.pitch)
+        if self.kind == "gearbox":
+            self.check_coupling("gearbox_ratio", self.plan.ratio)
 
     # Bodies ------------------------------------------------------------------------------------------------------
 
@@ -123,15 +126,18 @@ class SdfJoint(JointLimits):
         self.provide_feedback(self.plan.feedback)
         self._refresh()
 
+    def _cosine(self) -> float:
+        """Of the angle between both axes, without its sign."""
+        first, second = (axis.direction for axis in self.axes)
+        return abs(GzVectorDot(first, second)) / (GzVectorMag(first) * GzVectorMag(second))
+
     def _needs_hinge2(self) -> bool:
         """Whether two axes are ODE's Hinge2: it has a suspension, and its axes may meet at any angle.
 
         But its second axis knows no stops, and it wants two bodies. Else a universal joint is the same and does more.
         """
-        first, second = (axis.direction for axis in self.axes)
-        skew = abs(GzVectorDot(first, second)) > SKEW * GzVectorMag(first) * GzVectorMag(second)
         sprung = any(key.startswith("suspension") for key in self.plan.parameters)
-        return (skew or sprung) and _is_real(self.parent) and _is_real(self.child)
+        return (sprung or self._cosine() > SKEW) and _is_real(self.parent) and _is_real(self.child)
 
     def _join(self, joint: Joint, anchor: GzVector) -> None:
         """Anchor and axes, so that positive motion is that of the child."""
@@ -140,8 +146,7 @@ class SdfJoint(JointLimits):
             # ODE ties the first axis to the first body, and measures the other way round.
             joint.Attach(self.parent, self.child)
             joint.SetAnchor(anchor)
-            joint.SetAxis1(GzVectorMul(-1.0, axes[0]))
-            joint.SetAxis2(GzVectorMul(-1.0, axes[1]))
+            joint.SetAxes(GzVectorMul(-1.0, axes[0]), GzVectorMul(-1.0, axes[1]))
             return
         joint.Attach(self.child, self.parent)
         joint.SetAnchor(anchor)
@@ -332,8 +337,10 @@ class SdfJoint(JointLimits):
         """Global pose of the joint's frame, which goes with the child [m]."""
         return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
 
-    def anchor(self) -> GzVector:
-        """Global anchor [m]."""
+    def anchor(self, index: int = 0) -> GzVector:
+        """Global anchor [m]; of index 1 that on the second link, which a suspension sets apart."""
+        if index == 1 and isinstance(self.joint, Hinge2Joint):
+            return self.joint.GetAnchor2()
         return self.frame().pos
 
     def set_frame(self, pose: GzPose) -> None:
@@ -365,7 +372,7 @@ class SdfJoint(JointLimits):
     def set_axis(self, index: int, axis: Iterable[float]) -> None:
         """Replace an axis, global; positions count from where the links stand now."""
         self._axis(index)
-        self._again(self.frame(), {index: GzVector(*axis)})
+        self._again(self.frame(), {index: GzVector(*unit_axis(axis, "axis"))})
 
     def _again(self, frame: GzPose, new: dict[int, GzVector]) -> None:
         """Attach anew with the frame at a global pose, and with new axes where there are any."""
@@ -373,6 +380,7 @@ class SdfJoint(JointLimits):
         self.detach()
         for axis, direction in zip(self.axes, directions, strict=True):
             axis.direction = direction
+        self._check()
         self._attach(frame)
 
     # Feedback ----------------------------------------------------------------------------------------------------

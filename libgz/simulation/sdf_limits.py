@@ -15,6 +15,14 @@ from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
 __all__ = ["JointLimits"]
 
 TURN = 2.0 * math.pi
+# What makes sense to ODE; what lies outside is taken as the nearest.
+RANGES = {
+    **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
+    **dict.fromkeys(("cfm", "stop_cfm", "suspension_cfm"), (0.0, 1e10)),
+    "fmax": (0.0, 1e16),
+    "vel": (-1e6, 1e6),
+}
+COUPLINGS = {"thread_pitch": (1e-5, 1e9), "gearbox_ratio": (1e-4, 1e4)}
 
 
 class JointLimits:
@@ -31,6 +39,7 @@ class JointLimits:
     acts: bool  # whether `update` has anything to do
     _engine_pushes: bool  # whether the engine does what its springs do
     _laid: dict[int, float]  # axis -> turns [rad] that its stops were laid for
+    _given: dict[tuple[str, int], float]  # ODE's parameters as users set them, by key and axis
     _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
 
     def position(self, index: int = 0) -> float:
@@ -71,7 +80,8 @@ class JointLimits:
         return self.axes[index]
 
     def _set_parameters(self) -> None:
-        """Stops, friction, and what the file says of ODE's parameters."""
+        """Stops, friction, what the file says of ODE's parameters, and what users have set."""
+        given = dict(self._given)
         for index, axis in enumerate(self.axes):
             self._set_stops(index)
             if axis.friction > 0.0:
@@ -80,6 +90,9 @@ class JointLimits:
             for index in range(max(1, len(self.axes))):
                 if ode_number(self.joint, key, index) is not None and (value != 0.0 or key not in ("fmax", "vel")):
                     self.set_param(key, value, index)
+        for (key, index), value in given.items():  # what users had set before the joint was made anew
+            if ode_number(self.joint, key, index) is not None:
+                self.set_param(key, value, index)
 
     def get_param(self, key: str, index: int = 0) -> float:
         """A parameter by its classic key; see `set_param`.
@@ -121,6 +134,9 @@ class JointLimits:
             self._set_coupling(key, number)
         else:
             ode_parameter = self._number(key, index)
+            least, most = RANGES.get(key, (-math.inf, math.inf))
+            number = min(max(number, least), most)
+            self._given[key, index] = number
             if self.joint is not None:
                 self.joint.SetParam(ode_parameter, number)
 
@@ -134,9 +150,18 @@ class JointLimits:
             )
         return number
 
+    def check_coupling(self, key: str, value: float) -> None:
+        """Refuse what no screw or gearbox can be.
+
+        Raises:
+            ParameterError: it is zero, or absurdly small or large.
+        """
+        least, most = COUPLINGS[key]
+        if not least <= abs(value) <= most:
+            raise ParameterError(f"joint {self.name!r}: {key} is {value:g}; its size must be {least:g} to {most:g}")
+
     def _set_coupling(self, key: str, value: float) -> None:
-        if value == 0.0:
-            raise ParameterError(f"joint {self.name!r}: {key} must not be zero")
+        self.check_coupling(key, value)
         if key == "thread_pitch":
             self.plan.pitch = value
             if isinstance(self._coupling, Thread):

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+from libgz.errors import ParameterError
 from libgz.geometry import GzVector
 from libgz.ode.types import Surface
+from libgz.physics.check import LARGEST, finite, finite_tuple
 from libgz.physics.geom import Geom
 from libgz.sdf.element import Element
 
@@ -22,15 +24,15 @@ def set_surface(geom: Geom, element: Element) -> None:
     ode, friction = contact.child("ode"), all_friction.child("ode")
     engine, row = geom.body.engine, geom.row
     geom.SetFriction(_coefficient(friction, "mu"), _coefficient(friction, "mu2"))
-    geom.SetHardness(ode.Get(float, "kp"), abs(ode.Get(float, "kd")))
-    x, y, z = friction.Get(GzVector, "fdir1")
+    geom.SetHardness(ode.Get(float, "kp"), abs(finite(ode.Get(float, "kd"), "kd [N s/m]")))
+    x, y, z = finite_tuple(friction.Get(GzVector, "fdir1"), 3, "fdir1", LARGEST)
     values: dict[int, float] = {
         Surface.FDIR1: x,
         Surface.FDIR1 + 1: y,
         Surface.FDIR1 + 2: z,
-        Surface.SLIP1: friction.Get(float, "slip1"),
-        Surface.SLIP2: friction.Get(float, "slip2"),
-        Surface.BOUNCE: bounce.Get(float, "restitution_coefficient"),
+        Surface.SLIP1: _size(friction, "slip1"),
+        Surface.SLIP2: _size(friction, "slip2"),
+        Surface.BOUNCE: _size(bounce, "restitution_coefficient"),
         Surface.BOUNCE_VEL: bounce.Get(float, "threshold"),
         Surface.MAX_CONTACTS: element.Get(int, "max_contacts"),
         Surface.BITS: contact.Get(int, "collide_bitmask") & ALL_BITS,
@@ -42,15 +44,22 @@ def set_surface(geom: Geom, element: Element) -> None:
         values |= {
             Surface.TORSION: _coefficient(torsional, "coefficient"),
             Surface.BY_PATCH: torsional.Get(bool, "use_patch_radius"),
-            Surface.PATCH_RADIUS: torsional.Get(float, "patch_radius"),
-            Surface.RADIUS: torsional.Get(float, "surface_radius"),
+            Surface.PATCH_RADIUS: _size(torsional, "patch_radius"),
+            Surface.RADIUS: _size(torsional, "surface_radius"),
         }
     for column, value in values.items():
         engine.set_surface(row, column, float(value))
 
 
+def _size(element: Element, key: str) -> float:
+    """A number that is not negative."""
+    return max(0.0, min(LARGEST, finite(element.Get(float, key), key)))
+
+
 def _coefficient(element: Element, key: str) -> float:
     value = element.Get(float, key)
+    if math.isnan(value):
+        raise ParameterError(f"{key} is not a number")
     return value if value >= 0.0 else math.inf
 
 
@@ -60,7 +69,7 @@ def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> No
     `still` things, static models and height maps, push nothing out themselves.
     """
     ode = last.child("surface").child("contact").child("ode")
-    speed = 0.0 if still else ode.Get(float, "max_vel")
+    speed = 0.0 if still else max(0.0, finite(ode.Get(float, "max_vel"), "max_vel [m/s]"))
     for geom in geoms:
         geom.body.engine.set_surface(geom.row, Surface.MAX_VEL, speed)
-        geom.body.engine.set_surface(geom.row, Surface.MIN_DEPTH, ode.Get(float, "min_depth"))
+        geom.body.engine.set_surface(geom.row, Surface.MIN_DEPTH, _size(ode, "min_depth"))

@@ -159,6 +159,12 @@ class Interface(Generic[D]):
         self._map()
         self._owner = (model_type, model_id, parent_model_id)
         self._write_head()
+        if self._descriptor is not None and isinstance(server, Server):
+            try:
+                server.show_file(file_name(self.type, self.id))
+            except OSError as fault:
+                self.destroy()
+                raise InterfaceError(f"error creating mmap file: {fault.strerror} ({self.type}.{self.id})") from None
 
     def _write_head(self) -> None:
         head = self.data.head

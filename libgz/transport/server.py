@@ -201,24 +201,34 @@ class Server(LocalServer):
     # Files -------------------------------------------------------------------------------------------------------
 
     def create_file(self, name: str, size: int) -> int:
-        """A new file of zeros in the directory, mode 0600; its descriptor.
+        """A new file of zeros in the directory, mode 0600, hidden until `show_file`; its descriptor.
+
+        A client that opens a file must find it whole, its head included.
 
         Raises:
             OSError: it cannot be made.
         """
-        flags = _FILE_FLAGS | os.O_CREAT | os.O_TRUNC
+        flags, hidden = _FILE_FLAGS | os.O_CREAT | os.O_TRUNC, _hidden(name)
         try:
-            descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
+            descriptor = os.open(hidden, flags, 0o600, dir_fd=self._directory)
         except FileNotFoundError:
             # Some old programs delete every server's directory before they start their own.
             log.warning("the directory %s was removed under the running server, and is made again", self.path)
             if self._directory is not None:
                 os.close(self._directory)
             self._open_directory()
-            descriptor = os.open(name, flags, 0o600, dir_fd=self._directory)
+            descriptor = os.open(hidden, flags, 0o600, dir_fd=self._directory)
         os.ftruncate(descriptor, size)
         log.debug("creating %s/%s %d", self.path, name, size)
         return descriptor
+
+    def show_file(self, name: str) -> None:
+        """Give a new file its name, in place of one that has it.
+
+        Raises:
+            OSError: it is gone.
+        """
+        os.rename(_hidden(name), name, src_dir_fd=self._directory, dst_dir_fd=self._directory)
 
     def unlink_file(self, name: str, descriptor: int) -> None:
         """Remove a file, if it is still the one behind `descriptor`."""
@@ -307,3 +317,7 @@ def alive(pid: int) -> bool:
     except PermissionError:
         return True
     return True
+
+
+def _hidden(name: str) -> str:
+    return f".{name}.new"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import logging
 from collections.abc import Callable
 
 from libgz.errors import NotFoundError
@@ -10,6 +11,8 @@ from libgz.physics.check import finite, not_negative
 from libgz.simulation.event import Callback
 
 __all__ = ["Battery"]
+
+log = logging.getLogger("libgz.classic")
 
 
 class Battery:
@@ -76,7 +79,7 @@ class Battery:
         Raises:
             ParameterError: it cannot be called.
         """
-        what = f"the update function of battery {self._name!r}"
+        what = f"the rule of battery {self._name!r}"
         self._rule = Callback(what, rule, _voltage) if rule is not None else None
 
     def Update(self) -> None:

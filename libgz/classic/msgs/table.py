@@ -173,6 +173,7 @@ MESSAGES = {
     "WorldStatistics": """Time sim_time, Time pause_time, Time real_time, bool paused, uint64 iterations,
         int32 model_count, LogPlaybackStatistics log_playback_stats""",
     "LogPlaybackStatistics": "Time start_time, Time end_time",
+    "SimEvent": "uint32 id, string type, string name, WorldStatistics world_statistics, string data",
     "LogPlaybackControl": "bool pause, int32 multi_step, bool rewind, bool forward, Time seek, double rt_factor",
     "LogControl": "bool start, bool stop, bool paused, string base_path, string encoding, bool record_resources",
     "LogStatus": "Time sim_time, LogStatus.LogFile log_file",

@@ -24,14 +24,35 @@ log = logging.getLogger("libgz.classic")
 A = TypeVar("A", PoseAnimation, NumericAnimation)
 
 
+class _Run:
+    """An animation under way.
+
+    Args:
+        now: sim time [s].
+        play: goes on by some seconds; whether that was the end.
+        done: what to call at the end.
+    """
+
+    def __init__(self, now: float, play: Callable[[float], bool], done: Callback | None) -> None:
+        self._last, self._play, self._done = now, play, done
+
+    def go_on(self, now: float) -> bool:
+        """Move on to a sim time [s]; whether it is over."""
+        passed, self._last = max(0.0, now - self._last), now
+        return self._play(passed)
+
+    def finish(self) -> None:
+        """Tell that it is over."""
+        if self._done is not None:
+            self._done()
+
+
 class Animations:
     """The animations that run in a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
-        # What goes on by some seconds and tells whether it is over, and what is called then.
-        self._runs: dict[tuple[Entity, str], tuple[Callable[[float], bool], Callback | None]] = {}
-        self._last = 0.0
+        self._runs: dict[tuple[Entity, str], _Run] = {}
 
     def start(self, entity: Entity, animation: PoseAnimation, done: Callable[[], object] | None) -> None:
         """Move an entity along poses in what it is a part of.
@@ -56,8 +77,7 @@ class Animations:
         self, entity: Entity, what: str, play: Callable[[float], bool], done: Callable[[], object] | None
     ) -> None:
         call = Callback(f"the end of the animation of {entity.GetScopedName()}", done) if done is not None else None
-        self._runs[entity, what] = play, call
-        self._last = self._world.core.GetSimTime()
+        self._runs[entity, what] = _Run(self._world.core.GetSimTime(), play, call)
 
     def stop(self, entity: Entity) -> None:
         """Leave an entity and its joints where they are."""
@@ -66,23 +86,19 @@ class Animations:
 
     def update(self) -> None:
         """Move everything on to the present sim time; an animation that leads nowhere is told of, and ends."""
-        if not self._runs:
-            return
         now = self._world.core.GetSimTime()
-        passed, self._last = max(0.0, now - self._last), now
         for key, run in list(self._runs.items()):
             if self._runs.get(key) is not run:  # the end of another has stopped or replaced it
                 continue
-            play, done = run
             try:
-                over = play(passed)
+                over = run.go_on(now)
             except GazeboError as fault:
                 log.error("the animation of %s ends: %s", key[0].GetScopedName(), fault)
-                over, done = True, None
+                del self._runs[key]
+                continue
             if over:
                 del self._runs[key]
-            if over and done is not None:
-                done()
+                run.finish()
 
 
 def _checked(animation: A, kind: type[A]) -> A:

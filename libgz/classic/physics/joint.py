@@ -199,8 +199,8 @@ class Joint(Base):
     # Geometry ----------------------------------------------------------------------------------------------------
 
     def Anchor(self, index: int = 0) -> Vector3d:
-        """Where it holds [m], global."""
-        return Vector3d(*self.core.anchor())
+        """Where it holds [m], global; 1: on the second link, which a suspension sets apart."""
+        return Vector3d(*self.core.anchor(index))
 
     def SetAnchor(self, index: int, anchor: VectorLike) -> None:
         """Set where it holds [m], global."""

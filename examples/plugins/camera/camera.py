@@ -1,0 +1,42 @@
+"""A Sensor plugin that looks for something red in each picture of its camera, and tells in which direction it is.
+
+Pictures are numpy arrays as soon as they are wrapped: no copy is made.
+"""
+
+import math
+
+import numpy as np
+
+from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
+
+
+class RedFinder(SensorPlugin):
+    """Elements: `<save_folder>`, where every picture goes as a file; without it none is saved."""
+
+    def Load(self, sensor, sdf):
+        self.sensor = sensor
+        self.camera = sensor.Camera()
+        self.bearing = None  # [rad], left positive
+        self.frames = 0
+        if sdf.HasElement("save_folder"):
+            self.camera.SetSaveFramePathname(sdf.Get(str, "save_folder"))
+            self.camera.EnableSaveFrame(True)
+        sensor.SetActive(True)
+        self.connection = self.camera.ConnectNewImageFrame(self.OnFrame)
+
+    def OnFrame(self, data, width, height, depth, image_format):
+        self.frames += 1
+        picture = np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3).astype(int)
+        red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
+        columns = np.nonzero((red > 2 * green) & (red > 2 * blue) & (red > 40))[1]
+        if not len(columns):
+            self.bearing = None
+            return
+        # From the middle of the red in pixels to an angle: the picture plane is one focal length away.
+        focal = width / 2.0 / math.tan(float(self.camera.HFOV()) / 2.0)
+        self.bearing = math.atan2((width - 1) / 2.0 - columns.mean(), focal)
+        if self.frames % 10 == 1:
+            gzmsg(f"red at {math.degrees(self.bearing):+.1f} degrees")
+
+
+GZ_REGISTER_SENSOR_PLUGIN(RedFinder)

@@ -1,0 +1,64 @@
+"""DiffDrivePlugin: drives a model with two wheels by a topic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic import transport
+from libgz.classic.event import Events
+from libgz.classic.math import Quaterniond
+from libgz.classic.msgs import ConvertIgn
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import named_joint
+from libgz.classic.plugins._wheels import Wheel, separation
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class DiffDrivePlugin(ModelPlugin):
+    """Drives a model with two wheels.
+
+    ~/<model>/vel_cmd takes a Pose: x of the position is the speed [m/s], yaw of the orientation the turn rate [rad/s].
+    As in Gazebo, **a positive yaw turns to the right**: the left wheel runs with speed + yaw * separation / 2. The
+    separation is the distance between the joints, the wheels' radius that of the left one. A command holds until the
+    next one; a reset stops the wheels.
+
+    Elements:
+        left_joint, right_joint: names of the joints (also leftJoint, rightJoint).
+        torque: the most that each wheel's motor does [N m]; without it the wheels have their speed at once, as in
+            Gazebo from version 5 on.
+    """
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joints, and listen."""
+        torque = sdf.Get(float, "torque", 0.0)[0]
+        left = named_joint(model, sdf, "left_joint", "leftJoint")
+        right = named_joint(model, sdf, "right_joint", "rightJoint")
+        self.separation = separation(left, right)
+        self.left = Wheel(left, torque)
+        self.right = Wheel(right, torque, self.left.radius)
+        self.command = (0.0, 0.0)
+        self.node = transport.Node()
+        self.node.Init(model.GetWorld().Name())
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnVelMsg(self, message: Any) -> None:
+        """A new command."""
+        self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
+
+    def OnUpdate(self) -> None:
+        """Run the wheels."""
+        speed, turn = self.command
+        half = turn * self.separation / 2.0
+        self.left.run(speed + half)
+        self.right.run(speed - half)
+
+    def Reset(self) -> None:
+        """Stop."""
+        self.command = (0.0, 0.0)
+
+
+GZ_REGISTER_MODEL_PLUGIN(DiffDrivePlugin)

@@ -1,0 +1,114 @@
+"""LiftDragPlugin: what flowing air does to a wing, a rudder or a rotor blade."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from libgz.classic.event import Events
+from libgz.classic.math import Vector3d, clamp
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import named_joint, named_link
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Joint, Model
+    from libgz.sdf.element import Element
+
+SLOWEST = 0.01  # [m/s]; below, nothing acts
+HALF = math.pi / 2.0
+
+
+class LiftDragPlugin(ModelPlugin):
+    """Pushes a link with the lift and drag of a surface, at its centre of pressure.
+
+    With v the velocity of the centre of pressure in the plane of `forward` and `upward`, q = air_density v^2 / 2 and
+    alpha the angle of attack, lift = cl q area, across v, and drag = |cd| q area, against v. Up to the stall angle
+    cl = cla alpha and cd = cda alpha; beyond it both go on from there with the slopes cla_stall and cda_stall, and cl
+    does not change its sign. Both shrink with the squared cosine of the sweep, the angle between the velocity and the
+    plane. As in Gazebo there is no moment: cma and cma_stall are read and have no effect.
+
+    Elements:
+        link_name: the link.
+        a0: angle of attack at zero incidence [rad] (0).
+        cla, cda: slopes of the coefficients [1/rad] (1, 0.01).
+        alpha_stall: [rad] (pi / 2).
+        cla_stall, cda_stall: slopes beyond it [1/rad] (0, 1).
+        cp: centre of pressure in the link's frame [m] (0 0 0).
+        forward, upward: directions in the link's frame (1 0 0, 0 0 1).
+        area: [m^2] (1).
+        air_density: [kg/m^3] (1.2041).
+        radial_symmetry: true: `upward` is wherever the air comes from, as for a body of revolution (false).
+        control_joint_name: a joint whose position changes cl, such as that of a flap.
+        control_joint_rad_to_cl: by how much [1/rad] (4).
+    """
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Read the surface."""
+        self.link = named_link(model, sdf)
+
+        def number(tag: str, default: float) -> float:
+            return sdf.Get(float, tag, default)[0]
+
+        self.alpha0 = number("a0", 0.0)
+        self.alpha_stall = number("alpha_stall", HALF)
+        self.cla, self.cla_stall = number("cla", 1.0), number("cla_stall", 0.0)
+        self.cda, self.cda_stall = number("cda", 0.01), number("cda_stall", 1.0)
+        self.area, self.density = number("area", 1.0), number("air_density", 1.2041)
+        self.cp = sdf.Get(Vector3d, "cp", Vector3d())[0]
+        self.forward = sdf.Get(Vector3d, "forward", Vector3d(1.0, 0.0, 0.0))[0].Normalize()
+        self.upward = sdf.Get(Vector3d, "upward", Vector3d(0.0, 0.0, 1.0))[0].Normalize()
+        self.radial = sdf.Get(bool, "radial_symmetry", False)[0]
+        self.control: Joint | None = None
+        if sdf.HasElement("control_joint_name"):
+            self.control = named_joint(model, sdf, "control_joint_name")
+        self.control_to_cl = number("control_joint_rad_to_cl", 4.0)
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnUpdate(self) -> None:
+        """Push."""
+        velocity = self.link.WorldLinearVel(self.cp)
+        if velocity.Length() <= SLOWEST:
+            return
+        pose = self.link.WorldPose()
+        forward, upward = pose.Rot().RotateVector(self.forward), pose.Rot().RotateVector(self.upward)
+        if self.radial:
+            across = forward.Cross(forward.Cross(velocity))
+            upward = across.Normalize() if across.Length() > 0.0 else upward
+        self.link.AddForceAtWorldPosition(self.force(velocity, forward, upward), pose.CoordPositionAdd(self.cp))
+
+    def force(self, velocity: Vector3d, forward: Vector3d, upward: Vector3d) -> Vector3d:
+        """Lift and drag [N] at a velocity [m/s]; all global."""
+        span = forward.Cross(upward).Normalize()
+        sweep = clamp(span.Dot(velocity) / velocity.Length(), -1.0, 1.0)
+        cos_sweep2 = 1.0 - sweep * sweep
+        in_plane = velocity - span * velocity.Dot(span)
+        speed = in_plane.Length()
+        if speed == 0.0:
+            return Vector3d()
+        lift_direction = span.Cross(in_plane).Normalize()
+        alpha = self.attack(in_plane, forward, upward)
+        cl, cd = self.coefficients(alpha)
+        cl *= cos_sweep2
+        if self.control is not None:
+            cl += self.control_to_cl * self.control.Position(0)
+        pressure = 0.5 * self.density * speed * speed * self.area
+        return lift_direction * (cl * pressure) - in_plane * (abs(cd) * cos_sweep2 * pressure / speed)
+
+    def attack(self, in_plane: Vector3d, forward: Vector3d, upward: Vector3d) -> float:
+        """Angle of attack [rad], within +-pi / 2: positive if the air comes from below."""
+        angle = math.acos(clamp(forward.Dot(in_plane) / in_plane.Length(), -1.0, 1.0))
+        alpha = self.alpha0 + math.copysign(angle, -upward.Dot(in_plane))
+        while abs(alpha) > HALF:
+            alpha -= math.copysign(math.pi, alpha)
+        return alpha
+
+    def coefficients(self, alpha: float) -> tuple[float, float]:
+        """(cl, cd) at an angle of attack [rad], without sweep."""
+        if abs(alpha) <= self.alpha_stall:
+            return self.cla * alpha, self.cda * alpha
+        side, beyond = math.copysign(1.0, alpha), abs(alpha) - self.alpha_stall
+        cl = max(0.0, self.cla * self.alpha_stall + self.cla_stall * beyond)
+        return side * cl, side * (self.cda * self.alpha_stall + self.cda_stall * beyond)
+
+
+GZ_REGISTER_MODEL_PLUGIN(LiftDragPlugin)

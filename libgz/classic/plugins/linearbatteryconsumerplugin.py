@@ -1,0 +1,32 @@
+"""LinearBatteryConsumerPlugin: draws power from a battery."""
+
+from __future__ import annotations
+
+import weakref
+from typing import TYPE_CHECKING
+
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import named_battery, named_link
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class LinearBatteryConsumerPlugin(ModelPlugin):
+    """Draws a constant power from a battery, as long as the plugin is there.
+
+    Elements:
+        link_name, battery_name: which battery.
+        power_load: [W].
+    """
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Begin to draw."""
+        battery = named_battery(named_link(model, sdf), sdf)
+        number = battery.AddConsumer()
+        battery.SetPowerLoad(number, sdf.Get(float, "power_load"))
+        weakref.finalize(self, battery.RemoveConsumer, number)
+
+
+GZ_REGISTER_MODEL_PLUGIN(LinearBatteryConsumerPlugin)

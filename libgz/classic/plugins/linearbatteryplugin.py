@@ -1,0 +1,63 @@
+"""LinearBatteryPlugin: the voltage of a battery that is being used up."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import named_battery, named_link
+from libgz.errors import ParameterError
+
+if TYPE_CHECKING:
+    from libgz.classic.common import Battery
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+FLAT = 1e-3  # [V]; below, the battery is empty for good
+HOUR = 3600.0  # [s]
+
+
+class LinearBatteryPlugin(ModelPlugin):
+    """Lets a battery's voltage follow what is drawn from it: V = e0 + e1 (1 - q / c) - r i.
+
+    The current i is the power of all consumers over the voltage, smoothed with the time constant tau; the charge q
+    falls by it. `libLinearBatteryConsumerPlugin.so` and `battery.AddConsumer()` are consumers.
+
+    Elements:
+        link_name, battery_name: which battery.
+        open_circuit_voltage_constant_coef, open_circuit_voltage_linear_coef: e0 and e1 [V].
+        initial_charge, capacity: q at the start, and c [A h].
+        resistance: r [ohm].
+        smooth_current_tau: tau [s].
+    """
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Take the battery over."""
+        self.physics = model.GetWorld().Physics()
+        battery = named_battery(named_link(model, sdf), sdf)
+        self.e0 = sdf.Get(float, "open_circuit_voltage_constant_coef")
+        self.e1 = sdf.Get(float, "open_circuit_voltage_linear_coef")
+        self.initial, self.capacity = sdf.Get(float, "initial_charge"), sdf.Get(float, "capacity")
+        self.resistance, self.tau = sdf.Get(float, "resistance"), sdf.Get(float, "smooth_current_tau")
+        for tag, value in (("capacity", self.capacity), ("smooth_current_tau", self.tau)):
+            if not value > 0.0:
+                raise ParameterError(f"{sdf.where}: <{tag}> is {value:g}; it must be positive")
+        self.Reset()
+        battery.SetUpdateFunc(self.voltage)
+
+    def voltage(self, battery: Battery) -> float:
+        """The voltage after a step [V]."""
+        before, step = battery.Voltage(), self.physics.GetMaxStepSize()
+        if before < FLAT:
+            return 0.0
+        drawn = sum(battery.PowerLoads().values()) / before
+        self.current += (drawn - self.current) * step / self.tau
+        self.charge -= self.current * step / HOUR
+        return self.e0 + self.e1 * (1.0 - self.charge / self.capacity) - self.resistance * self.current
+
+    def Reset(self) -> None:
+        """As full as at the start."""
+        self.charge, self.current = self.initial, 0.0
+
+
+GZ_REGISTER_MODEL_PLUGIN(LinearBatteryPlugin)

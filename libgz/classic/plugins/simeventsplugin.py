@@ -1,0 +1,218 @@
+"""SimEventsPlugin: tells on a topic when something happens in a world."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic import msgs, transport
+from libgz.classic.event import Events
+from libgz.classic.math import Vector3d
+from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+from libgz.errors import NotFoundError, ParameterError, nearest
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Joint, World
+    from libgz.sdf.element import Element
+
+TOPIC = "/gazebo/sim_events"
+
+
+class Region:
+    """Boxes along the world's axes."""
+
+    def __init__(self, element: Element) -> None:
+        self.name = element.Get(str, "name").strip()
+        self.boxes = [(v.Get(Vector3d, "min"), v.Get(Vector3d, "max")) for v in element.named("volume")]
+
+    def holds(self, point: Iterable[float]) -> bool:
+        """Whether a point [m] is in one of the boxes."""
+        x = tuple(point)
+        return any(all(a <= v <= b for a, v, b in zip(low, x, high, strict=True)) for low, high in self.boxes)
+
+
+class SimEventsPlugin(WorldPlugin):
+    """Publishes a SimEvent on /gazebo/sim_events whenever one of its events happens.
+
+    A message has the event's name, its type, the world's statistics, and as data a JSON text, such as
+    ``{"state": "inside", "region": "end", "model": "can1"}``.
+
+    Elements:
+        region: `<name>`, and `<volume>` elements with `<min>` and `<max>`, corners of boxes [m].
+        event: `<name>`, `<type>`, and `<active>` (true). The types:
+            sim_state: the world is paused, or runs again. States paused, running.
+            existence: a model whose name begins with `<model>` comes or goes; any model without it. States creation,
+                deletion.
+            inclusion: the origin of `<model>` enters or leaves `<region>`. States inside, outside.
+            joint: `<joint>` of `<model>` (or the first model whose name begins so) enters or leaves `<range>`: `<type>`
+                position, normalized_angle (within +-pi), velocity or applied_force; `<min>`, `<max>` [rad], [m] and per
+                second, [N m], [N]. States in_range, out_of_range.
+            occupied: in each iteration, for each model that is not static and whose origin is in `<region>`, a GzString
+                with `<msg_data>` goes to `<topic>`; no SimEvent.
+    """
+
+    def Load(self, world: World, sdf: Element) -> None:
+        """Read regions and events."""
+        self.world = world
+        self.node = transport.Node()
+        self.node.Init(world.Name())
+        self.publisher = self.node.Advertise(msgs.SimEvent, TOPIC)
+        self.regions = {region.name: region for region in map(Region, sdf.named("region"))}
+        self.connections: list[Any] = []
+        self.checks: list[Callable[[], None]] = []
+        self.changes: list[Callable[[], None]] = []  # forget what was, after a reset
+        self.number = 0
+        kinds = {
+            "sim_state": self._sim_state,
+            "existence": self._existence,
+            "inclusion": self._inclusion,
+            "joint": self._joint,
+            "occupied": self._occupied,
+        }
+        for event in sdf.named("event"):
+            kind = event.Get(str, "type").strip()
+            if kind not in kinds:
+                raise ParameterError(
+                    f'{event.where}: Unknown event type: "{kind}"; {", ".join(kinds)} are known{nearest(kind, kinds)}'
+                )
+            kinds[kind](event)
+        self.connections.append(Events.ConnectWorldUpdateBegin(self.OnUpdate))
+
+    def OnUpdate(self) -> None:
+        """Look at everything that has to be looked at."""
+        for check in self.checks:
+            check()
+
+    def Reset(self) -> None:
+        """Everything is as at the start."""
+        for forget in self.changes:
+            forget()
+
+    def _emit(self, event: Element, /, **data: Any) -> None:
+        if event.Get(str, "active", "true")[0].strip() not in ("true", "1"):
+            return
+        self.number += 1
+        message = msgs.SimEvent(
+            id=self.number, type=event.Get(str, "type").strip(), name=event.Get(str, "name").strip()
+        )
+        message.data = json.dumps(data)
+        statistics = message.world_statistics
+        statistics.iterations, statistics.paused = self.world.Iterations(), self.world.IsPaused()
+        msgs.Set(statistics.sim_time, self.world.SimTime())
+        msgs.Set(statistics.real_time, self.world.RealTime())
+        msgs.Set(statistics.pause_time, self.world.PauseTime())
+        self.publisher.Publish(message)
+
+    def _watch(self, test: Callable[[], bool | None], tell: Callable[[bool], None]) -> None:
+        """Tell when a condition changes; None means that it cannot be told."""
+        state = [False]
+
+        def check() -> None:
+            now = test()
+            if now is not None and now != state[0]:
+                state[0] = now
+                tell(now)
+
+        def forget() -> None:
+            state[0] = False
+
+        self.checks.append(check)
+        self.changes.append(forget)
+
+    def _region(self, event: Element) -> Region:
+        name = event.Get(str, "region").strip()
+        if name not in self.regions:
+            raise NotFoundError(
+                f"{event.where}: there is no region {name!r}; there are {', '.join(self.regions) or 'none'}"
+                + nearest(name, self.regions)
+            )
+        return self.regions[name]
+
+    # Kinds -------------------------------------------------------------------------------------------------------
+
+    def _sim_state(self, event: Element) -> None:
+        def tell(paused: bool) -> None:
+            self._emit(event, state="paused" if paused else "running")
+
+        self.connections.append(Events.ConnectPause(tell))
+
+    def _existence(self, event: Element) -> None:
+        prefix = event.Get(str, "model").strip()
+
+        def told(name: str, state: str) -> None:
+            if name.startswith(prefix) and "::" not in name and self.world.LightByName(name) is None:
+                self._emit(event, event="existence", state=state, model=name)
+
+        self.connections.append(Events.ConnectAddEntity(lambda name: told(name, "creation")))
+        self.connections.append(Events.ConnectDeleteEntity(lambda name: told(name, "deletion")))
+
+    def _inclusion(self, event: Element) -> None:
+        region, name = self._region(event), event.Get(str, "model").strip()
+
+        def test() -> bool | None:
+            model = self.world.ModelByName(name)
+            return region.holds(model.WorldPose().Pos()) if model is not None else None
+
+        def tell(inside: bool) -> None:
+            self._emit(event, state="inside" if inside else "outside", region=region.name, model=name)
+
+        self._watch(test, tell)
+
+    def _joint(self, event: Element) -> None:
+        limits = event.child("range")
+        low, high = limits.Get(float, "min", -math.inf)[0], limits.Get(float, "max", math.inf)[0]
+        kind = limits.Get(str, "type").strip()
+        values: dict[str, Callable[[Joint], float]] = {
+            "position": lambda joint: joint.Position(0),
+            "normalized_angle": lambda joint: math.remainder(joint.Position(0), 2.0 * math.pi),
+            "velocity": lambda joint: joint.GetVelocity(0),
+            "applied_force": lambda joint: joint.GetForce(0),
+        }
+        if kind not in values:
+            raise ParameterError(
+                f"{limits.where}: <range> has type {kind!r}; allowed are {', '.join(values)}{nearest(kind, values)}"
+            )
+
+        def test() -> bool | None:
+            joint = self._find_joint(event)
+            return low <= values[kind](joint) <= high if joint is not None else None
+
+        def tell(inside: bool) -> None:
+            joint = self._find_joint(event)
+            if joint is not None:
+                self._emit(
+                    event,
+                    state="in_range" if inside else "out_of_range",
+                    model=event.Get(str, "model").strip(),
+                    joint=joint.GetName(),
+                    range=kind,
+                    value=values[kind](joint),
+                    position=joint.Position(0),
+                    velocity=joint.GetVelocity(0),
+                    force=joint.GetForce(0),
+                )
+
+        self._watch(test, tell)
+
+    def _find_joint(self, event: Element) -> Joint | None:
+        name = event.Get(str, "model").strip()
+        models = self.world.Models()
+        model = self.world.ModelByName(name) or next((m for m in models if m.GetName().startswith(name)), None)
+        return model.GetJoint(event.Get(str, "joint").strip()) if model is not None else None
+
+    def _occupied(self, event: Element) -> None:
+        region = self._region(event)
+        publisher = self.node.Advertise(msgs.GzString, event.Get(str, "topic").strip())
+        message = msgs.GzString(data=event.Get(str, "msg_data").strip())
+
+        def check() -> None:
+            for model in self.world.Models():
+                if not model.IsStatic() and region.holds(model.WorldPose().Pos()):
+                    publisher.Publish(message)
+
+        self.checks.append(check)
+
+
+GZ_REGISTER_WORLD_PLUGIN(SimEventsPlugin)

@@ -1,0 +1,64 @@
+"""SkidSteerDrivePlugin: drives a model with four wheels by a topic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from libgz.classic import transport
+from libgz.classic.event import Events
+from libgz.classic.math import Quaterniond
+from libgz.classic.msgs import ConvertIgn
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import find_joint
+from libgz.classic.plugins._wheels import Wheel, radius_of, separation
+
+if TYPE_CHECKING:
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class SkidSteerDrivePlugin(ModelPlugin):
+    """Drives a model whose four wheels do not steer.
+
+    The joints are called right_front, right_rear, left_front and left_rear. ~/<model>/vel_cmd takes a Pose: x of the
+    position is the speed [m/s], yaw of the orientation the turn [rad/s], left positive. As in Gazebo, the sides run
+    with speed -+ yaw * separation: twice what the geometry asks for, for wheels that skid turn the body less than they
+    roll. Separation and radius are those of the front wheels. A command holds until the next one.
+
+    Elements:
+        max_force: the most that each wheel's motor does [N m]; without it the wheels have their speed at once.
+    """
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the wheels, and listen."""
+        torque = sdf.Get(float, "max_force", 0.0)[0]
+        joints = {name: find_joint(model, name) for name in ("right_front", "right_rear", "left_front", "left_rear")}
+        self.separation = separation(joints["right_front"], joints["left_front"])
+        radius = radius_of(joints["right_front"].GetChild())
+        wheels = {name: Wheel(joint, torque, radius) for name, joint in joints.items()}
+        self.right = wheels["right_front"], wheels["right_rear"]
+        self.left = wheels["left_front"], wheels["left_rear"]
+        self.command = (0.0, 0.0)
+        self.node = transport.Node()
+        self.node.Init(model.GetWorld().Name())
+        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnVelMsg(self, message: Any) -> None:
+        """A new command."""
+        self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
+
+    def OnUpdate(self) -> None:
+        """Run the wheels."""
+        speed, turn = self.command
+        for wheel in self.right:
+            wheel.run(speed + turn * self.separation)
+        for wheel in self.left:
+            wheel.run(speed - turn * self.separation)
+
+    def Reset(self) -> None:
+        """Stop."""
+        self.command = (0.0, 0.0)
+
+
+GZ_REGISTER_MODEL_PLUGIN(SkidSteerDrivePlugin)

@@ -1,0 +1,114 @@
+"""Pages of the API for plugins of Gazebo classic: a table of each class, made from signatures and docstrings."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+__all__ = ["PAGES", "classic_pages", "write_classic_pages"]
+
+NOTE = "<!-- Made by scripts/make_classic_pages.py from the classes; do not edit. -->\n"
+PAGES = {
+    "physics": "the world, models, links, joints, collisions",
+    "sensors": "what measures",
+    "rendering": "what is seen: scene, visuals, cameras",
+    "common": "times, PID controllers, animations, console, search paths",
+    "math": "vectors, quaternions, poses, angles, random numbers",
+    "transport": "nodes, publishers, subscribers",
+    "sdf": "elements of SDF documents",
+}
+OLD = "The old name of "
+
+
+def classic_pages() -> dict[str, str]:
+    """File name -> text of all pages."""
+    rows = ["| module | what is in it |", "|---|---|", *(f"| [{n}]({n}.md) | {about} |" for n, about in PAGES.items())]
+    head = "Classes and functions by module, as `from libgz.classic import physics` has them; the guide is"
+    text = "\n".join([NOTE, "# The API for plugins\n", f"{head} [plugins.md](../plugins.md).\n", *rows, ""])
+    return {"README.md": text, **{f"{name}.md": _page(name, about) for name, about in PAGES.items()}}
+
+
+def write_classic_pages(directory: Path) -> list[Path]:
+    """Write all pages; the files that changed.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
+    directory.mkdir(parents=True, exist_ok=True)
+    changed = []
+    for name, text in classic_pages().items():
+        path = directory / name
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            path.write_text(text, encoding="utf-8")
+            changed.append(path)
+    return changed
+
+
+def _page(name: str, about: str) -> str:
+    module = importlib.import_module(f"libgz.classic.{name}")
+    found = {word: getattr(module, word) for word in module.__all__}
+    classes: dict[type, list[str]] = {}
+    functions = []
+    for word, thing in found.items():
+        if inspect.isclass(thing) and thing.__module__.startswith("libgz."):
+            classes.setdefault(thing, []).append(word)
+        elif inspect.isfunction(thing):
+            functions.append(_row(word, [], thing))
+    parts = [NOTE, f"# {name}\n", f"`libgz.classic.{name}`: {about}. Names in the second column do the same.\n"]
+    if functions:
+        parts.append(_table("function", functions))
+    for kind in sorted(classes, key=lambda kind: kind.__name__):
+        parts += [f"## {kind.__name__}\n", _about(kind, classes[kind]), _table("method", list(_methods(kind)))]
+    return "\n".join(part for part in parts if part)
+
+
+def _about(kind: type, names: list[str]) -> str:
+    others = [name for name in names if name != kind.__name__]
+    above = [b.__name__ for b in kind.__bases__ if b.__module__.startswith("libgz.classic") and b.__name__[0] != "_"]
+    parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
+    parts += [f"Also called {_names(others)}."] if others else []
+    parts += [f"Besides these it has what {_names(above)} has."] if above else []
+    return " ".join(part for part in parts if part) + "\n"
+
+
+def _methods(kind: type) -> Iterator[str]:
+    """A row of each method of the class itself. Lower-case names are libgz's own, and told of elements only."""
+    names: dict[Callable[..., object], list[str]] = {}
+    for name, thing in vars(kind).items():
+        function = thing.__func__ if isinstance(thing, classmethod | staticmethod) else thing
+        told = name[0].isupper() or (name[0] != "_" and kind.__module__.startswith("libgz.sdf"))
+        if told and inspect.isfunction(function) and function.__doc__:
+            names.setdefault(function, []).append(name)
+    old = {_summary(f).removeprefix(OLD).rstrip("."): n for f, n in names.items() if _summary(f).startswith(OLD)}
+    for function, own in names.items():
+        if not _summary(function).startswith(OLD):
+            first = function.__name__ if function.__name__ in own else own[0]
+            yield _row(first, [n for n in own if n != first] + old.get(first, []), function)
+
+
+def _row(name: str, others: list[str], function: Callable[..., object]) -> str:
+    signature = inspect.signature(function)
+    values = [p for p in signature.parameters.values() if p.name not in ("self", "cls")]
+    words = re.sub("(: |-> )'([^']*)'", r"\1\2", str(signature.replace(parameters=values)))
+    return f"| `{name}` | {_names(others)} | `{_cell(words)}` | {_summary(function)} |"
+
+
+def _names(names: list[str]) -> str:
+    return ", ".join(f"`{name}`" for name in names)
+
+
+def _summary(function: Callable[..., object]) -> str:
+    return _cell((inspect.getdoc(function) or "").split("\n\n", maxsplit=1)[0].replace("\n", " "))
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+def _table(head: str, rows: list[str]) -> str:
+    if not rows:
+        return ""
+    return "\n".join([f"| {head} | other names | arguments -> result | what it does |", "|---|---|---|---|", *rows, ""])

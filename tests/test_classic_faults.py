@@ -95,6 +95,7 @@ def test_a_body_is_told_of_once(core, view, caplog):
         lambda view, link: view.Physics().CreateShape("ray").SetPoints((0, 0, 0), (1e300, 0, 0)),
         lambda view, link: link.GetInertial().SetCoG(1e20, 0, 0),
         lambda view, link: link.GetCollision(0).SetRelativePose(libgz.GzPose(libgz.GzVector(1e30, 0, 0))),
+        lambda view, link: link.SetWorldPose(libgz.GzPose(libgz.GzVector(), libgz.GzQuatern(0, 0, 0, 0))),
         lambda view, link: view.Physics().SetParam("iters", 10**9),
         lambda view, link: view.ModelByName("arm").GetJointController().SetPositionTarget("hinge", math.nan),
         lambda view, link: view.ModelByName("arm").GetJointController().SetPositionPID("hinge", 3.0),

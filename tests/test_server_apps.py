@@ -1,5 +1,6 @@
 """The commands for running SDF worlds, against a real gzserver: libgz model, joint, stats."""
 
+import contextlib
 import os
 import re
 import socket
@@ -25,10 +26,9 @@ WORLD = """
 """
 
 
-@pytest.fixture(scope="module")
-def place(tmp_path_factory):
-    """The environment of a server that runs, and of its clients."""
-    folder = tmp_path_factory.mktemp("server")
+@contextlib.contextmanager
+def serve(folder):
+    """(environment for clients, process) of a server that runs."""
     (folder / "w.world").write_text(WORLD)
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -39,9 +39,17 @@ def place(tmp_path_factory):
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
         while "Publicized" not in server.stdout.readline():
             assert server.poll() is None
-        yield env
+        yield env, server
         server.terminate()
-        assert server.wait(20) == 0
+        assert server.wait(20) in (0, -9)
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """The environment of a server that runs, and of its clients."""
+    with serve(tmp_path_factory.mktemp("server")) as (env, server):
+        yield env
+        assert server.poll() is None
 
 
 @pytest.fixture
@@ -107,3 +115,13 @@ def test_what_is_missing_is_told(libgz):
     assert "which model?" in libgz("model", "-i", code=1)
     assert "what is to be done?" in libgz("model", "-m", "box", code=1)
     assert "what is to be done?" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)
+
+
+def test_statistics_end_with_the_server(tmp_path):
+    with serve(tmp_path) as (env, server):
+        command = [sys.executable, "-m", "libgz.apps.libgz", "stats"]
+        with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as stats:
+            assert stats.stdout.readline().startswith("Factor")
+            server.kill()
+            assert "the server ended" in stats.communicate(timeout=30)[1]
+            assert stats.returncode == 1

@@ -24,7 +24,7 @@ from libgz.geometry import (
 )
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
-from libgz.physics.check import LARGEST, finite_tuple, not_negative
+from libgz.physics.check import LARGEST, finite_tuple, not_negative, rotation_tuple
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -148,7 +148,7 @@ class Body:
             ParameterError: a component is not finite.
         """
         position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
-        rotation = GzQuaternNormal(finite_tuple(pose.rot, 4, "rotation"))
+        rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             for geom in self.geoms:

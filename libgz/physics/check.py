@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from libgz.errors import ParameterError
 
-__all__ = ["LARGEST", "finite", "finite_tuple", "not_negative", "positive", "unit_axis"]
+__all__ = ["LARGEST", "finite", "finite_tuple", "not_negative", "positive", "rotation_tuple", "unit_axis"]
 
 # ODE ends the process where bounding boxes leave the whole numbers that a double holds, or inertia overflows. In
 # metres, kilograms and metres per second this is far inside of that, and far outside of any robot's world.
@@ -63,6 +63,18 @@ def finite_tuple(values: Iterable[float], count: int, what: str, largest: float 
         raise ParameterError(f"{what} is {numbers}; it must be {count} finite numbers")
     if largest < math.inf and max(map(abs, numbers)) > largest:
         raise ParameterError(f"{what} is {numbers}; its numbers must be within +-{largest:g}")
+    return numbers
+
+
+def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:
+    """`values` as a tuple of four floats that can be scaled to length 1.
+
+    Raises:
+        ParameterError: they are zero, not finite, or absurdly large or small.
+    """
+    numbers = finite_tuple(values, 4, what, 1e150)
+    if max(map(abs, numbers)) < 1e-150:
+        raise ParameterError(f"{what} is {numbers}; a quaternion must not be zero")
     return numbers
 
 

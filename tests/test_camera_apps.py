@@ -91,3 +91,40 @@ def test_doctor_shows_which_contexts_work():
     for name in ("osmesa", "egl"):
         assert lines[name].startswith("ok")
         assert "draws pictures" in lines[name]
+
+
+SDF = """
+<sdf version='1.6'><world name='w'>
+  <light name='sun' type='directional'><direction>1 0 -1</direction></light>
+  <model name='m'><static>1</static>
+    <link name='l'><sensor name='eye' type='camera'><camera><horizontal_fov>1</horizontal_fov>
+      <image><width>64</width><height>48</height></image><clip><near>.1</near><far>50</far></clip></camera></sensor>
+    </link></model>
+  <model name='ball'><pose>4 0 0 0 0 0</pose><static>1</static><link name='l'>
+    <visual name='v'><geometry><sphere><radius>1</radius></sphere></geometry>
+      <material><ambient>1 0 0 1</ambient><diffuse>1 0 0 1</diffuse></material></visual></link></model>
+</world></sdf>
+"""
+
+
+@pytest.mark.parametrize(
+    ("words", "size"), [([], (64, 48)), (["--camera", "eye"], (64, 48)), (["--pose", "0 0 0 0 0 0"], (640, 480))]
+)
+def test_picture_of_an_sdf_world(words, size, tmp_path):
+    world, out = tmp_path / "w.world", tmp_path / "out.png"
+    world.write_text(SDF)
+    done = libgz("picture", world, "-o", out, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    with Image.open(out) as picture:
+        assert picture.size == size
+        pixels = np.asarray(picture).astype(int)
+    middle = pixels[size[1] // 2, size[0] // 2]
+    assert middle[0] > middle[1] + 50  # the ball is red
+
+
+def test_picture_names_the_sensors_there_are(tmp_path):
+    world = tmp_path / "w.world"
+    world.write_text(SDF)
+    done = libgz("picture", world, "--camera", "ey")
+    assert done.returncode == 1
+    assert "no camera has the name 'ey'; there are w::m::l::eye" in done.stderr

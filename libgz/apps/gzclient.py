@@ -23,6 +23,7 @@ from libgz.apps.gzserver import (
     open_log,
     tell_link,
 )
+from libgz.apps.view_options import pose, size
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import connect
 from libgz.errors import GazeboError
@@ -40,25 +41,13 @@ log = logging.getLogger("libgz.classic")
 DEPRECATED = "g/gui-plugin is really loading a SystemPlugin. To load a GUI plugin please use --gui-client-plugin"
 
 
-def _size(text: str) -> tuple[int, int]:
-    width, height = (int(part) for part in text.lower().split("x"))
-    if min(width, height) < 1:
-        raise ValueError
-    return width, height
-
-
-def _pose(text: str) -> Pose3d:
-    x, y, z, roll, pitch, yaw = map(float, text.split())
-    return Pose3d(x, y, z, roll, pitch, yaw)
-
-
 def _rate(text: str) -> float:
     if not float(text) > 0.0:
         raise ValueError
     return float(text)
 
 
-_size.__name__, _pose.__name__, _rate.__name__ = "WxH", "pose", "rate"
+_rate.__name__ = "rate"
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -73,8 +62,8 @@ def make_parser() -> argparse.ArgumentParser:
     add("--rate", type=_rate, default=60.0, help="frames in a second [Hz] (default 60)")
     add("--timeout", type=_rate, default=30.0, help="how long to look for a server [s] (default 30)")
     add("--picture", metavar="FILE", help="save what the user camera sees, and end")
-    add("--pose", type=_pose, metavar='"X Y Z R P Y"', help="of the user camera [m], [rad] (default: the world's)")
-    add("--size", type=_size, default=(800, 600), metavar="WxH", help="of what it sees [px] (default 800x600)")
+    add("--pose", type=pose, metavar='"X Y Z R P Y"', help="of the user camera [m], [rad] (default: the world's)")
+    add("--size", type=size, default=(800, 600), metavar="WxH", help="of what it sees [px] (default 800x600)")
     add("--gl", choices=CHOICES, default=None, help="as for gazebo")
     return parser
 
@@ -116,7 +105,7 @@ class Run:
         from libgz.classic.gui.client import Client
 
         options = self.options
-        with Client(options.size, options.pose, options.gui_client_plugin) as client:
+        with Client(options.size, options.pose and Pose3d(options.pose), options.gui_client_plugin) as client:
             if options.picture is not None:
                 return self._take_picture(client)
             signal.signal(signal.SIGINT, self._interrupted)

@@ -17,6 +17,7 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.server import WorldServer
@@ -120,8 +121,8 @@ class Commands:
             file = SdfFile.load(find_model(message.sdf_filename))
         elif message.clone_model_name:
             sdf = self._find(message.clone_model_name, Model).GetSDF()
-            version = self._world.core.sdf.version if self._world.core.sdf is not None else "1.6"
-            file = SdfFile.from_string(f"<sdf version='{version}'>{sdf.ToString() if sdf is not None else ''}</sdf>")
+            text = upgraded(sdf).ToString() if sdf is not None else ""
+            file = SdfFile.from_string(f"<sdf version='{NEWEST}'>{text}</sdf>")
             for entity in file.root.children:
                 entity.set_attribute("name", f"{message.clone_model_name}_clone")
         else:

@@ -9,6 +9,7 @@ from libgz.classic.common import Time
 from libgz.errors import WorldFileError
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.sdf.element import Element
+from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -54,7 +55,7 @@ class WorldState:
 
 
 def world_text(world: World) -> str:
-    """A world as SDF with the present poses.
+    """A world as SDF 1.6 with the present poses.
 
     Raises:
         WorldFileError: the world was not made from SDF.
@@ -62,21 +63,20 @@ def world_text(world: World) -> str:
     sdf = world.SDF()
     if sdf is None:
         raise WorldFileError(f"world {world.Name()!r} was not made from SDF")
-    copy = sdf.Clone()
+    copy = upgraded(sdf)
     for element in [child for child in copy.children if child.name in ("model", "light", "state")]:
         copy.RemoveChild(element)
     for part in (*world.Models(), *world.Lights()):
         own = part.GetSDF()
         if own is not None:
-            copy.InsertElement(_placed(own.Clone(), part.pose()))
+            copy.InsertElement(_placed(upgraded(own), part.pose()))
     for model in world.Models():
         placed = next((e for e in copy.named("model") if e.Get(str, "name") == model.GetName()), Element("model"))
         for link in model.GetLinks():
             for inner in placed.named("link"):
                 if inner.Get(str, "name") == link.GetName():
                     _placed(inner, GzCoordPoseSub(link.pose(), model.pose()))
-    version = world.core.sdf.version if world.core.sdf is not None else "1.6"
-    return f'<?xml version="1.0"?>\n<sdf version="{version}">\n{copy.ToString("  ")}</sdf>\n'
+    return f'<?xml version="1.0"?>\n<sdf version="{NEWEST}">\n{copy.ToString("  ")}</sdf>\n'
 
 
 def save_world(world: World, path: Path) -> None:

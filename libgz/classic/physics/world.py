@@ -23,6 +23,7 @@ from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.simulation.event import Event
 from libgz.simulation.sdf_model import SdfModel
 from libgz.simulation.sdf_world import SdfLight, WorldJoints, insert_sdf
@@ -317,8 +318,11 @@ class World(Base):
 
     def InsertModelSDF(self, sdf: Element | SdfFile) -> None:
         """Add the models and lights of an SDF document; in a callback, at the end of this iteration."""
-        text = sdf.root.ToString() if isinstance(sdf, SdfFile) else sdf.ToString()
-        self.InsertModelString(text if text.lstrip().startswith("<sdf") else f"<sdf version='1.6'>{text}</sdf>")
+        root = sdf if isinstance(sdf, Element) else sdf.root
+        text = (
+            upgraded(root).ToString() if root.name != "sdf" else "".join(e.ToString() for e in upgraded(root).children)
+        )
+        self.InsertModelString(f"<sdf version='{NEWEST}'>{text}</sdf>")
 
     def _insert(self, read: Callable[[], SdfFile]) -> None:
         def act() -> None:

@@ -1,0 +1,57 @@
+"""Older SDF in the words of 1.6, so that pieces of several versions can stand in one document."""
+
+from __future__ import annotations
+
+from libgz.sdf.element import Element
+
+__all__ = ["NEWEST", "upgraded"]
+
+NEWEST = "1.6"
+MOVED_UP = ("gravity", "magnetic_field")  # from <physics> to <world>
+NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <imu>
+
+
+def upgraded(element: Element) -> Element:
+    """A copy of an element, and of all in it, that means in SDF 1.6 what it means in the version it was read as."""
+    copy = element.Clone()
+    for world in [copy] if copy.name == "world" else copy.find("world"):
+        _move_up(world)
+    for name in ("axis", "axis2"):
+        for axis in copy.find(name):
+            if axis.description is not None and "use_parent_model_frame" not in axis.description.children:
+                _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes were of the model's frame
+    for imu in copy.find("imu"):
+        _spread_noise(imu)
+    return copy
+
+
+def _add(parent: Element, name: str) -> Element:
+    return parent.InsertElement(Element(name, file=parent.file, line=parent.line))
+
+
+def _move_up(world: Element) -> None:
+    described = world.description.children if world.description is not None else {}
+    for physics in world.named("physics"):
+        for name in MOVED_UP:
+            old = next(physics.named(name), None)
+            if name in described or old is None:
+                continue
+            physics.RemoveChild(old)
+            if not world.HasElement(name):
+                world.InsertElement(old)
+
+
+def _spread_noise(imu: Element) -> None:
+    """One noise for all axes becomes one for each."""
+    for noise in list(imu.named("noise")):
+        imu.RemoveChild(noise)
+        for old, new in NOISES.items():
+            source = next(noise.named(old), None)
+            if source is None:
+                continue
+            holder = _add(imu, new)
+            for axis in "xyz":
+                target = _add(_add(holder, axis), "noise")
+                target.set_attribute("type", noise.Get(str, "type"))
+                for value in source.children:
+                    target.InsertElement(value.Clone())

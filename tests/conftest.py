@@ -1,10 +1,22 @@
 """Fixtures of several test modules."""
 
+import logging
+
 import pytest
 from c_programs import config
 from sdf_worlds import Loader
 
 from libgz.transport.server import Server
+
+
+@pytest.fixture(autouse=True)
+def own_logging():
+    """What a command run in this process does to the library's logger ends with the test."""
+    logger = logging.getLogger("libgz")
+    level, propagate, handlers = logger.level, logger.propagate, logger.handlers[:]
+    yield
+    logger.setLevel(level)
+    logger.propagate, logger.handlers[:] = propagate, handlers
 
 
 @pytest.fixture

@@ -383,7 +383,7 @@ def test_what_raises_at_the_end_of_an_animation_or_in_a_battery_stops_its_plugin
     world = run(box.replace("<collision", "<battery name='b'><voltage>5</voltage></battery><collision"))
     world.step(5)
     words = "Exception occured in {} of plugin with name[{}] and filename[lib{}.so]. This plugin will not run."
-    assert caplog.text.count(words.format("a callback of event end of an animation", "ends", "ends")) == 1
+    assert caplog.text.count(words.format("the end of the animation of box", "ends", "ends")) == 1
     assert caplog.text.count(words.format("the rule of battery 'b'", "rules", "rules")) == 1
     assert physics.get_world().ModelByName("box").GetLink().Battery("b").Voltage() == 5.0
 

@@ -109,6 +109,7 @@ def test_the_world_is_paused_stepped_and_reset(view, core, say):
     core.step(5)
     assert view.Iterations() == at
     say("~/world_control", msgs.WorldControl(multi_step=7))
+    core.step(10)
     assert view.Iterations() == at + 7
     assert view.IsPaused()
     reset = msgs.WorldControl(pause=False)

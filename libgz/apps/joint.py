@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
         NotFoundError: there is no such model or joint.
         ParameterError: the command line says too little.
     """
-    with world_node(options) as node:
+    with world_node(options) as (node, _link):
         model = ask(node, "entity_info", options.model_name)
         joints = {joint.name.rpartition("::")[2]: joint for joint in model.joint}
         if options.joint_name is not None and options.joint_name not in joints:

@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError("which model? -m NAME, or -f FILE for a new one")
     if not (spawned or moved or options.info or options.pose or options.delete):
         raise ParameterError("what is to be done? -i, -p, -d, a place such as -x 1, or -f FILE")
-    with world_node(options) as node:
+    with world_node(options) as (node, _link):
         if spawned:
             publish(node, "~/factory", _factory(options, place if moved else None))
             return 0

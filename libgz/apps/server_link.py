@@ -9,7 +9,7 @@ from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.msgs.declare import message_type
-from libgz.classic.transport import Node, connect
+from libgz.classic.transport import Link, Node, connect
 from libgz.classic.transport.functions import request
 from libgz.errors import GazeboError, NotFoundError
 
@@ -24,17 +24,17 @@ def add_world(parser: argparse.ArgumentParser) -> None:
 
 
 @contextlib.contextmanager
-def world_node(options: argparse.Namespace) -> Iterator[Node]:
-    """A node in the world that the command line names.
+def world_node(options: argparse.Namespace) -> Iterator[tuple[Node, Link]]:
+    """A node in the world that the command line names, and the link to its server.
 
     Raises:
         ServerError: there is no server.
         LibraryError: the extra for topics between processes is not installed.
     """
-    with connect(timeout=PATIENCE):
+    with connect(timeout=PATIENCE) as link:
         node = Node()
         node.Init(options.world_name)
-        yield node
+        yield node, link
 
 
 def publish(node: Node, topic: str, message: Any) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 from libgz.apps.server_link import add_world, world_node
 from libgz.classic.transport import TopicManager
+from libgz.errors import GazeboError
 
 __all__ = ["configure", "run"]
 
@@ -27,15 +28,18 @@ def run(options: argparse.Namespace) -> int:
 
     Raises:
         ServerError: there is no server.
+        GazeboError: the server ended.
     """
     if options.plot:
         print("# real-time factor (percent), simtime (sec), realtime (sec), paused (T or F)")
-    with world_node(options) as node, contextlib.suppress(KeyboardInterrupt):
+    with world_node(options) as (node, link), contextlib.suppress(KeyboardInterrupt):
         watch = _Watch(options.plot)
         subscriber = node.Subscribe("~/world_stats", watch.on_statistics)
         end = float("inf") if options.duration is None else time.monotonic() + options.duration
         while time.monotonic() < end:
             TopicManager.Instance().ProcessNodes()
+            if not link.connected():
+                raise GazeboError("the server ended")
             time.sleep(NAP)
         subscriber.Unsubscribe()
     return 0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
 from libgz.classic.common import PID
-from libgz.classic.describe import entity_message, physics_message, scene_message
+from libgz.classic.describe import LIGHT_KINDS, entity_message, physics_message, scene_message
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
@@ -46,6 +46,8 @@ class Commands:
                 handler(message)
             except GazeboError as fault:
                 log.error("%s: %s", topic, fault)
+            except Exception:  # or the topic would be dead from now on
+                log.exception("%s: a message could not be acted on", topic)
 
         return on_message
 
@@ -57,6 +59,8 @@ class Commands:
             self._world.Physics().SetSeed(message.seed)
         if message.HasField("pause"):
             self._world.SetPaused(message.pause)
+            if not message.pause:
+                self._server.end_steps()
         steps = message.multi_step if message.HasField("multi_step") else int(message.step)
         if steps:
             self._server.step_paused(steps)
@@ -132,7 +136,7 @@ class Commands:
 
     def factory_light(self, message: Any) -> None:
         """~/factory/light: a new light."""
-        kind = ("point", "spot", "directional")[max(0, message.type - 1)]
+        kind = LIGHT_KINDS[max(0, message.type - 1)]
         element = SdfFile.from_string("<sdf version='1.6'><light name='' type='point'/></sdf>").root.child("light")
         element.set_attribute("name", message.name)
         element.set_attribute("type", kind)

@@ -9,6 +9,7 @@ from typing import Any
 from libgz.classic import msgs
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
+from libgz.classic.physics.contact_topics import contacts_message
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
@@ -17,7 +18,7 @@ from libgz.classic.physics.shape import BoxShape, CylinderShape, PlaneShape, Sph
 from libgz.classic.physics.world import World
 
 __all__ = [
-    "contacts_message",
+    "contacts_of",
     "entity_message",
     "light_message",
     "model_message",
@@ -83,28 +84,9 @@ def physics_message(world: World) -> Any:
     return message
 
 
-def contacts_message(world: World) -> Any:
+def contacts_of(world: World) -> Any:
     """~/physics/contacts: the contacts of the last step."""
-    message = msgs.Contacts()
-    msgs.Set(message.time, world.SimTime())
-    for contact in world.Physics().GetContactManager().GetContacts():
-        part = message.contact.add()
-        part.world = world.Name()
-        part.collision1, part.collision2 = contact.collision1.GetScopedName(), contact.collision2.GetScopedName()
-        msgs.Set(part.time, contact.time)
-        part.depth.extend(contact.depths)
-        for position, normal, wrench in zip(contact.positions, contact.normals, contact.wrench, strict=True):
-            msgs.Set(part.position.add(), position)
-            msgs.Set(part.normal.add(), normal)
-            both = part.wrench.add()
-            both.body_1_name, both.body_2_name = part.collision1, part.collision2
-            for words, force, torque in (
-                (both.body_1_wrench, wrench.body1Force, wrench.body1Torque),
-                (both.body_2_wrench, wrench.body2Force, wrench.body2Torque),
-            ):
-                msgs.Set(words.force, force)
-                msgs.Set(words.torque, torque)
-    return message
+    return contacts_message(world.Physics().GetContactManager().GetContacts(), world.SimTime())
 
 
 def model_message(model: Model) -> Any:

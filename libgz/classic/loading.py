@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -50,6 +51,9 @@ class LoadedPlugin:
         finally:
             owner.reset(token)
 
+    def __str__(self) -> str:
+        return f"plugin with name[{self.name}] and filename[{self.filename}]"
+
     def start(self, *values: Any) -> bool:
         """Load with these values, then Init; whether the plugin runs."""
         return self.call("Load", *values) and self.call("Init")
@@ -69,13 +73,10 @@ class LoadedPlugin:
 
     def stop(self, where: str, fault: BaseException) -> None:
         """Report what the plugin raised, and let it go."""
-        log.error(
-            "Exception occured in %s of plugin with name[%s] and filename[%s]. This plugin will not run.\n%s",
-            where,
-            self.name,
-            self.filename,
-            own_traceback(fault),
-        )
+        text, file = own_traceback(fault), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
+        if file is not None and file not in text:
+            text = f'  File "{file}"\n{text}'
+        log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text)
         self.drop()
 
     def drop(self) -> None:

@@ -67,7 +67,8 @@ class WorldServer:
         self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
-        self._to_step, self._stepping = 0, False
+        self._magnetic_field: tuple[float, ...] | None = None
+        self._to_step, self._lent = 0, False  # iterations that a pause is lifted for, and whether it is lifted
         self._new: list[CoreModel] = list(core.models)
         self._started = False
 
@@ -210,8 +211,12 @@ class WorldServer:
         self.world.forget(view)
 
     def step_paused(self, count: int) -> None:
-        """Run so many iterations although the world is paused, after this one."""
+        """Run the next so many iterations although the world is paused."""
         self._to_step += count
+
+    def end_steps(self) -> None:
+        """The pause was lifted for good: there is nothing to count any more."""
+        self._to_step, self._lent = 0, False
 
     def remove(self, family: list[CoreModel]) -> None:
         """Take models out, those first that are inside others."""
@@ -229,11 +234,20 @@ class WorldServer:
             self.sensors.update()
         if self.topics is not None:
             self.topics.update()
-        if self._to_step and not self._stepping:
-            steps, self._to_step = self._to_step, 0
-            self._stepping = True
-            self.world.Step(steps)
-            self._stepping = False
+        if self._to_step or self._lent:
+            self._lift_pause(paused)
+
+    def _lift_pause(self, paused: bool) -> None:
+        """Lift a pause as long as there are iterations to run; so a signal or a message can end them."""
+        if self._lent and not paused:
+            self._to_step -= 1
+        if self.core.paused and self._to_step > 0:
+            self.core.paused, self._lent = False, True
+        elif self._lent and self._to_step <= 0:
+            self.core.paused, self._lent, self._to_step = True, False, 0
+            self.core.events["Step"]()
+        elif not self._lent:
+            self._to_step = 0  # the world runs anyway
 
     def time_was_reset(self) -> None:
         """The clock was set back."""
@@ -267,9 +281,14 @@ class WorldServer:
         return self.sensors.names() if self.sensors is not None else []
 
     def magnetic_field(self) -> Vector3d:
-        """The file's field [T]; SDF's default where it names none."""
+        """The field [T]: what was set, the file's, or SDF's default."""
         settings = settings_of(self.core)
-        return Vector3d(*settings.magnetic_field) if settings is not None else Vector3d(*MAGNETIC_FIELD)
+        of_file = settings.magnetic_field if settings is not None else MAGNETIC_FIELD
+        return Vector3d(*(self._magnetic_field or of_file))
+
+    def set_magnetic_field(self, field: tuple[float, ...]) -> None:
+        """Replace the field [T]."""
+        self._magnetic_field = field
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""

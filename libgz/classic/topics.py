@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
 from libgz.classic.commands import Commands
-from libgz.classic.describe import contacts_message, model_message, poses_message, statistics_message
+from libgz.classic.describe import contacts_of, model_message, poses_message, statistics_message
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.registry import live_worlds
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
@@ -54,7 +54,7 @@ class WorldTopics:
                 (msgs.WorldStatistics, "~/world_stats", STATISTICS_PERIOD, statistics_message),
                 (msgs.PosesStamped, "~/pose/info", POSES_PERIOD, poses_message),
                 (msgs.PosesStamped, "~/pose/local/info", POSES_PERIOD, poses_message),
-                (msgs.Contacts, "~/physics/contacts", 0.0, contacts_message),
+                (msgs.Contacts, "~/physics/contacts", 0.0, contacts_of),
             )
         ]
         self._subscribers = self._listen(Commands(server, self._response.Publish))
@@ -83,6 +83,7 @@ class WorldTopics:
         now = time.monotonic()
         for news in self._news:
             news.update(now)
+        self._world.Physics().GetContactManager().PublishContacts()
         self._manager.ProcessNodes()
 
     def close(self) -> None:

@@ -91,6 +91,9 @@ class StepContext(ctypes.Structure):
         ("joint_types", c_void_p),
         ("joint_state", c_void_p),
         ("springs", c_void_p),
+        ("halted", c_int64),
+        ("gave_up", c_int64),
+        ("lost", c_int64),
     ]
 
 
@@ -117,7 +120,7 @@ class Step(Protocol):
     reads_all: bool  # whether step() leaves all states copied out
 
     def step(self) -> int:
-        """Both halves; 0 if ODE ran out of memory, 2 if a body that ran away was halted, else 1."""
+        """Both halves; 0 if ODE ran out of memory."""
 
     def collide(self) -> None:
         """The first half: find contacts and make joints of them."""

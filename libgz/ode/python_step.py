@@ -177,10 +177,11 @@ class PythonStep:
         pushing = self._tables.springs[: context.joint_count, :2].any(axis=1)
         for row in (pushing & (self._tables.joint_ids[: context.joint_count] != 0)).nonzero()[0].tolist():
             push_joint(ode_, self._tables, row, unwind=bool(context.classic))
-        halted = False
+        context.halted = 0
         if context.classic:
-            bodies = self._tables.body_ids[: context.body_count]
-            halted = sum(halt_runaway(ode_, body) for body in bodies[bodies != 0].tolist()) > 0
+            for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
+                if halt_runaway(ode_, int(self._tables.body_ids[row])):
+                    context.halted = row + 1
         if context.watch:
             for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
                 watch_body(ode_, self._tables, row)
@@ -191,7 +192,7 @@ class PythonStep:
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        return (2 if halted else 1) if done else 0
+        return int(done)
 
     def _raise_fault(self) -> None:
         fault, self._fault = self._fault, None

@@ -7,12 +7,15 @@
  */
 #include <float.h>
 #include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef void near_callback(void *data, void *geom1, void *geom2);
+typedef void message_handler(int number, const char *text, va_list arguments);
 
 typedef struct {
     int mode;
@@ -66,6 +69,8 @@ typedef struct {
     X(int, dWorldQuickStep, (void *, double))                                   \
     X(void, dRandSetSeed, (unsigned long))                                      \
     X(unsigned long, dRandGetSeed, (void))                                      \
+    X(message_handler *, dGetDebugHandler, (void))                              \
+    X(void, dSetDebugHandler, (message_handler *))                              \
     X(const double *, dBodyGetPosition, (void *))                               \
     X(const double *, dBodyGetQuaternion, (void *))                             \
     X(const double *, dBodyGetLinearVel, (void *))                              \
@@ -106,10 +111,26 @@ const char *const *gz_step_needs(void)
     return names;
 }
 
+/* ODE's assertions end the process. In the middle of solving they mean that numbers ran away, and then the step is
+ * given up: what is left behind is mended by who called (Engine). */
+static __thread jmp_buf given_up;
+static __thread int solving;
+static message_handler *other_handler;
+
+static void on_assertion(int number, const char *text, va_list arguments)
+{
+    if (solving)
+        longjmp(given_up, 1);
+    if (other_handler)
+        other_handler(number, text, arguments);
+}
+
 void gz_step_bind(void *const *addresses)
 {
 #define BIND(result, name, arguments) *(void **)&name = *addresses++;
     ODE_FUNCTIONS(BIND)
+    other_handler = dGetDebugHandler();
+    dSetDebugHandler(on_assertion);
 }
 
 /* One contact point of a step, as it is told to who asks; CONTACT in context.py is the same. */
@@ -156,6 +177,9 @@ typedef struct {
     const int64_t *joint_types;
     double *joint_state;   /* 4 a row: angle 1 and 2, rate 1 and 2 */
     const double *springs; /* 3 a row, for hinges and sliders: stiffness, damping, reference */
+    int64_t halted;        /* 1 + the row of a body that ran away and was halted; 0: none */
+    int64_t gave_up;       /* 1: the last step was given up */
+    int64_t lost;          /* bodies whose numbers ran away */
 } context;
 
 size_t gz_step_context_size(void) { return sizeof(context); }
@@ -530,15 +554,23 @@ static void rotate(const double *q, const double *v, double *out)
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
 
+/* Whether a number ran away: it is beyond twice what may be set (LARGEST in check.py), or none at all. */
+static int is_lost(double value)
+{
+    return !(value >= -2e9 && value <= 2e9);
+}
+
 static void read_bodies(context *c)
 {
     int64_t i;
     int k;
+    c->lost = 0;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
         double *row = c->body_state + 16 * i;
         const double *p, *q, *v, *w;
         double offset[3];
+        int lost = 0;
         if (!body)
             continue;
         p = dBodyGetPosition(body);
@@ -551,9 +583,11 @@ static void read_bodies(context *c)
             row[7 + k] = p[k];
             row[10 + k] = v[k];
             row[13 + k] = w[k];
+            lost |= is_lost(p[k]) | is_lost(v[k]) | is_lost(w[k]);
         }
         for (k = 0; k < 4; k++)
             row[3 + k] = q[k];
+        c->lost += lost;
     }
 }
 
@@ -692,11 +726,10 @@ static int is_within(const double *v, double most)
     return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
 }
 
-/* Halt bodies that run away, in classic worlds: ODE ends the process on numbers that are none. How many there were. */
-static int halt_runaways(context *c)
+/* Halt bodies that run away, in classic worlds: ODE ends the process on numbers that are none. */
+static void halt_runaways(context *c)
 {
     int64_t i;
-    int count = 0;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
         if (!body || (is_within(dBodyGetLinearVel(body), FASTEST) && is_within(dBodyGetAngularVel(body), FASTEST) &&
@@ -706,30 +739,37 @@ static int halt_runaways(context *c)
         dBodySetAngularVel(body, 0.0, 0.0, 0.0);
         dBodySetForce(body, 0.0, 0.0, 0.0);
         dBodySetTorque(body, 0.0, 0.0, 0.0);
-        count++;
+        c->halted = i + 1;
     }
-    return count;
 }
 
-/* The second half: move everything, drop the contacts, copy the states out. Returns 0 if ODE is out of memory, 2 if a
- * body was halted, else 1. */
+/* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
+ * of memory. */
 int gz_solve(context *c)
 {
-    int done, halted;
+    volatile int done = 1; /* as it stays when the step is given up */
     dRandSetSeed((unsigned long)c->seed);
     ask_contacts(c);
     push_joints(c);
-    halted = c->classic ? halt_runaways(c) : 0;
+    c->halted = 0;
+    if (c->classic)
+        halt_runaways(c);
     if (c->watch)
         watch_bodies(c);
-    done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+    c->gave_up = 0;
+    solving = 1;
+    if (setjmp(given_up))
+        c->gave_up = 1;
+    else
+        done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+    solving = 0;
     read_contacts(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
     read_bodies(c);
     read_joints(c);
-    return done ? 1 + (halted > 0) : 0;
+    return done;
 }
 
 int gz_step(context *c)

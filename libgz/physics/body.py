@@ -59,6 +59,7 @@ class Body:
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
         self.model: Any = None  # that it was added to
+        self.ran_away = False  # whether it was told that it did
         self.kinematic = False  # whether it moves by its velocity only
         self.sleepy = False  # whether it falls asleep when it rests
         self.geoms: list[Geom] = []
@@ -401,14 +402,21 @@ class Body:
         self._take_mass(mass_.sum_masses(masses))
 
     def SetMassMatrix(self, mass: mass_.Mass) -> None:
-        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh."""
-        self._given_mass = mass
-        self.UpdateCoM()
+        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh.
+
+        Raises:
+            ParameterError: it is not that of any body; the body keeps the one it has.
+        """
+        before, self._given_mass = self._given_mass, mass
+        try:
+            self.UpdateCoM()
+        except ParameterError:
+            self._given_mass = before
+            raise
 
     def _take_mass(self, total: mass_.Mass) -> None:
         """Hand a mass matrix to ODE; the body frame stays where it is."""
         pose = self.GetPose()
-        self.engine.com[self.row] = total.c[:3]
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
         if not (math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
@@ -416,6 +424,7 @@ class Body:
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
                 "of inertia is beyond what can be reckoned with"
             )
+        self.engine.com[self.row] = total.c[:3]
         ode().dBodySetMass(self.id, ctypes.addressof(final))
         if self.kinematic:
             self.set_kinematic(True)  # for ODE forgets it with a new mass

@@ -6,7 +6,6 @@ bodies, joints and sensors read the tables, never ODE one value at a time.
 
 from __future__ import annotations
 
-import logging
 import weakref
 from collections.abc import Callable
 from threading import get_ident
@@ -20,6 +19,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
+from libgz.physics.runaway import mend, tell
 from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from libgz.physics.joint import Joint
 
 __all__ = ["Engine", "HasEngine", "Space"]
-
-log = logging.getLogger("libgz.physics")
 
 FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collide with each other
 LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
@@ -150,7 +148,7 @@ class Engine(EngineSettings):
         self.step_form: Step = choose_step(self._context, self)
         self._step = self.step_form.step
         self._thread = 0  # that stepped last
-        self._warned = False  # of bodies that run away
+        self.collisions = 0  # how often `collide` was called
         self._publish_tables()
         shapes = (probe, ray, stand_in)
         self._destroy = weakref.finalize(
@@ -316,10 +314,23 @@ class Engine(EngineSettings):
         view.flags.writeable = False
         return view
 
+    def _begin_watch(self) -> None:
+        self.body_start[: self.bodies_used] = 0.0
+        self.body_start[: self.bodies_used, :6] = self.states[:, 10:16]
+
     def wake(self) -> None:
         """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
         for body in self.sleepers:
             body.Enable(True)
+
+    def sort_geoms(self) -> None:
+        """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
+
+        A run that begins with it is the same to the bit, whatever was before.
+        """
+        self._ode.dSpaceClean(self.top.id)
+        for body in self.bodies.values():
+            self._ode.dBodySetPosition(body.id, *body.GetCoMPose().pos)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 
@@ -341,6 +352,7 @@ class Engine(EngineSettings):
     def collide(self) -> None:
         """The first half of a step, for those who want to act between contacts and motion; `solve` follows."""
         self._enter_thread()
+        self.collisions += 1
         self.step_form.collide()
 
     def solve(self) -> None:
@@ -353,13 +365,12 @@ class Engine(EngineSettings):
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints
             self._touched = not self.step_form.reads_all
-        if done == 0:
+        if self._context.halted:
+            tell(self.bodies[self._context.halted - 1])
+        if self._context.lost or self._context.gave_up:
+            mend(self.bodies.values(), bool(self._context.gave_up))
+        if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
-        if done == 2 and not self._warned:
-            self._warned = True
-            log.warning(
-                "a body ran away and was halted: a spring is too stiff, or a mass too small, for steps this long"
-            )
 
     def scan(
         self,

@@ -11,7 +11,7 @@ from libgz.errors import ParameterError
 from libgz.geometry import GzHomoFromQuatern, GzPose
 from libgz.ode.lib import ode
 from libgz.ode.types import Mass
-from libgz.physics.check import finite_tuple, positive
+from libgz.physics.check import LARGEST, finite_tuple, positive
 
 __all__ = [
     "Mass",
@@ -100,7 +100,8 @@ def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass
         ParameterError: the mass is not above zero, or the moments are not those of any body.
     """
     mass = Mass()
-    numbers = finite_tuple(moments, 6, "moments of inertia [kg m^2]")
+    numbers = finite_tuple(moments, 6, "moments of inertia [kg m^2]", LARGEST * LARGEST)
+    finite_tuple(pose.pos, 3, "centre of mass [m]", LARGEST)
     ixx, iyy, izz, ixy, ixz, iyz = numbers
     matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
     if np.linalg.eigvalsh(matrix).min() <= 0.0:

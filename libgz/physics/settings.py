@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = ["SOLVERS", "EngineSettings"]
 
+MOST_ITERATIONS = 100_000
 SMALLEST_CFM = 1e-10  # ODE's own, for doubles: none at all makes its solvers fail on redundant joints
 SOLVERS = ("world", "quick")
 
@@ -96,7 +97,13 @@ class EngineSettings:
         self.wake()
 
     def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
-        """Iterations of the quick solver, and its over-relaxation, 1 to 2."""
+        """Iterations of the quick solver, and its over-relaxation, 1 to 2.
+
+        Raises:
+            ParameterError: there are more than 100 000 iterations, or the over-relaxation is not above zero.
+        """
+        if iterations > MOST_ITERATIONS:
+            raise ParameterError(f"there are {iterations} iterations a step; allowed are {MOST_ITERATIONS} at most")
         self.iterations = max(1, int(iterations))
         self.over_relaxation = positive(over_relaxation, "over-relaxation")
         self._ode.dWorldSetQuickStepNumIterations(self.world, self.iterations)
@@ -165,7 +172,13 @@ class EngineSettings:
 
     @watch_motion.setter
     def watch_motion(self, value: bool) -> None:
+        if value and not self._context.watch:
+            self._begin_watch()
         self._context.watch = int(value)
+
+    def _begin_watch(self) -> None:
+        """There was no step yet that could have changed anything."""
+        raise NotImplementedError
 
     @property
     def contacts(self) -> NDArray[np.void]:

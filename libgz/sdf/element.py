@@ -29,16 +29,16 @@ class Param:
         return parse(kind, self.text)
 
     def GetAsString(self) -> str:
-        """The text, blanks trimmed."""
-        return self.text.strip()
+        """The text, without blanks at its ends."""
+        return self.text
 
     def Set(self, value: Any) -> None:
         """Replace the value."""
-        self.text, self.given = format_value(value), True
+        self.text, self.given = format_value(value).strip(), True
 
     def SetFromString(self, text: str) -> bool:
-        """Replace the text."""
-        self.text, self.given = text, True
+        """Replace the text; blanks at its ends are dropped."""
+        self.text, self.given = text.strip(), True
         return True
 
     def GetKey(self) -> str:

@@ -10,9 +10,10 @@ from contextvars import ContextVar
 from typing import Any, Protocol
 from weakref import WeakSet
 
+from libgz.errors import ParameterError
 from libgz.simulation.plugins import own_traceback
 
-__all__ = ["Connection", "Ends", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
+__all__ = ["Callback", "Connection", "Ends", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -42,10 +43,64 @@ owner: ContextVar[Owner | None] = ContextVar("owner", default=None)  # whose cod
 class _Entry:
     """One callback of an event."""
 
-    __slots__ = ("callback", "owner", "parameters")
+    __slots__ = ("callback", "connected", "owner", "parameters")
 
     def __init__(self, callback: Callable[..., object], parameters: int, by: Owner | None) -> None:
         self.callback, self.parameters, self.owner = callback, parameters, by
+        self.connected = True
+
+
+class Callback:
+    """A function that is called later, in the name of the plugin that gave it; it is not called after one that failed.
+
+    Args:
+        what: for messages, such as ``the update function of battery 'main'``.
+        function: what to call.
+        read: makes of what the function returns what is wanted; it may raise.
+
+    Raises:
+        ParameterError: it cannot be called.
+    """
+
+    def __init__(self, what: str, function: Callable[..., Any], read: Callable[[Any], Any] | None = None) -> None:
+        self._what, self._function, self._read = what, checked(function, what), read
+        self._owner = owner.get()
+        self.connected = True
+        if self._owner is not None:
+            self._owner.connections.add(self)
+
+    def disconnect(self) -> None:
+        """Call it no more."""
+        self.connected = False
+
+    def __call__(self, *values: Any, otherwise: Any = None) -> Any:
+        """What the function returns; `otherwise` if it raises, which is reported, or is called no more."""
+        if not self.connected:
+            return otherwise
+        token = owner.set(self._owner)
+        try:
+            result = self._function(*values)
+            return self._read(result) if self._read is not None else result
+        except Exception as fault:  # noqa: BLE001 - a plugin's
+            self.connected = False
+            if self._owner is not None:
+                self._owner.stop(self._what, fault)
+            else:
+                log.error("%s failed and is called no more:\n%s", self._what, own_traceback(fault))
+            return otherwise
+        finally:
+            owner.reset(token)
+
+
+def checked(callback: Any, what: str) -> Callable[..., Any]:
+    """The callback itself.
+
+    Raises:
+        ParameterError: it cannot be called.
+    """
+    if not callable(callback):
+        raise ParameterError(f"{what} is {callback!r}, which cannot be called; give a function's name without ()")
+    return callback  # type: ignore[no-any-return]
 
 
 class Connection:
@@ -64,10 +119,10 @@ class Connection:
     @property
     def connected(self) -> bool:
         """Whether the callback is still called."""
-        return self._event.has(self._entry)
+        return self._entry.connected
 
     def __del__(self) -> None:
-        if self._event.has(self._entry):
+        if self._entry.connected:
             self.Disconnect()
             if time.monotonic() - self._made < HASTE:
                 log.warning(
@@ -98,7 +153,12 @@ class Event:
         return bool(self._own or (self._above is not None and self._above._own))
 
     def Connect(self, callback: Callable[..., object]) -> Connection:
-        """Call `callback` whenever this happens, as long as the connection is kept."""
+        """Call `callback` whenever this happens, as long as the connection is kept.
+
+        Raises:
+            ParameterError: it cannot be called.
+        """
+        checked(callback, f"the callback of event {self.name}")
         by = owner.get()
         entry = _Entry(callback, _parameters(callback), by)
         self._own += (entry,)
@@ -116,17 +176,16 @@ class Event:
         """How many callbacks there are."""
         return len(self._calls())
 
-    def has(self, entry: _Entry) -> bool:
-        """Whether a callback is connected."""
-        return entry in self._own
-
     def remove(self, entry: _Entry) -> None:
-        """Take a callback off."""
+        """Take a callback off; it is not called any more, not even in a signal that is under way."""
+        entry.connected = False
         self._own = tuple(kept for kept in self._own if kept is not entry)
         self._all = None
 
     def clear(self) -> None:
         """Take all callbacks off."""
+        for entry in self._own:
+            entry.connected = False
         self._own, self._all = (), None
 
     def _calls(self) -> tuple[_Entry, ...]:
@@ -136,9 +195,11 @@ class Event:
         return self._all
 
     def Signal(self, *values: Any) -> None:
-        """Call all callbacks, in the order of connection."""
+        """Call all callbacks, in the order of connection; those that connect meanwhile are called the next time."""
         before = current = owner.get()
         for entry in self._calls():
+            if not entry.connected:  # an earlier callback took it off, or stopped its plugin
+                continue
             if entry.owner is not current:
                 current = entry.owner
                 owner.set(current)

@@ -10,6 +10,7 @@ import traceback
 import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from importlib.abc import SourceLoader
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +29,7 @@ class Plugin:
     path: Path
     registered: list[tuple[str, Any]] = field(default_factory=list)
     module: Any = None
+    edited: tuple[int, int] = (0, 0)  # time [ns] and size of the file that was run
 
 
 def collect(name: str, kind: Any) -> bool:
@@ -114,21 +116,23 @@ def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path 
 
 
 def load_plugin(path: Path) -> Plugin:
-    """Run a plugin file and gather what it registers. A file is run once per process.
+    """Run a plugin file and gather what it registers. A file is run once per process, and again once it was edited.
 
     Each file is a module of its own, whatever classes it defines: two files may both define a class of one name.
+    Plugins that are loaded stay what they are when their file is edited; what is loaded later is new.
 
     Raises:
         PluginError: the file fails, or registers nothing; the message holds its own traceback.
     """
     path = path.resolve()
-    if path in _loaded:
+    edited = _edited(path)
+    if path in _loaded and _loaded[path].edited == edited:
         return _loaded[path]
-    plugin = Plugin(path)
+    plugin = Plugin(path, edited=edited)
     name = f"libgz_plugin_{path.parent.name if path.stem == '__init__' else path.stem}_{zlib.crc32(bytes(path)):08x}"
     folder = [str(path.parent)] if path.stem == "__init__" else None
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=folder)
-    if spec is None or spec.loader is None:
+    if spec is None or not isinstance(spec.loader, SourceLoader):
         raise PluginError(f"error loading plugin: {path} is not a Python file")
     plugin.module = importlib.util.module_from_spec(spec)
     sys.modules[name] = plugin.module
@@ -136,7 +140,9 @@ def load_plugin(path: Path) -> Plugin:
         sys.path.append(str(path.parent))  # a plugin may import its neighbours, at any time
     token = _loading.set(plugin)
     try:
-        spec.loader.exec_module(plugin.module)
+        # Not by exec_module: its cache of compiled files takes an edit within a second for none.
+        code = spec.loader.source_to_code(path.read_bytes(), str(path))
+        exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
     except Exception as fault:
         del sys.modules[name]
@@ -154,8 +160,19 @@ def load_plugin(path: Path) -> Plugin:
     return plugin
 
 
+def _edited(path: Path) -> tuple[int, int]:
+    """Time [ns] and size of a file."""
+    try:
+        status = path.stat()
+    except OSError as fault:
+        raise PluginError(f"error loading plugin: {path}: {fault.strerror}") from None
+    return status.st_mtime_ns, status.st_size
+
+
 def own_traceback(fault: BaseException, path: Path | None = None) -> str:
     """The traceback of a fault from the user's own code on: without the frames of libgz and importlib above it."""
+    if isinstance(fault, SyntaxError):  # it names the place itself
+        return "".join(traceback.format_exception_only(fault)).rstrip()
     frames = traceback.extract_tb(fault.__traceback__)
     package = Path(__file__).parent.parent
     above = (str(package), str(package.resolve()), "<frozen importlib")

@@ -101,7 +101,7 @@ def read_joint(element: Element, find_link: FindLink, model_pose: GzPose) -> Joi
 
 def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
     """A link by name; None for the world."""
-    name = element.Get(str, end).strip()
+    name = element.Get(str, end)
     if name == "world":
         return None
     try:

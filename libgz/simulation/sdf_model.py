@@ -44,7 +44,8 @@ class SdfModel(Model):
         self.visual_elements: dict[Geom, Element] = {}
         self._frame_in_canonical = GzPose()
         self._frame = GzPose()  # of a model without any link
-        self._places: list[tuple[Body, GzPose]] = []  # where links began, in the model frame
+        self._places: list[tuple[Body, GzPose, GzPose]] = []  # where links began: in the model frame, and global
+        self._start = GzPose()  # where the model was then
         self._spaces: list[Space] = []
         self.SetName("model")
         self.SetId(self.name)
@@ -65,7 +66,8 @@ class SdfModel(Model):
             self._note(self.sdf, "a model needs at least one link", "error")
         elif self._canonical is not None:
             self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
-        self._places = [(body, GzCoordPoseSub(body.GetPose(), pose)) for body in self.bodies]
+        self._places = [(body, GzCoordPoseSub(body.GetPose(), pose), body.GetPose()) for body in self.bodies]
+        self._start = self.GetPose()
 
     def build_joints(self) -> None:
         """Make the joints of this model and of those nested in it, and let what has none fall asleep at rest."""
@@ -145,7 +147,8 @@ class SdfModel(Model):
         pose = self.GetPose()
         self._add_link(element, pose)
         body = self.links[name]
-        self._places.append((body, GzCoordPoseSub(body.GetPose(), pose)))
+        place = GzCoordPoseSub(body.GetPose(), pose)
+        self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
 
     def _self_collides(self, link: Element) -> bool:
@@ -301,9 +304,9 @@ class SdfModel(Model):
     def restore(self) -> None:
         """Put all links, and those of nested models, back to where they began in the world, at rest."""
         for model in self.family():
-            model._frame = model.initPose
-            for body, place in model._places:
-                body.SetPose(GzCoordPoseAdd(place, model.initPose))
+            model._frame, elsewhere = model.initPose, model.initPose != model._start
+            for body, place, start in model._places:
+                body.SetPose(GzCoordPoseAdd(place, model.initPose) if elsewhere else start)
                 body.SetLinearVel((0.0, 0.0, 0.0))
                 body.SetAngularVel((0.0, 0.0, 0.0))
                 body.SetForce((0.0, 0.0, 0.0))

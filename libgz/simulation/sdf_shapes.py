@@ -162,7 +162,7 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
     center = np.zeros(3)
     if shape.HasElement("submesh"):
         submesh = shape.child("submesh")
-        name = submesh.Get(str, "name").strip()
+        name = submesh.Get(str, "name")
         names = list(dict.fromkeys(part.name for part in parts))
         parts = [part for part in parts if part.name == name]
         if not parts:
@@ -186,7 +186,7 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
     """Ground from a picture: black is the bottom, the brightest pixel size z above it; its top row lies at +y."""
     from PIL import Image, UnidentifiedImageError
 
-    if not shape.HasElement("uri") or not shape.Get(str, "uri").strip():
+    if not shape.HasElement("uri") or not shape.Get(str, "uri"):
         raise ParameterError("<heightmap> needs the <uri> of a picture")
     path = _find(shape)
     size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")

@@ -33,7 +33,7 @@ def apply_state(world: World, state: Element, faults: Faults) -> None:
             world.SetModelPose(light, element.Get(GzPose, "pose"))
     for deletions in state.named("deletions"):
         for element in deletions.named("name"):
-            name = element.Get(str).strip()
+            name = element.Get(str)
             gone = next((model for model in world.models if model.GetId() == name), None)
             if gone is not None:
                 world.DeleteModel(gone)

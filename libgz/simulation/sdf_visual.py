@@ -77,7 +77,7 @@ def material_name(element: Element) -> str:
     script = element.child("script") if element.HasElement("script") else None
     if script is None:
         return ""
-    name = script.Get(str, "name").strip()
+    name = script.Get(str, "name")
     name = script.value.GetAsString() if name in ("", UNSET) else name
     return "" if name == UNSET else name
 
@@ -116,7 +116,7 @@ def set_light(light: LightGeom, element: Element) -> None:
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
     light.SetAmbientColor(GzColor())  # what comes from everywhere is the scene's
-    kind = element.Get(str, "type").strip()
+    kind = element.Get(str, "type")
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
     if element.HasElement("attenuation"):
@@ -147,7 +147,7 @@ def apply_scene(world: World, element: Element) -> None:
     world.skyColor = element.Get(GzColor, "background")
     if element.HasElement("fog"):
         fog, back = element.child("fog"), world.backdrop
-        kind = fog.Get(str, "type").strip()
+        kind = fog.Get(str, "type")
         world.fogEnable = kind in ("linear", "exp", "exp2")
         world.fogDensity = fog.Get(float, "density")
         back.fog_kind = kind if world.fogEnable else back.fog_kind

@@ -21,7 +21,7 @@ from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
-from libgz.simulation.event import WorldEvents, everywhere
+from libgz.simulation.event import Owner, WorldEvents, everywhere, owner
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.loader import Loader
 from libgz.simulation.lookup import Lookup
@@ -86,8 +86,9 @@ class World(Lookup, Loader, Clock):
         self._updating: list[Model] = []
         self._followers: list[Model] = []
         Clock.__init__(self)
-        self._paused = self._closed = self._stepping = False
-        self._afterwards: list[Callable[[], object]] = []
+        self._paused = self._closed = False
+        self._inside = self._stepping = False  # whether Step runs, and whether models may not come or go now
+        self._afterwards: list[tuple[Owner | None, Callable[[], object]]] = []
         self.name = "default"
         self.sdf: SdfFile | None = None
         self.physics_enabled = True
@@ -242,6 +243,8 @@ class World(Lookup, Loader, Clock):
         self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
+        if self.engine.classic:
+            self.engine.sort_geoms()
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
@@ -283,9 +286,15 @@ class World(Lookup, Loader, Clock):
         return 0
 
     def close(self) -> None:
-        """End the world and free everything in it. Can be called twice."""
+        """End the world and free everything in it. Can be called twice.
+
+        Raises:
+            GazeboError: it is called in a step, by a callback.
+        """
         if self._closed:
             return
+        if self._inside:
+            raise GazeboError("a world cannot be closed in a callback: its step is under way")
         self._closed = True
         self.Finalize()
         self.gz_server.stop()
@@ -304,7 +313,21 @@ class World(Lookup, Loader, Clock):
         self.step(round(seconds / self.engine.step_time))
 
     def Step(self) -> int:
-        """One step: buttons, models, physics, followers, clock, news to clients; 0."""
+        """One step: buttons, models, physics, followers, clock, news to clients; 0.
+
+        Raises:
+            GazeboError: it is called in a step, by a callback.
+        """
+        if self._inside:
+            raise GazeboError("a world cannot be stepped in a callback: its step is under way")
+        self._inside = True
+        try:
+            self._step()
+        finally:
+            self._inside = self._stepping = False
+        return 0
+
+    def _step(self) -> None:
         paused = self._read_buttons()
         self._stepping = True
         if paused:
@@ -312,17 +335,18 @@ class World(Lookup, Loader, Clock):
             self._pauseTime += self.engine.step_time
         else:
             self._advance()
-        self._stepping = False
         if self._afterwards:
             self._act()
+        self._stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
+        if self._afterwards:
+            self._act()
         if self.sim.lock():
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
             self.sim.unlock()
         self.gz_server.post()
-        return 0
 
     def _advance(self) -> None:
         """Move everything by one step of sim time, and tell who listens."""
@@ -412,6 +436,7 @@ class World(Lookup, Loader, Clock):
         for model in self.models:
             if model.parent is None:
                 model.restore()
+        self.engine.sort_geoms()
         self.engine.wake()
         for companion in self.companions:
             companion.reset()
@@ -422,17 +447,17 @@ class World(Lookup, Loader, Clock):
     def after_step(self, action: Callable[[], object]) -> None:
         """Call `action` at once, or if a step is running after it, before clients learn of the step."""
         if self._stepping:
-            self._afterwards.append(action)
+            self._afterwards.append((owner.get(), action))
         else:
             action()
 
     def _act(self) -> None:
-        actions, self._afterwards = self._afterwards, []
-        for action in actions:
+        actions, self._afterwards, self._stepping = self._afterwards, [], False
+        for by, action in actions:
             try:
                 action()
             except GazeboError as fault:
-                log.warning("%s", fault)
+                log.error("%s%s", f"{by}: " if by is not None else "", fault)
 
     def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
         """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.

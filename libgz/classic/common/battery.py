@@ -8,8 +8,7 @@ from collections.abc import Callable
 
 from libgz.errors import NotFoundError
 from libgz.physics.check import finite, not_negative
-from libgz.simulation.event import Owner, owner
-from libgz.simulation.plugins import own_traceback
+from libgz.simulation.event import Callback
 
 __all__ = ["Battery"]
 
@@ -29,8 +28,7 @@ class Battery:
         self._initial = self._voltage = not_negative(voltage, "voltage [V]")
         self._loads: dict[int, float] = {}
         self._numbers = itertools.count()
-        self._rule: Callable[[Battery], float] | None = None
-        self._by: Owner | None = None  # whose rule it is
+        self._rule: Callback | None = None
 
     def Name(self) -> str:
         """The name."""
@@ -76,29 +74,23 @@ class Battery:
         return dict(self._loads)
 
     def SetUpdateFunc(self, rule: Callable[[Battery], float] | None) -> None:
-        """Let `rule(battery)` give the voltage [V] of each step; None: it stays."""
-        self._rule, self._by = rule, owner.get()
+        """Let `rule(battery)` give the voltage [V] of each step; None: it stays.
+
+        Raises:
+            ParameterError: it cannot be called.
+        """
+        what = f"the rule of battery {self._name!r}"
+        self._rule = Callback(what, rule, _voltage) if rule is not None else None
 
     def Update(self) -> None:
         """Follow the rule; the world calls this in every iteration."""
-        if self._rule is None:
-            return
-        token = owner.set(self._by)
-        try:
-            self._voltage = max(0.0, finite(self._rule(self), "voltage [V]"))
-        except Exception as fault:  # noqa: BLE001 - a plugin's
-            self._failed(fault)
-        finally:
-            owner.reset(token)
-
-    def _failed(self, fault: Exception) -> None:
-        """The rule raised: it is reported, and the voltage stays from now on."""
-        self._rule, where = None, f"the rule of battery {self._name!r}"
-        if self._by is not None:
-            self._by.stop(where, fault)
-        else:
-            log.error("%s failed and is followed no more:\n%s", where, own_traceback(fault))
+        if self._rule is not None:
+            self._voltage = self._rule(self, otherwise=self._voltage)
 
     def ResetVoltage(self) -> None:
         """Go back to the voltage of the start; the world calls this when it is reset."""
         self._voltage = self._initial
+
+
+def _voltage(value: float) -> float:
+    return max(0.0, finite(value, "voltage [V]"))

@@ -65,9 +65,9 @@ class PID:
             imax, imin: limits of the integral term, in units of the command.
             cmdMax, cmdMin: limits of the command.
         """
-        self.pGain, self.iGain, self.dGain = p, i, d
-        self.iMax, self.iMin = imax, imin
-        self.cmdMax, self.cmdMin = cmdMax, cmdMin
+        self.pGain, self.iGain, self.dGain = float(p), float(i), float(d)
+        self.iMax, self.iMin = float(imax), float(imin)
+        self.cmdMax, self.cmdMin = float(cmdMax), float(cmdMin)
         self.Reset()
 
     def Reset(self) -> None:
@@ -142,31 +142,31 @@ class PID:
 
     def SetPGain(self, p: float) -> None:
         """Set the proportional gain."""
-        self.pGain = p
+        self.pGain = float(p)
 
     def SetIGain(self, i: float) -> None:
         """Set the integral gain."""
-        self.iGain = i
+        self.iGain = float(i)
 
     def SetDGain(self, d: float) -> None:
         """Set the derivative gain."""
-        self.dGain = d
+        self.dGain = float(d)
 
     def SetIMax(self, i: float) -> None:
         """Set the upper limit of the integral term."""
-        self.iMax = i
+        self.iMax = float(i)
 
     def SetIMin(self, i: float) -> None:
         """Set the lower limit of the integral term."""
-        self.iMin = i
+        self.iMin = float(i)
 
     def SetCmdMax(self, c: float) -> None:
         """Set the upper limit of the command."""
-        self.cmdMax = c
+        self.cmdMax = float(c)
 
     def SetCmdMin(self, c: float) -> None:
         """Set the lower limit of the command."""
-        self.cmdMin = c
+        self.cmdMin = float(c)
 
     def __repr__(self) -> str:
         gains = f"p={self.pGain!r}, i={self.iGain!r}, d={self.dGain!r}"

@@ -15,6 +15,22 @@ __all__ = ["Message"]
 DEEPEST = 100  # messages within messages, as in protocol buffers
 
 
+# What C++ calls <word>_<field> or <field>_size, in Python.
+_CPP = {
+    "set": "message.{0} = value",
+    "mutable": "message.{0}",
+    "has": "message.HasField('{0}')",
+    "clear": "message.ClearField('{0}')",
+}
+_CPP_REPEATED = {
+    **_CPP,
+    "set": "message.{0}[i] = value",
+    "mutable": "message.{0}[i]",
+    "add": "message.{0}.append(value) or message.{0}.add()",
+    "size": "len(message.{0})",
+}
+
+
 class Message:
     """A message: fields are attributes.
 
@@ -85,7 +101,14 @@ class Message:
     # Presence and copies -----------------------------------------------------------------------------------------
 
     def _unknown(self, name: str) -> str:
-        return f"{self._name} has no field {name!r}{nearest(name, self._fields)}"
+        word, _, rest = name.partition("_")
+        if name.endswith("_size"):
+            word, rest = "size", name.removesuffix("_size")
+        field = self._fields.get(rest)
+        idioms = _CPP_REPEATED if field is not None and field.repeated else _CPP
+        known = field is not None and word in idioms
+        hint = f"; in Python that is {idioms[word].format(rest)}" if known else nearest(name, self._fields)
+        return f"{self._name} has no field {name!r}{hint}"
 
     def _field(self, name: str) -> Field:
         try:

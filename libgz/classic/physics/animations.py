@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
 
 from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
-from libgz.simulation.event import Event
+from libgz.errors import GazeboError, ParameterError
+from libgz.simulation.event import Callback
 
 if TYPE_CHECKING:
     from libgz.classic.physics.base import Entity
@@ -16,25 +19,32 @@ if TYPE_CHECKING:
 
 __all__ = ["Animations"]
 
-Done = Callable[[], object] | None
+log = logging.getLogger("libgz.classic")
+
+A = TypeVar("A", PoseAnimation, NumericAnimation)
 
 
 class _Run:
-    """The time of an animation, and whom to call at its end."""
+    """An animation under way.
 
-    def __init__(self, now: float, done: Done) -> None:
-        self._last = now
-        self._end = Event("end of an animation")
-        self._kept = self._end.Connect(done) if done is not None else None
+    Args:
+        now: sim time [s].
+        play: goes on by some seconds; whether that was the end.
+        done: what to call at the end.
+    """
 
-    def passed(self, now: float) -> float:
-        """Sim time since the last call [s]."""
-        seconds, self._last = max(0.0, now - self._last), now
-        return seconds
+    def __init__(self, now: float, play: Callable[[float], bool], done: Callback | None) -> None:
+        self._last, self._play, self._done = now, play, done
+
+    def go_on(self, now: float) -> bool:
+        """Move on to a sim time [s]; whether it is over."""
+        passed, self._last = max(0.0, now - self._last), now
+        return self._play(passed)
 
     def finish(self) -> None:
         """Tell that it is over."""
-        self._end()
+        if self._done is not None:
+            self._done()
 
 
 class Animations:
@@ -42,43 +52,72 @@ class Animations:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._poses: dict[Entity, tuple[PoseAnimation, _Run]] = {}
-        self._joints: dict[Model, tuple[dict[str, NumericAnimation], _Run]] = {}
+        self._runs: dict[tuple[Entity, str], _Run] = {}
 
-    def start(self, entity: Entity, animation: PoseAnimation, done: Done) -> None:
-        """Move an entity along poses in what it is a part of."""
-        self._poses[entity] = animation, _Run(self._world.core.GetSimTime(), done)
+    def start(self, entity: Entity, animation: PoseAnimation, done: Callable[[], object] | None) -> None:
+        """Move an entity along poses in what it is a part of.
 
-    def start_joints(self, model: Model, animations: dict[str, NumericAnimation], done: Done) -> None:
-        """Move joints of a model, by name."""
-        self._joints[model] = animations, _Run(self._world.core.GetSimTime(), done)
+        Raises:
+            ParameterError: it is no PoseAnimation, or `done` cannot be called.
+        """
+        self._start(entity, "pose", partial(_move, entity, _checked(animation, PoseAnimation)), done)
+
+    def start_joints(
+        self, model: Model, animations: dict[str, NumericAnimation], done: Callable[[], object] | None
+    ) -> None:
+        """Move joints of a model, by name.
+
+        Raises:
+            ParameterError: one is no NumericAnimation, or `done` cannot be called.
+        """
+        rows = {name: _checked(animation, NumericAnimation) for name, animation in dict(animations).items()}
+        self._start(model, "joints", partial(_move_joints, model, rows), done)
+
+    def _start(
+        self, entity: Entity, what: str, play: Callable[[float], bool], done: Callable[[], object] | None
+    ) -> None:
+        call = Callback(f"the end of the animation of {entity.GetScopedName()}", done) if done is not None else None
+        self._runs[entity, what] = _Run(self._world.core.GetSimTime(), play, call)
 
     def stop(self, entity: Entity) -> None:
         """Leave an entity and its joints where they are."""
-        self._poses.pop(entity, None)
-        self._joints.pop(entity, None)  # type: ignore[call-overload]
+        for what in ("pose", "joints"):
+            self._runs.pop((entity, what), None)
 
     def update(self) -> None:
-        """Move everything on to the present sim time."""
-        if not self._poses and not self._joints:
-            return
+        """Move everything on to the present sim time; an animation that leads nowhere is told of, and ends."""
         now = self._world.core.GetSimTime()
-        for entity, (animation, run) in list(self._poses.items()):
-            over = _advance(animation, run.passed(now))
-            frame = animation.GetInterpolatedKeyFrame()
-            entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
+        for key, run in list(self._runs.items()):
+            if self._runs.get(key) is not run:  # the end of another has stopped or replaced it
+                continue
+            try:
+                over = run.go_on(now)
+            except GazeboError as fault:
+                log.error("the animation of %s ends: %s", key[0].GetScopedName(), fault)
+                del self._runs[key]
+                continue
             if over:
-                del self._poses[entity]
+                del self._runs[key]
                 run.finish()
-        for model, (animations, run) in list(self._joints.items()):
-            seconds = run.passed(now)
-            ended = [_advance(animation, seconds) for animation in animations.values()]
-            model.SetJointPositions(
-                {name: numeric.GetInterpolatedKeyFrame().Value() for name, numeric in animations.items()}
-            )
-            if all(ended):
-                del self._joints[model]
-                run.finish()
+
+
+def _checked(animation: A, kind: type[A]) -> A:
+    if not isinstance(animation, kind):
+        raise ParameterError(f"{animation!r} is no {kind.__name__}")
+    return animation
+
+
+def _move(entity: Entity, animation: PoseAnimation, seconds: float) -> bool:
+    over = _advance(animation, seconds)
+    frame = animation.GetInterpolatedKeyFrame()
+    entity.SetRelativePose(Pose3d(frame.Translation(), frame.Rotation()))
+    return over
+
+
+def _move_joints(model: Model, animations: dict[str, NumericAnimation], seconds: float) -> bool:
+    over = [_advance(animation, seconds) for animation in animations.values()]
+    model.SetJointPositions({name: one.GetInterpolatedKeyFrame().Value() for name, one in animations.items()})
+    return all(over)
 
 
 def _advance(animation: PoseAnimation | NumericAnimation, seconds: float) -> bool:

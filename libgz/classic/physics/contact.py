@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -10,9 +11,11 @@ from numpy.typing import NDArray
 
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
+from libgz.errors import NotFoundError
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
+    from libgz.classic.physics.contact_topics import ContactFilters
     from libgz.classic.physics.world import World
 
 __all__ = ["Contact", "ContactManager", "JointWrench", "read_contacts"]
@@ -46,14 +49,20 @@ class Contact:
         """How many points there are."""
         return len(self.positions)
 
+    @property
+    def names(self) -> tuple[str, str]:
+        """Scoped names of both collisions."""
+        return self.collision1.GetScopedName(), self.collision2.GetScopedName()
+
 
 class ContactManager:
     """The contacts of the last step; the first question begins their recording."""
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._iteration = -1
+        self._read_at = (-1, -1)
         self._contacts: list[Contact] = []
+        self._filters: ContactFilters | None = None
         self._never_drop = False
         self._wanted = False
         self._holders: set[object] = set()
@@ -96,11 +105,53 @@ class ContactManager:
     def GetContacts(self) -> list[Contact]:
         """The contacts of the last step, a pair of collisions each."""
         self.want()
-        core = self._world.core
-        if self._iteration != core.iterations:
-            self._iteration = core.iterations
-            self._contacts = read_contacts(self._world, core.engine.contacts)
+        return self.read()
+
+    def read(self) -> list[Contact]:
+        """The same, where somebody else has them recorded."""
+        engine = self._world.core.engine
+        now = engine.steps, engine.collisions
+        if self._read_at != now:
+            self._read_at = now
+            self._contacts = read_contacts(self._world, engine.contacts)
         return self._contacts
+
+    # Filters -----------------------------------------------------------------------------------------------------
+
+    def CreateFilter(self, name: str, collisions: str | Iterable[str]) -> str:
+        """Let a topic tell in each iteration what some collisions touch, by their scoped names; the topic's name.
+
+        Raises:
+            ParameterError: there is a filter of this name, or no collision.
+        """
+        if self._filters is None:
+            from libgz.classic.physics.contact_topics import ContactFilters
+
+            self._filters = ContactFilters(self, self._world)
+        return self._filters.create(name, collisions)
+
+    def RemoveFilter(self, name: str) -> None:
+        """End such a topic.
+
+        Raises:
+            NotFoundError: there is no filter of this name.
+        """
+        if self._filters is None:
+            raise NotFoundError(f"there is no contact filter {name!r}")
+        self._filters.remove(name)
+
+    def HasFilter(self, name: str) -> bool:
+        """Whether there is a filter of this name."""
+        return self._filters is not None and name.replace("::", "/") in self._filters.names()
+
+    def GetFilterCount(self) -> int:
+        """How many filters there are."""
+        return len(self._filters.names()) if self._filters is not None else 0
+
+    def PublishContacts(self) -> None:
+        """Let the filters' topics tell of the last step; the world calls this in each iteration."""
+        if self._filters is not None:
+            self._filters.publish()
 
 
 def read_contacts(world: World, points: NDArray[np.void]) -> list[Contact]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +25,21 @@ if TYPE_CHECKING:
 
 __all__ = ["PhysicsEngine"]
 
+log = logging.getLogger("libgz.classic")
+
 _numbers = itertools.count(1)
+
+# Parameters of Gazebo's that nothing depends on here, and its defaults.
+KEPT: dict[str, Any] = {
+    "contact_surface_layer": 0.001,
+    "island_threads": 0,
+    "min_step_size": 0.0001,
+    "precon_iters": 0,
+    "real_time_factor": 1.0,
+    "thread_position_correction": False,
+    "use_dynamic_moi_rescaling": False,
+    "world_step_solver": "ODE_DANTZIG",
+}
 
 
 class PhysicsEngine:
@@ -33,6 +48,7 @@ class PhysicsEngine:
     def __init__(self, world: World) -> None:
         self._world = world
         self._contacts = ContactManager(world)
+        self._kept: dict[str, Any] = {}
 
     @property
     def engine(self) -> Engine:
@@ -125,6 +141,7 @@ class PhysicsEngine:
                 lambda value: self.SetRealTimeUpdateRate(float(value)),
             ),
             "gravity": (self.GetGravity, self.SetGravity),
+            "magnetic_field": (self._world.MagneticField, self._world.SetMagneticField),
             "solver_type": plain("solver", str),
             "iters": (lambda: e.iterations, lambda value: solver(iterations=int(value))),
             "sor": (lambda: e.over_relaxation, lambda value: solver(over_relaxation=float(value))),
@@ -160,9 +177,17 @@ class PhysicsEngine:
 
     def _row(self, key: str) -> tuple[Callable[[], Any], Callable[[Any], None]]:
         keys = self._keys()
+        if key in KEPT:
+            return lambda: self._kept.get(key, KEPT[key]), lambda value: self._keep(key, value)
         if key not in keys:
-            raise ParameterError(f"physics has no parameter {key!r}; it has {', '.join(keys)}{nearest(key, keys)}")
+            known = [*keys, *KEPT]
+            raise ParameterError(f"physics has no parameter {key!r}; it has {', '.join(known)}{nearest(key, known)}")
         return keys[key]
+
+    def _keep(self, key: str, value: Any) -> None:
+        if value != self._kept.get(key, KEPT[key]):
+            log.warning("physics parameter %s is kept, and has no effect", key)
+        self._kept[key] = value
 
     # Making things -----------------------------------------------------------------------------------------------
 

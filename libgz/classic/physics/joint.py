@@ -265,9 +265,13 @@ class Joint(Base):
 
     def SetModel(self, model: Model) -> None:
         """Make it a part of a model, so that it acts by itself and goes when the model goes."""
-        if self._parent is not model and isinstance(model.core, SdfModel):
-            self._parent = model
-            model.core.sdf_joints.setdefault(self.core.name, self.core)
+        if self._parent is model or not isinstance(model.core, SdfModel):
+            return
+        joints, core = model.core.sdf_joints, self.core
+        while joints.get(core.name, core) is not core:  # a name that the file gave to another
+            core.name += "_"
+        self._parent = model
+        joints[core.name] = core
 
     def Init(self) -> None:
         """Nothing to do: a joint acts as soon as it joins links."""

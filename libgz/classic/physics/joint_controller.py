@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import logging
 from typing import TYPE_CHECKING
 
 from libgz.classic.common import PID, Time
+from libgz.errors import GazeboError, ParameterError
+from libgz.physics.check import finite
 
 if TYPE_CHECKING:
     from libgz.classic.physics.joint import Joint
     from libgz.classic.physics.model import Model
 
 __all__ = ["JointController"]
+
+log = logging.getLogger("libgz.classic")
 
 DEFAULT_GAINS = (1.0, 0.1, 0.01, 1.0, -1.0, 1000.0, -1000.0)  # p, i, d, imax, imin, cmdMax, cmdMin; Gazebo's
 
@@ -53,7 +58,7 @@ class JointController:
     def _set(self, targets: dict[str, float], name: str, value: float) -> bool:
         found = self._name(name)
         if found is not None:
-            targets[found] = float(value)
+            targets[found] = finite(value, f"target of joint {found!r}")
         return found is not None
 
     def SetForce(self, jointName: str, force: float) -> bool:
@@ -72,13 +77,13 @@ class JointController:
         """Set the gains that hold positions."""
         name = self._name(jointName)
         if name is not None:
-            self._position_pids[name] = pid
+            self._position_pids[name] = _checked(pid)
 
     def SetVelocityPID(self, jointName: str, pid: PID) -> None:
         """Set the gains that hold velocities."""
         name = self._name(jointName)
         if name is not None:
-            self._velocity_pids[name] = pid
+            self._velocity_pids[name] = _checked(pid)
 
     def GetJoints(self) -> dict[str, Joint]:
         """The joints by scoped name."""
@@ -133,11 +138,26 @@ class JointController:
         passed, self._last = now - self._last, now
         if not float(passed) > 0.0:
             return
-        for name, force in self._forces.items():
-            self._joints[name].SetForce(0, force)
-        for name, target in self._positions.items():
-            joint = self._joints[name]
-            joint.SetForce(0, self._position_pids[name].Update(joint.Position(0) - target, passed))
-        for name, target in self._velocities.items():
-            joint = self._joints[name]
-            joint.SetForce(0, self._velocity_pids[name].Update(joint.GetVelocity(0) - target, passed))
+        for name in dict.fromkeys((*self._forces, *self._positions, *self._velocities)):
+            try:
+                self._push(name, self._joints[name], passed)
+            except GazeboError as fault:  # the joint is no more, or a gain is absurd
+                log.error("joint %s is held no more: %s", name, fault)
+                for targets in (self._forces, self._positions, self._velocities):
+                    targets.pop(name, None)
+
+    def _push(self, name: str, joint: Joint, passed: Time) -> None:
+        if name in self._forces:
+            joint.SetForce(0, self._forces[name])
+        if name in self._positions:
+            error = joint.Position(0) - self._positions[name]
+            joint.SetForce(0, self._position_pids[name].Update(error, passed))
+        if name in self._velocities:
+            error = joint.GetVelocity(0) - self._velocities[name]
+            joint.SetForce(0, self._velocity_pids[name].Update(error, passed))
+
+
+def _checked(pid: PID) -> PID:
+    if not isinstance(pid, PID):
+        raise ParameterError(f"{pid!r} is no PID")
+    return pid

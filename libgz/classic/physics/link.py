@@ -215,9 +215,7 @@ class Link(Entity):
 
     def GetWorldEnergyKinetic(self) -> float:
         """Energy of motion [J]."""
-        v, w = self.body.GetLinearVel(), self.body.GetAngularRate()
-        spin = np.array(self.WorldInertiaMatrix().m) @ np.array(w)
-        return 0.5 * self.body.mass * GzVectorDot(v, v) + 0.5 * float(np.dot(w, spin))
+        return self.body.GetKineticEnergy()
 
     def GetWorldEnergy(self) -> float:
         """Potential and kinetic energy [J]."""

@@ -77,7 +77,8 @@ class PresetManager:
     def _profile(self, name: str) -> dict[str, Any]:
         if name not in self._profiles:
             known = ", ".join(self._profiles) or "none"
-            raise NotFoundError(f"Specified profile [{name}] was not found; there are {known}{nearest(name, known)}")
+            hint = nearest(name, self._profiles)
+            raise NotFoundError(f"Specified profile [{name}] was not found; there are {known}{hint}")
         return self._profiles[name]
 
     def CreateProfile(self, name: str) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from libgz.classic.math import Angle, Vector3d
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzCoordPositionAdd, GzPose, VectorLike, rotate
-from libgz.physics.check import finite_tuple
+from libgz.physics.check import LARGEST, finite_tuple
 from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
@@ -49,9 +49,9 @@ class RayShape:
         """Place it between two points [m]; what it hits is what lies between them.
 
         Raises:
-            ParameterError: both are the same point, or not finite.
+            ParameterError: both are the same point, or not finite, or absurdly far away.
         """
-        start, end = (Vector3d(*finite_tuple(point, 3, "end of a ray [m]")) for point in (posStart, posEnd))
+        start, end = (Vector3d(*finite_tuple(point, 3, "end of a ray [m]", LARGEST)) for point in (posStart, posEnd))
         if start.Distance(end) < 1e-9:
             raise ParameterError(f"a ray has no length: it starts and ends at {tuple(start)}")
         self._start, self._end = start, end

@@ -20,6 +20,7 @@ from libgz.classic.physics.registry import enter, leave
 from libgz.classic.physics.state import WorldState, save_world
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
+from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
@@ -131,9 +132,11 @@ class World(Base):
         """Run so many iterations, paused or not; a paused world is paused again after them."""
         paused = self.core.paused
         self.core.paused = False
-        self.core.step(steps)
-        if paused:
-            self.core.paused = True
+        try:
+            self.core.step(steps)
+        finally:
+            if paused:
+                self.core.paused = True
         self.core.events["Step"]()
 
     StepWorld = Step
@@ -287,9 +290,13 @@ class World(Base):
         return next((c for c in link.GetCollisions() if c.geom is geom), None) if link is not None else None
 
     def ray_down(self, start: VectorLike, above: Base | None = None) -> tuple[float, str]:
-        """(distance [m], scoped name) of the collision below a point; those of `above` are not seen."""
+        """(distance [m], scoped name) of the collision below a point; those of `above` are not seen.
+
+        Raises:
+            ParameterError: the point is not finite, or absurdly far away.
+        """
         engine = self.core.engine
-        frame = np.array((*start, 1.0, 0.0, 0.0, 0.0))
+        frame = np.array((*finite_tuple(start, 3, "point [m]", LARGEST), 1.0, 0.0, 0.0, 0.0))
         rays = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, -1.0, NOWHERE]])
         ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
         owner = getattr(getattr(above, "body", None), "number", 0)
@@ -414,6 +421,14 @@ class World(Base):
     def MagneticField(self) -> Vector3d:
         """[T]."""
         return self.server.magnetic_field()
+
+    def SetMagneticField(self, field: VectorLike) -> None:
+        """Set it [T].
+
+        Raises:
+            ParameterError: it is not three finite numbers.
+        """
+        self.server.set_magnetic_field(finite_tuple(field, 3, "magnetic field [T]"))
 
     def SphericalCoords(self) -> SphericalCoordinates:
         """Where on Earth the world lies."""

@@ -85,7 +85,7 @@ class CameraPlan:
         camera = kind(world, name, self.width, self.height, self.hfov, near, self.far, self.format)
         save = next(self.element.named("save"), None)
         if save is not None and save.Get(bool, "enabled"):
-            camera.SetSaveFramePathname(save.Get(str, "path").strip())
+            camera.SetSaveFramePathname(save.Get(str, "path"))
             camera.EnableSaveFrame(True)
         if noise is not None and noise.GetNoiseType() != Noise.NONE:
             camera.filters.append(lambda pixels: add_noise(pixels, noise))

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from libgz.classic.common import Time
-from libgz.classic.physics.contact import Contact, JointWrench, read_contacts
+from libgz.classic.physics.contact import Contact, read_contacts
+from libgz.classic.physics.contact_topics import contacts_message
 from libgz.classic.sensors.read import custom_topic
 from libgz.classic.sensors.sensor import Sensor
 
@@ -36,7 +37,7 @@ class ContactSensor(Sensor):
         super().__init__(sensors, parent, sdf)
         self.link = parent
         self._prefix = f"{parent.GetScopedName()}::"
-        names = [element.Get(str).strip() for element in sdf.child("contact").named("collision")]
+        names = [element.Get(str) for element in sdf.child("contact").named("collision")]
         self._collisions = [self._prefix + name.removeprefix(self._prefix) for name in names]
         self._waiting: deque[list[Contact]] = deque(maxlen=MOST_ITERATIONS)
         self._contacts: list[Contact] = []
@@ -105,7 +106,7 @@ class ContactSensor(Sensor):
 
     def GetCollisionContactCount(self, collisionName: str) -> int:
         """How many contact points a collision had in the last measurement; the name is the scoped one."""
-        return sum(contact.count for contact in self._contacts if collisionName in _names(contact))
+        return sum(contact.count for contact in self._contacts if collisionName in contact.names)
 
     def Contacts(self, collisionName: str | None = None) -> Any:
         """The contacts of the last measurement: a msgs.Contacts; for one collision, {what it touches: Contact}."""
@@ -113,44 +114,9 @@ class ContactSensor(Sensor):
             return contacts_message(self._contacts, Time(self._measured))
         found: dict[str, Contact] = {}
         for contact in self._contacts:
-            first, second = _names(contact)
+            first, second = contact.names
             if collisionName in (first, second):
                 found[second if collisionName == first else first] = contact
         return found
 
     GetContacts = Contacts
-
-
-def _names(contact: Contact) -> tuple[str, str]:
-    return contact.collision1.GetScopedName(), contact.collision2.GetScopedName()
-
-
-def contacts_message(contacts: list[Contact], time: Time) -> Any:
-    """Contacts as a msgs.Contacts."""
-    from libgz.classic import msgs
-
-    msg = msgs.Contacts()
-    msgs.Set(msg.time, time)
-    for contact in contacts:
-        part = msgs.Contact(world=contact.world.Name())
-        part.collision1, part.collision2 = _names(contact)
-        msgs.Set(part.time, contact.time)
-        part.position = [msgs.Convert(position) for position in contact.positions]
-        part.normal = [msgs.Convert(normal) for normal in contact.normals]
-        part.depth = contact.depths
-        part.wrench = [_wrench_message(contact, wrench) for wrench in contact.wrench]
-        msg.contact.append(part)
-    return msg
-
-
-def _wrench_message(contact: Contact, wrench: JointWrench) -> Any:
-    from libgz.classic import msgs
-
-    msg = msgs.JointWrench()
-    msg.body_1_name, msg.body_2_name = _names(contact)
-    msg.body_1_id, msg.body_2_id = contact.collision1.GetId(), contact.collision2.GetId()
-    msgs.Set(msg.body_1_wrench.force, wrench.body1Force)
-    msgs.Set(msg.body_1_wrench.torque, wrench.body1Torque)
-    msgs.Set(msg.body_2_wrench.force, wrench.body2Force)
-    msgs.Set(msg.body_2_wrench.torque, wrench.body2Torque)
-    return msg

@@ -67,7 +67,7 @@ class ImuSensor(Sensor):
             for axis, kind in zip("xyz", kinds, strict=True):
                 self.add_noise(kind, next(holder.named(axis), None) if holder is not None else None)
         for old in self._imu.named("noise"):
-            word = old.Get(str, "type").strip()
+            word = old.Get(str, "type")
             for key, kinds in (("rate", RATE_NOISE), ("accel", ACCEL_NOISE)):
                 holder = Element(key, file=old.file, line=old.line)
                 noise = old.child(key).Clone()
@@ -87,7 +87,7 @@ class ImuSensor(Sensor):
             return Quaterniond(*FRAMES[name])
         key = "custom_rpy" if name == "CUSTOM" else "grav_dir_x"
         given = next(frame.named(key), None)
-        if given is not None and given.Get(str, "parent_frame").strip():
+        if given is not None and given.Get(str, "parent_frame"):
             log.warning("%s: <%s>: parent_frame is not used; the world's frame is", given.where, key)
         value = frame.Get(Vector3d, key)
         return Quaterniond(*value) if name == "CUSTOM" else self._along_gravity(frame, value, name == "GRAV_UP")

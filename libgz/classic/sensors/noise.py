@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 
 from libgz.classic.sensors.read import choice, number
 from libgz.errors import ParameterError
+from libgz.physics.check import finite
 from libgz.sdf.element import Element
+from libgz.simulation.event import Callback
 
 __all__ = ["GaussianNoiseModel", "Noise", "NoiseFactory", "SensorNoiseType", "new_noise"]
 
@@ -59,26 +61,28 @@ class Noise:
 
     def __init__(self, kind: NoiseType = NoiseType.NONE) -> None:
         self._kind = kind
-        self._custom: Callable[[float], float] | None = None
+        self._custom: Callback | None = None
 
     def GetNoiseType(self) -> NoiseType:
         """NONE, CUSTOM, GAUSSIAN or GAUSSIAN_QUANTIZED."""
         return self._kind
 
     def SetCustomNoiseCallback(self, callback: Callable[[float], float]) -> None:
-        """Let a function make the noise: it takes the value and returns the noisy one."""
-        if not callable(callback):
-            raise ParameterError(f"the noise callback {callback!r} cannot be called")
-        self._custom, self._kind = callback, NoiseType.CUSTOM
+        """Let a function make the noise: it takes the value and returns the noisy one.
+
+        Raises:
+            ParameterError: it cannot be called.
+        """
+        self._custom, self._kind = Callback("the noise callback", callback, float), NoiseType.CUSTOM
 
     def Apply(self, value: float) -> float:
         """A value with noise."""
-        return float(self._custom(value)) if self._custom is not None else self._one(value)
+        return self._custom(value, otherwise=value) if self._custom is not None else self._one(value)
 
     def apply_all(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values with noise, each with its own."""
         if self._custom is not None:
-            return np.array([float(self._custom(value)) for value in values.ravel().tolist()]).reshape(values.shape)
+            return np.array([self.Apply(value) for value in values.ravel().tolist()]).reshape(values.shape)
         return self._many(values)
 
     def _one(self, value: float) -> float:
@@ -153,7 +157,7 @@ class GaussianNoiseModel(Noise):
 
     def SetMean(self, mean: float) -> None:
         """Set the mean, and draw the bias again."""
-        self._mean = float(mean)
+        self._mean = finite(mean, "mean of the noise")
         self.SampleBias()
 
     def SetStdDev(self, stddev: float) -> None:

@@ -55,7 +55,7 @@ def choice(element: Element, key: str, allowed: Iterable[str]) -> str:
         ParameterError: it is none of them.
     """
     known = list(allowed)
-    value = element.Get(str, key).strip()
+    value = element.Get(str, key)
     if value not in known:
         raise wrong(element, key, f"is {value!r}; allowed are {', '.join(known)}{nearest(value, known)}")
     return value
@@ -63,5 +63,5 @@ def choice(element: Element, key: str, allowed: Iterable[str]) -> str:
 
 def custom_topic(element: Element) -> str:
     """The `<topic>` of an element; an empty string for none and for the default."""
-    value = element.Get(str, "topic").strip() if element.HasElement("topic") else ""
+    value = element.Get(str, "topic") if element.HasElement("topic") else ""
     return "" if value in UNSET else value

@@ -1,0 +1,374 @@
+"""What goes wrong in worlds of Gazebo classic: absurd numbers, callbacks that raise, steps within steps."""
+
+import math
+import os
+
+import pytest
+
+import libgz
+from libgz.classic import common, event, msgs, physics, sensors, transport
+from libgz.classic.common import PID
+from libgz.classic.math import Vector3d
+from libgz.classic.sdf import SDF
+from libgz.errors import GazeboError, ParameterError
+from libgz.simulation.event import Event
+
+BOX = """<model name='box'><pose>0 0 0.5 0 0 0</pose><link name='link'>
+<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>
+<battery name='b'><voltage>12</voltage></battery>
+<sensor name='imu' type='imu'><always_on>1</always_on><imu><angular_velocity><x><noise type='gaussian'><mean>0</mean>
+<stddev>0.1</stddev></noise></x></angular_velocity></imu></sensor></link></model>"""
+GROUND = """<model name='ground'><static>1</static><link name='l'><collision name='c'><geometry><plane/></geometry>
+</collision></link></model>"""
+ARM = """<model name='arm'><pose>0 5 2 0 0 0</pose><link name='base'/><link name='leaf'><pose>1 0 0 0 0 0</pose></link>
+<joint name='joint_1' type='fixed'><parent>world</parent><child>base</child></joint>
+<joint name='hinge' type='revolute'><parent>base</parent><child>leaf</child><axis><xyz>0 0 1</xyz></axis></joint>
+</model>"""
+
+
+def sdf(inside):
+    return f"<sdf version='1.6'><world name='faults'>{inside}</world></sdf>"
+
+
+@pytest.fixture
+def core():
+    with libgz.World.from_string(sdf(GROUND + BOX + ARM), seed=3) as world:
+        yield world
+
+
+@pytest.fixture
+def view(core):
+    return physics.get_world("faults")
+
+
+@pytest.fixture
+def plugin(tmp_path, monkeypatch):
+    """A world with a World plugin of this text."""
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+
+    def load(body, name="p"):
+        head = "from libgz.classic import *\nfrom libgz.classic.math import *\n\n\nclass P(WorldPlugin):\n"
+        text = head + "".join(f"    {line}\n" for line in body.splitlines()) + "GZ_REGISTER_WORLD_PLUGIN(P)\n"
+        (tmp_path / f"{name}.py").write_text(text)
+        plugins = f"<plugin name='{name}' filename='lib{name}.so'/>"
+        return libgz.World.from_string(sdf(GROUND + BOX + ARM + plugins), seed=3)
+
+    return load
+
+
+# Numbers -------------------------------------------------------------------------------------------------------------
+
+RUNAWAYS = {
+    "force": lambda view, link: link.AddForce((1e30, 0, 0)),
+    "torque": lambda view, link: link.AddTorque((1e30, 1e30, 0)),
+    "overflow": lambda view, link: [link.AddForce((1e308, 0, 0)) for _ in range(3)],
+    "joint": lambda view, link: view.ModelByName("arm").GetJoint("hinge").SetForce(0, 1e300),
+    "spring": lambda view, link: view.ModelByName("arm").GetJoint("hinge").SetStiffnessDamping(0, 1e300, 0, 1),
+    "gravity": lambda view, link: view.SetGravity((0, 0, -1e30)),
+    "cfm": lambda view, link: view.Physics().SetParam("cfm", 1e308),
+    "moments": lambda view, link: [link.GetInertial().SetIZZ(1e-300), link.AddTorque((0, 0, 1e20))],
+}
+
+
+@pytest.mark.parametrize("what", RUNAWAYS)
+def test_bodies_that_run_away_are_stopped_and_told_of(core, view, caplog, what):
+    RUNAWAYS[what](view, view.ModelByName("box").GetLink())
+    core.step(20)
+    assert view.Iterations() == 20
+    assert "ran away and was halted" in caplog.text
+    for model in view.Models():
+        for link in model.GetLinks():
+            assert all(map(math.isfinite, (*link.WorldPose().Pos(), *link.WorldLinearVel())))
+
+
+def test_a_body_is_told_of_once(core, view, caplog):
+    for _ in range(3):
+        view.ModelByName("box").GetLink().AddForce((1e30, 0, 0))
+        core.step(2)
+    assert caplog.text.count("body box::link ran away") == 1
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda view, link: view.EntityBelowPoint((math.nan, 0, 0)),
+        lambda view, link: view.Physics().CreateShape("ray").SetPoints((0, 0, 0), (1e300, 0, 0)),
+        lambda view, link: link.GetInertial().SetCoG(1e20, 0, 0),
+        lambda view, link: link.GetCollision(0).SetRelativePose(libgz.GzPose(libgz.GzVector(1e30, 0, 0))),
+        lambda view, link: view.Physics().SetParam("iters", 10**9),
+        lambda view, link: view.ModelByName("arm").GetJointController().SetPositionTarget("hinge", math.nan),
+        lambda view, link: view.ModelByName("arm").GetJointController().SetPositionPID("hinge", 3.0),
+        lambda view, link: link.SetAnimation("nothing"),
+        lambda view, link: event.Events.ConnectWorldUpdateBegin(None),
+    ],
+)
+def test_absurd_arguments_are_refused(core, view, call):
+    with pytest.raises(ParameterError):
+        call(view, view.ModelByName("box").GetLink())
+    core.step(3)
+    assert view.ModelByName("box").WorldPose().Pos().Z() == pytest.approx(0.5, abs=1e-3)
+
+
+def test_a_controller_with_absurd_gains_lets_its_joint_go(core, view, caplog):
+    controller = view.ModelByName("arm").GetJointController()
+    controller.SetPositionPID("hinge", PID(math.nan))
+    controller.SetPositionTarget("hinge", 1.0)
+    core.step(3)
+    assert caplog.text.count("joint arm::hinge is held no more") == 1
+    assert controller.GetPositions() == {}
+
+
+# Callbacks -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_callback_that_was_taken_off_is_not_called_in_a_signal_under_way():
+    told, happened = [], Event("x")
+    first = happened.Connect(lambda: (told.append(1), second.Disconnect()))
+    second = happened.Connect(lambda: told.append(2))
+    happened()
+    assert told == [1]
+    assert first.connected
+    assert not second.connected
+
+
+def test_a_plugin_that_raises_has_no_other_callback_called(plugin, caplog):
+    body = """told = []
+def Load(self, world, sdf):
+    self.a = event.Events.ConnectWorldUpdateBegin(self.fail)
+    self.b = event.Events.ConnectWorldUpdateBegin(lambda: self.told.append(1))
+def fail(self):
+    raise ValueError("no")"""
+    with plugin(body) as core:
+        seen = next(iter(core.companions)).world_plugins["p"].plugin_class.told
+        core.step(3)
+        assert seen == []
+    assert caplog.text.count("Exception occured in a callback of event WorldUpdateBegin") == 1
+
+
+@pytest.mark.parametrize(
+    ("what", "body"),
+    [
+        (
+            "the end of the animation of box",
+            """def Load(self, world, sdf):
+    way = common.PoseAnimation("way", 0.002, False)
+    for time in (0, 0.002):
+        way.CreateKeyFrame(time).Translation(Vector3d(0, 0, 0.5))
+    world.ModelByName("box").SetAnimation(way, self.fail)""",
+        ),
+        (
+            "the rule of battery 'b'",
+            """def Load(self, world, sdf):
+    world.ModelByName("box").GetLink().Battery("b").SetUpdateFunc(self.fail)""",
+        ),
+        (
+            "the noise callback",
+            """def Load(self, world, sdf):
+    imu = sensors.get_sensor("imu")
+    imu.Noise(sensors.SensorNoiseType.IMU_ANGVEL_X_NOISE_RADIANS_PER_S).SetCustomNoiseCallback(self.fail)""",
+        ),
+    ],
+)
+def test_what_a_plugin_gave_away_is_guarded(plugin, caplog, what, body):
+    with plugin(body + "\ndef fail(self, *values):\n    raise ValueError('oh')") as core:
+        core.step(6)
+        assert core.iterations == 6
+    assert f"Exception occured in {what} of plugin with name[p] and filename[libp.so]" in caplog.text
+    assert "p.py" in caplog.text
+    assert caplog.text.count("ValueError: oh") == 1
+
+
+def test_an_animation_that_leads_nowhere_ends(core, view, caplog):
+    view.ModelByName("box").SetAnimation(common.PoseAnimation("way", 1.0, False))
+    core.step(3)
+    assert "the animation of box ends: animation 'way' has no key frames" in caplog.text
+
+
+@pytest.mark.parametrize("call", ["world.Step(1)", "world.core.close()"])
+def test_a_callback_can_neither_step_nor_close_its_world(plugin, caplog, call):
+    body = f"""def Load(self, world, sdf):
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: {call})"""
+    with plugin(body) as core:
+        core.step(3)
+        assert core.iterations == 3
+    assert "in a callback: its step is under way" in caplog.text
+
+
+def test_what_fails_after_a_step_names_the_plugin(plugin, caplog):
+    body = """def Load(self, world, sdf):
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: world.InsertModelString("<sdf"))"""
+    with plugin(body) as core:
+        core.step(1)
+    assert "plugin with name[p] and filename[libp.so]: " in caplog.text
+
+
+def test_faults_without_a_frame_of_the_plugin_name_its_file(plugin, caplog):
+    plugin("def Load(self, world):\n    pass").close()
+    assert "p.py" in caplog.text
+    assert "takes 2 positional arguments but 3 were given" in caplog.text
+
+
+def test_a_syntax_error_is_told_without_the_machinery(plugin, caplog):
+    plugin("def Load(self world):\n    pass").close()
+    assert "SyntaxError" in caplog.text
+    assert "importlib" not in caplog.text
+
+
+def test_what_a_sensor_callback_takes_out_goes_after_the_step(plugin, caplog):
+    body = """def Load(self, world, sdf):
+    self.world, self.model = world, world.ModelByName("box")
+    self.c = sensors.get_sensor("imu").ConnectUpdated(self.out)
+def out(self):
+    self.world.RemoveModel("box")
+    self.model.WorldPose()"""
+    with plugin(body) as core:
+        core.step(3)
+        assert physics.get_world("faults").ModelByName("box") is None
+    assert "Exception" not in caplog.text
+
+
+# Contacts ------------------------------------------------------------------------------------------------------------
+
+
+def test_a_contact_filter_tells_of_its_collisions_only(core, view):
+    manager = view.Physics().GetContactManager()
+    topic = manager.CreateFilter("box::mine", ["faults::box::link::c"])
+    other = manager.CreateFilter("arm", "arm::leaf::c")
+    assert topic == "~/box/mine/contacts"
+    assert manager.HasFilter("box::mine")
+    assert manager.GetFilterCount() == 2
+    heard = {topic: [], other: []}
+    node = transport.Node()
+    node.Init("faults")
+    kept = [node.Subscribe(name, told.append) for name, told in heard.items()]
+    core.step(4)
+    assert kept
+    assert not any(message.contact for message in heard[other])
+    (contact,) = heard[topic][-1].contact
+    assert {contact.collision1, contact.collision2} == {"box::link::c", "ground::l::c"}
+    assert sum(wrench.body_1_wrench.force.z for wrench in contact.wrench) == pytest.approx(
+        9.8 if contact.collision1.startswith("box") else -9.8, rel=0.05
+    )
+    manager.RemoveFilter("box::mine")
+    assert not manager.HasFilter("box::mine")
+    with pytest.raises(ParameterError, match="already"):
+        manager.CreateFilter("arm", "x")
+
+
+def test_contacts_are_those_of_the_last_step_whenever_they_are_asked_for(core, view):
+    manager, told = view.Physics().GetContactManager(), {"Begin": [], "End": []}
+    manager.want()
+    kept = [
+        event.Events.ConnectWorldUpdateBegin(lambda: told["Begin"].append(manager.GetContacts())),
+        event.Events.ConnectWorldUpdateEnd(lambda: told["End"].append(manager.GetContacts())),
+    ]
+    core.step(3)
+    assert kept
+    assert told["Begin"][1:] == told["End"][:-1]
+    assert told["Begin"][1] is not told["End"][1]
+
+
+# Messages, steps, files ----------------------------------------------------------------------------------------------
+
+
+def test_messages_tell_what_cpp_idioms_are_in_python():
+    for name, said in (
+        ("contact_size", "len(message.contact)"),
+        ("add_contact", "message.contact.append(value)"),
+        ("mutable_time", "in Python that is message.time"),
+        ("has_time", "HasField('time')"),
+        ("contacts", "did you mean 'contact'"),
+    ):
+        with pytest.raises(AttributeError, match="has no field") as raised:
+            getattr(msgs.Contacts(), name)
+        assert said in str(raised.value)
+
+
+def test_many_steps_that_are_asked_for_do_not_hold_the_server(core, view):
+    node = transport.Node()
+    node.Init("faults")
+    control = node.Advertise(msgs.WorldControl, "~/world_control")
+    control.Publish(msgs.WorldControl(pause=True, multi_step=4_000_000_000))
+    core.step(10)
+    assert view.Iterations() == 10
+    control.Publish(msgs.WorldControl(pause=False))
+    core.step(5)
+    assert not view.IsPaused()
+
+
+def test_a_joint_made_at_run_time_takes_no_name_away(core, view):
+    arm = view.ModelByName("arm")
+    made = view.Physics().CreateJoint("fixed")
+    made.core.name = "joint_1"
+    made.Load(arm.GetLink("leaf"), view.ModelByName("box").GetLink())
+    made.SetModel(arm)
+    assert arm.GetJointCount() == 3
+    made.Fini()
+    assert arm.GetJoint("joint_1") is not None
+
+
+def test_a_run_after_a_reset_is_the_same_to_the_bit():
+    tilted = "".join(
+        BOX.replace("'box'", f"'b{i}'").replace("<pose>0 0 0.5 0 0 0<", f"<pose>0.{i} -0.{i} {1 + i} 0.{i} 1.{i} 0<")
+        for i in range(4)
+    )
+    with libgz.World.from_string(sdf(GROUND + ARM + tilted), seed=5) as core:
+
+        def run():
+            rows = []
+            for _ in range(150):
+                core.step(4)
+                rows.append(core.engine.states.tobytes())
+                rows += [tuple(sensor.AngularVelocity()) for sensor in sensors.SensorManager.Instance().GetSensors()]
+            return rows
+
+        first = run()
+        core.Reset()
+        assert run() == first
+
+
+def test_an_edited_plugin_is_run_again(plugin, tmp_path):
+    for number in (1, 2):
+        with plugin(f"number = {number}\ndef Load(self, world, sdf):\n    pass") as core:
+            os.utime(tmp_path / "p.py", ns=(number, number))
+            (server,) = core.companions
+            assert server.world_plugins["p"].plugin.number == number
+
+
+def test_profiles_are_made_taken_and_suggested(view):
+    presets = view.PresetMgr()
+    presets.CreateProfile("fast")
+    presets.SetProfileParam("fast", "iters", 20)
+    assert presets.CurrentProfile("fast")
+    assert view.Physics().GetParam("iters") == 20
+    with pytest.raises(GazeboError, match="did you mean 'fast'"):
+        presets.CurrentProfile("fasst")
+
+
+def test_parameters_without_effect_are_kept_and_told_of(view, caplog):
+    engine = view.Physics()
+    assert engine.GetParam("contact_surface_layer") == 0.001
+    engine.SetParam("contact_surface_layer", 0.002)
+    assert engine.GetParam("contact_surface_layer") == 0.002
+    assert "contact_surface_layer is kept, and has no effect" in caplog.text
+    engine.SetParam("magnetic_field", Vector3d(1, 2, 3))
+    assert view.MagneticField() == Vector3d(1, 2, 3)
+
+
+def test_texts_of_sdf_have_no_blanks_around_them():
+    root = SDF()
+    plugin = "<plugin name='p' filename='f'><topic>\n a b\n </topic></plugin>"
+    root.SetFromString(f"<sdf version='1.6'><model name=' m '><link name='l'/>{plugin}</model></sdf>")
+    model = root.Root().GetElement("model")
+    assert model.Get(str, "name") == "m"
+    assert model.GetElement("plugin").Get(str, "topic") == "a b"
+
+
+def test_accelerations_are_known_from_the_first_question_on(core, view):
+    box = view.ModelByName("box").GetLink()
+    box.AddForce(Vector3d(100, 0, 0))
+    core.step(1)
+    assert box.WorldLinearAccel().X() == 0.0  # the first question begins the watch
+    box.AddForce(Vector3d(0, 0, 20))
+    core.step(1)
+    assert box.WorldLinearAccel().Z() == pytest.approx(10.2, rel=0.01)

@@ -44,6 +44,15 @@ def friction(mu, mu2=None, more=""):
     return f"<friction><ode><mu>{mu}</mu><mu2>{mu if mu2 is None else mu2}</mu2>{more}</ode></friction>"
 
 
+def two_links(more=""):
+    return model("m", link("a", inertial(2.0)), link("b", inertial(1.0), pose="1 0 0 0 0 0"), more)
+
+
+def place(body):
+    """Where a body is [m]."""
+    return tuple(body.GetPosition())
+
+
 class Loader:
     """Loads worlds from text, and closes them all in the end."""
 

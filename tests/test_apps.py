@@ -1,7 +1,10 @@
 """The commands, run as users run them."""
 
+import argparse
+import importlib.metadata
 import os
 import pty
+import re
 import signal
 import subprocess
 import sys
@@ -10,6 +13,7 @@ import time
 import pytest
 
 import libgz
+from libgz.apps import doctor
 from libgz.worldfile.attributes import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
@@ -205,6 +209,42 @@ def test_doctor():
     broken = run("libgz", "doctor", env={**os.environ, "LIBGZ_ODE": "libnothere.so"})
     assert broken.returncode == 1
     assert "apt-get install libode8" in broken.stdout
+
+
+def test_doctor_looks_at_every_extra():
+    declared = importlib.metadata.metadata("libgz").get_all("Provides-Extra")
+    assert sorted([*doctor.EXTRAS, "dev"]) == sorted(declared)
+    needed = {(name, package) for name, extra in doctor.EXTRAS.items() for package in extra.packages}
+    requirements = [re.match(r"([\w-]+).*extra == .(\w+).", one) for one in importlib.metadata.requires("libgz")]
+    assert needed == {(one[2], one[1]) for one in requirements if one and one[2] != "dev"}
+
+
+@pytest.mark.parametrize(
+    ("name", "package", "words"),
+    [
+        ("net", "eclipse-zenoh", "no topics between processes without eclipse-zenoh; worlds, plugins, "),
+        ("mesh", "trimesh", "no meshes and skins of more formats without trimesh; STL, OBJ and COLLADA "),
+        ("video", "av", "no videos by --record without av; cameras, "),
+        ("video", "imageio", "no videos by --record without imageio; cameras, "),
+        ("plot", "matplotlib", "no plots by libgz echo --plot without matplotlib; libgz echo prints "),
+    ],
+)
+def test_doctor_tells_what_works_without_an_extra_and_how_to_get_it(monkeypatch, capsys, name, package, words):
+    real = importlib.metadata.version
+
+    def version(asked):
+        if asked == package:
+            raise importlib.metadata.PackageNotFoundError(asked)
+        return real(asked) if asked in doctor.PACKAGES else "1.0"
+
+    monkeypatch.setattr(importlib.metadata, "version", version)
+    assert doctor.run(argparse.Namespace()) == 0
+    lines = {line[8:].split()[0]: line for line in capsys.readouterr().out.splitlines()}
+    assert lines[name].startswith(f"absent  {name:14}{words}")
+    assert lines[name].endswith(f"; pip install 'libgz[{name}]'")
+    for other in doctor.EXTRAS.keys() - {name}:
+        extra = doctor.EXTRAS[other]
+        assert lines[other] == f"ok      {other:14}{extra.gives}: " + ", ".join(f"{p} 1.0" for p in extra.packages)
 
 
 def test_demo(wire):

@@ -12,12 +12,8 @@ from hypothesis import strategies as st
 from libgz import geometry as gz
 from libgz.classic import math
 from libgz.classic.math import (
-    PID,
     Angle,
-    AxisAlignedBox,
     Color,
-    Inertiald,
-    MassMatrix3d,
     Matrix3d,
     Pose3d,
     Quaterniond,
@@ -434,63 +430,6 @@ def test_matrices():
         Matrix3d([[1, 2], [3, 4]])
 
 
-def test_boxes():
-    box = AxisAlignedBox(Vector3d(1, 1, 1), Vector3d(-1, 0, 3))
-    assert (box.Min(), box.max) == (Vector3d(-1, 0, 1), Vector3d(1, 1, 3))
-    assert box.Center() == Vector3d(0, 0.5, 2)
-    assert box.GetSize() == Vector3d(2, 1, 2)
-    assert box.Volume() == 4.0
-    assert box.Contains((0, 0.5, 2))
-    assert not box.Contains((0, 0.5, 3.1))
-    assert box.Intersects(AxisAlignedBox(0, 0, 0, 5, 5, 5))
-    assert not box.Intersects(AxisAlignedBox(2, 2, 2, 5, 5, 5))
-    assert box + AxisAlignedBox(2, 2, 2, 5, 5, 5) == AxisAlignedBox(-1, 0, 1, 5, 5, 5)
-    assert box - (1, 0, 0) == AxisAlignedBox(-2, 0, 1, 0, 1, 3)
-    empty = AxisAlignedBox()
-    assert empty.Size() == Vector3d.Zero
-    assert not empty.Intersects(box)
-    empty.Merge(box)
-    assert empty == box
-    assert str(box) == "Min[-1 0 1] Max[1 1 3]"
-
-
-def test_inertia_of_shapes_by_known_formulas():
-    m = MassMatrix3d()
-    m.SetFromBox(12.0, (1, 2, 3))
-    assert m.DiagonalMoments() == Vector3d(13, 10, 5)
-    assert m.PrincipalMoments().Equal((5, 10, 13), 1e-9)
-    sides, turn = m.EquivalentBox()
-    assert sorted(sides) == pytest.approx([1, 2, 3])
-    assert turn.Determinant() == pytest.approx(1.0)
-    m.SetFromSphere(10.0, 0.5)
-    assert m.IXX() == m.IZZ() == 1.0
-    m.SetFromCylinderZ(12.0, 2.0, 1.0)
-    assert (m.IXX(), m.IZZ()) == (7.0, 6.0)
-    assert m.IsValid()
-    m.SetIZZ(100.0)
-    assert m.IsPositive()
-    assert not m.IsValid()
-
-
-def test_inertia_turns_and_adds_up():
-    half = MassMatrix3d()
-    half.SetFromBox(6.0, (1, 2, 1.5))
-    low = Inertiald(half, Pose3d(0, 0, 0.25, 0, 0, 0))
-    high = Inertiald(half, Pose3d(0, 0, 1.75, 0, 0, 0))
-    both = low + high
-    assert both.Mass() == 12.0
-    assert both.CoG() == Vector3d(0, 0, 1.0)
-    whole = MassMatrix3d()
-    whole.SetFromBox(12.0, (1, 2, 3))
-    assert both.MOI().Equal(whole.Moi(), 1e-9)
-    turned = Inertiald(whole, Pose3d(0, 0, 0, 0, 0, pymath.pi / 2))
-    assert turned.MOI().Equal(Matrix3d(10, 0, 0, 0, 13, 0, 0, 0, 5), 1e-9)
-    before = turned.MOI()
-    turned.SetMassMatrixRotation(Quaterniond(0.1, 0.2, 0.3))
-    assert turned.MOI().Equal(before, 1e-9)
-    assert turned.Pose().Rot().Equal(Quaterniond(0.1, 0.2, 0.3), 1e-12)
-
-
 def test_random_numbers_repeat_with_their_seed():
     Rand.Seed(42)
     first = [Rand.DblUniform(-1, 1), Rand.GetDblNormal(5, 2), Rand.IntUniform(1, 6), Rand.IntNormal(10, 3)]
@@ -516,37 +455,3 @@ def test_small_functions_and_pythons_own():
     assert math.IGN_RTOD(math.IGN_DTOR(30.0)) == pytest.approx(30.0)
     with pytest.raises(AttributeError, match="no attribute 'sine'"):
         _ = math.sine
-
-
-# PID
-
-
-def test_the_signs_and_terms_of_a_pid():
-    pid = PID(2.0, 3.0, 0.5, 100.0, -100.0)
-    assert pid.Update(1.0, 0.5) == -(2.0 * 1.0 + 3.0 * 0.5 + 0.5 * (1.0 / 0.5))
-    assert pid.Update(3.0, 0.5) == -(2.0 * 3.0 + 3.0 * (0.5 + 1.5) + 0.5 * (2.0 / 0.5))
-    assert pid.GetErrors() == (3.0, 2.0, 4.0)
-    assert pid.GetCmd() == pid.cmd == -14.0
-    pid.Reset()
-    assert pid.GetErrors() == (0.0, 0.0, 0.0)
-    assert (pid.GetPGain(), pid.IGain(), pid.GetDGain(), pid.IMax(), pid.GetCmdMax()) == (2.0, 3.0, 0.5, 100.0, -1.0)
-
-
-def test_the_limits_of_a_pid():
-    assert PID(0.0, 5.0, 0.0).Update(1.0, 1.0) == 0.0  # as classic's: limits of 0 switch the integral term off
-    assert PID(0.0, 5.0, 0.0, -1.0, 0.0).Update(1.0, 1.0) == -5.0  # no limits
-    pid = PID(0.0, 2.0, 0.0, 1.0, -1.0)
-    for _ in range(50):
-        assert pid.Update(10.0, 0.1) == -1.0
-    assert pid.Update(-10.0, 0.1) == 1.0  # it has not wound up
-    assert PID(0.0, 0.0, 0.0, -1.0, -2.0).Update(1.0, 1.0) == 1.0
-    limited = PID(10.0, 0.0, 0.0, 0.0, 0.0, 4.0, -3.0)
-    assert limited.Update(1.0, 0.1) == -3.0
-    assert limited.Update(-1.0, 0.1) == 4.0
-    assert PID(10.0).Update(1.0, 0.1) == -10.0
-
-
-def test_a_pid_bears_odd_errors_and_no_time():
-    pid = PID(1.0, 1.0, 1.0, 10.0, -10.0)
-    assert pid.Update(1.0, 0.0) == pid.Update(pymath.nan, 0.1) == pid.Update(pymath.inf, 0.1) == 0.0
-    assert pid.Update(1.0, 0.1) == pytest.approx(-(1.0 + 0.1 + 10.0))

@@ -5,38 +5,13 @@ import zlib
 
 import numpy as np
 import pytest
+from engine_parts import G, box, cylinder, ground, solid
 
 import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
 from libgz.physics.engine import Engine, Space
-
-G = 9.8
-INF = math.inf
-
-
-def ground(engine, friction=1.0):
-    body, space = libgz.Body(engine, dummy=True), Space(engine)
-    space.set_fixed()
-    plane = libgz.PlaneGeom(body, space, 0.0, (0, 0, 1))
-    plane.SetHardness(INF, 0)
-    plane.SetFriction(friction)
-    return plane
-
-
-def solid(engine, make, mass=1.0, position=(0, 0, 0), friction=1.0, kp=1e6, kd=0.0):
-    body = libgz.Body(engine)
-    geom = make(body, Space(engine))
-    geom.SetMass(mass)
-    geom.SetFriction(friction)
-    geom.SetHardness(kp, kd)
-    body.SetPosition(position)
-    return body
-
-
-def box(*size):
-    return lambda body, space: libgz.BoxGeom(body, space, *size)
 
 
 def test_free_fall_is_semi_implicit_euler():
@@ -190,136 +165,6 @@ def test_universal_and_ball_and_fixed_hold():
         assert np.linalg.norm(tuple(body.GetPosition())) == pytest.approx(0.5, abs=5e-3)
         if kind is libgz.FixedJoint:
             assert body.GetPosition().x == pytest.approx(0.5, abs=1e-4)
-
-
-def test_geoms_place_the_centre_of_mass():
-    engine = Engine()
-    body, space = libgz.Body(engine), Space(engine)
-    body.SetPosition((1, 2, 3))
-    for x, mass in ((0.0, 1.0), (1.0, 3.0)):
-        geom = libgz.BoxGeom(body, space, 0.1, 0.1, 0.1)
-        geom.SetRelativePosition((x, 0, 0))
-        geom.SetMass(mass)
-    assert body.mass == pytest.approx(4.0)
-    assert tuple(body.GetPosition()) == pytest.approx((1, 2, 3))
-    assert tuple(body.GetCoMPose().pos) == pytest.approx((1.75, 2, 3))
-    assert tuple(body.GetGeoms()[1].GetPose().pos) == pytest.approx((2, 2, 3))
-    # Parallel axes: 1 kg and 3 kg, 0.75 m and 0.25 m from the common centre.
-    own = (1.0 + 3.0) * (0.1**2 + 0.1**2) / 12
-    assert body.GetMass().I[10] == pytest.approx(own + 1.0 * 0.75**2 + 3.0 * 0.25**2)
-
-
-def test_massless_geoms():
-    engine = Engine()
-    body, space = libgz.Body(engine), Space(engine)
-    plate = libgz.BoxGeom(body, space, 1, 1, 1)
-    plate.SetMass(0)
-    assert body.mass == pytest.approx(1.0)  # all massless: what the volume weighs at 1 kg/m^3
-    heavy = libgz.BoxGeom(body, space, 1, 1, 1)
-    heavy.SetMass(5)
-    assert body.mass == pytest.approx(5.0)
-
-
-def pair_rests(first, second, height):
-    engine = Engine(step_time=0.01)
-    ground(engine)
-    lower = solid(engine, first, position=(0, 0, 0.25), kp=1e5, kd=300)
-    upper = solid(engine, second, position=(0, 0, 0.25 + height + 0.002), kp=1e5, kd=300)
-    for _ in range(300):
-        engine.step()
-    assert upper.GetPosition().z - lower.GetPosition().z == pytest.approx(height, abs=0.005)
-    assert np.linalg.norm(tuple(upper.GetLinearVel())) < 0.01
-
-
-def cylinder(body, space):
-    return libgz.CylinderGeom(body, space, 0.2, 0.5)
-
-
-def test_cylinders_collide():
-    pair_rests(cylinder, cylinder, 0.5)
-
-
-def test_cylinders_touch_at_their_radius():
-    engine = Engine(gravity=(0, 0, 0), step_time=0.005)
-    still = solid(engine, cylinder, position=(0, 0, 0), kp=1e5, kd=1000)
-    mover = solid(engine, cylinder, position=(-0.6, 0, 0), kp=1e5, kd=1000)
-    mover.SetLinearVel((1.0, 0, 0))
-    closest = 1.0
-    for _ in range(200):
-        engine.step()
-        closest = min(closest, still.GetPosition().x - mover.GetPosition().x)
-    assert closest == pytest.approx(0.4, abs=1e-3)
-    assert still.GetLinearVel().x > 0.3
-
-
-def test_capsule_meets_cylinder():
-    engine = Engine(gravity=(0, 0, 0), step_time=0.005)
-    still = solid(engine, cylinder, kp=1e5, kd=1000)
-    capsule = solid(engine, lambda b, s: libgz.CapsuleGeom(b, s, 0.1, 0.3), position=(-0.5, 0, 0), kp=1e5, kd=1000)
-    capsule.SetLinearVel((1.0, 0, 0))
-    for _ in range(200):
-        engine.step()
-    assert still.GetLinearVel().x > 0.2
-
-
-def test_box_on_a_mesh_and_on_a_heightfield():
-    for make in (
-        lambda b, s: libgz.TriMeshGeom(
-            b, s, [(-2, -2, 0.5), (2, -2, 0.5), (2, 2, 0.5), (-2, 2, 0.5)], [(0, 1, 2), (0, 2, 3)]
-        ),
-        lambda b, s: libgz.HeightfieldGeom(b, s, np.full((5, 5), 0.5), 4.0, 4.0),
-    ):
-        engine = Engine(step_time=0.01)
-        body, space = libgz.Body(engine, dummy=True), Space(engine)
-        floor = make(body, space)
-        floor.SetHardness(1e6, 0)
-        box_ = solid(engine, box(0.3, 0.3, 0.3), position=(0.4, 0.3, 0.7), kp=1e5, kd=300)
-        for _ in range(300):
-            engine.step()
-        assert box_.GetPosition().z == pytest.approx(0.65, abs=0.01)
-
-
-def cast(engine, start, direction, length=20.0, owner=0):
-    ranges, rows = np.empty(1), np.empty(1, dtype=np.int64)
-    frame = np.array([*start, 1, 0, 0, 0], dtype=float)
-    engine.scan(frame, np.array([[0, 0, 0, *direction, length]], dtype=float), owner, ranges, rows)
-    return ranges[0], engine.geoms.get(rows[0])
-
-
-def test_heightfield_lies_as_its_rows_and_columns_say():
-    engine = Engine()
-    body, space = libgz.Body(engine, dummy=True), Space(engine)
-    heights = np.zeros((5, 9))
-    heights[4, 8] = 1.0  # the corner at +x, +y
-    heights[0, 8] = 2.0  # the corner at +x, -y
-    field = libgz.HeightfieldGeom(body, space, heights, 8.0, 4.0)
-    for x, y, height in ((4, 2, 1.0), (4, -2, 2.0), (-4, 2, 0.0), (0, 0, 0.0)):
-        distance, geom = cast(engine, (x * 0.999, y * 0.999, 5), (0, 0, -1))
-        assert 5 - distance == pytest.approx(height, abs=0.02)  # a thousandth off the corner, on a slope
-        assert geom is field
-
-
-def test_rays_see_shapes_at_their_distances():
-    engine = Engine()
-    plane = ground(engine)
-    ball = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.5), position=(5, 0, 1))
-    crate = solid(engine, box(1, 1, 1), position=(-5, 0, 1))
-    can = solid(engine, cylinder, position=(0, 5, 1))
-    capsule = solid(engine, lambda b, s: libgz.CapsuleGeom(b, s, 0.3, 1.0), position=(0, -5, 1))
-    for direction, distance, body in (
-        ((1, 0, 0), 4.5, ball),
-        ((-1, 0, 0), 4.5, crate),
-        ((0, 1, 0), 4.8, can),
-        ((0, -1, 0), 4.7, capsule),
-    ):
-        found, geom = cast(engine, (0, 0, 1), direction)
-        assert found == pytest.approx(distance, abs=1e-9)
-        assert geom is body.GetGeoms()[0]
-    found, geom = cast(engine, (0, 0, 1), (0, 0, -1))
-    assert found == pytest.approx(1.0, abs=1e-12)
-    assert geom is plane
-    assert cast(engine, (0, 0, 1), (1, 0, 0), length=4.0)[1] is None
-    assert cast(engine, (0, 0, 1), (1, 0, 0), owner=ball.number)[1] is None
 
 
 def busy_world():

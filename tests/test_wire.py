@@ -1,4 +1,4 @@
-"""The wire: layouts, server start and end, locks, semaphores, and clients that misbehave."""
+"""The wire: layouts, clients, semaphores, locks, and clients that misbehave."""
 
 import ctypes
 import fcntl
@@ -8,14 +8,13 @@ import math
 import os
 import pkgutil
 import signal
-import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from served import serve
 
 import libgz
 import libgz.interfaces
@@ -26,9 +25,8 @@ from libgz.interfaces.position import Position
 from libgz.interfaces.sim import Sim
 from libgz.transport.interface import Interface
 from libgz.transport.layout import Data, fields_of
-from libgz.transport.paths import LOCK_FILE, server_directory
-from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
-from libgz.transport.server import LocalServer, Server, free_server_id
+from libgz.transport.semaphores import SemaphoreSet
+from libgz.transport.server import LocalServer, Server
 
 LAYOUT = json.loads((Path(__file__).parent / "data" / "libgazebo-layout.json").read_text())
 
@@ -43,20 +41,6 @@ def interface_kinds():
 
 
 KINDS = interface_kinds()
-
-
-@pytest.fixture
-def server(wire):
-    running = Server(wire)
-    running.start()
-    yield running
-    running.stop()
-
-
-def serve(server, kind=Position, name="robot1"):
-    interface = kind()
-    interface.create(server, name, "Tester", 7, 3)
-    return interface
 
 
 # Layouts ---------------------------------------------------------------------------------------------------------
@@ -168,158 +152,6 @@ def test_other_versions_are_refused():
         Server(version=0x070)
     with pytest.raises(libgz.ParameterError, match="wire version"):
         libgz.World(wire_version=5)
-
-
-# Directory -------------------------------------------------------------------------------------------------------
-
-
-def test_directory_is_named_by_tmp_user_and_id(monkeypatch):
-    monkeypatch.setenv("TMP", "/somewhere")
-    monkeypatch.setenv("USER", "ahoward")
-    assert server_directory(0) == "/somewhere/gazebo-ahoward-0"
-    monkeypatch.delenv("USER")
-    monkeypatch.delenv("TMP")
-    assert server_directory(3) == "/tmp/gazebo-nobody-3"
-    monkeypatch.setenv("USER", "")
-    assert server_directory(3) == "/tmp/gazebo--3"
-    monkeypatch.setenv("TMP", "/" + "x" * 130)
-    with pytest.raises(libgz.ParameterError, match="longer than 127"):
-        server_directory(0)
-
-
-def test_modes_and_semaphores(server):
-    serve(server)
-    assert Path(server.path).stat().st_mode & 0o777 == 0o700
-    assert (Path(server.path) / "position.robot1").stat().st_mode & 0o777 == 0o600
-    lines = Path("/proc/sysvipc/sem").read_text().splitlines()
-    fields = [line.split() for line in lines[1:] if int(line.split()[0]) == GZ_SEM_KEY + server.server_id]
-    assert [(f[2], f[3]) for f in fields] == [("700", str(CLIENTS))]
-
-
-def test_a_live_server_is_never_disturbed(server):
-    interface = serve(server)
-    for force in (False, True):
-        with pytest.raises(
-            libgz.ServerError, match=f"another server running with id {server.server_id} .pid {os.getpid()}"
-        ):
-            Server(server.server_id, force).start()
-    interface.data.pos[0] = 1.0
-    server.post()
-    assert (Path(server.path) / "position.robot1").exists()
-
-
-def test_a_dead_servers_leavings_are_reclaimed(wire):
-    script = (
-        f"import os; from libgz.transport.server import Server; from libgz.interfaces.position import Position\n"
-        f"s = Server({wire}); s.start(); p = Position(); p.create(s, 'old'); s.post(); os._exit(9)"
-    )
-    assert subprocess.run([sys.executable, "-c", script], timeout=30).returncode == 9
-    folder = Path(server_directory(wire))
-    assert (folder / "position.old").exists()
-    assert SemaphoreSet.attach(wire)
-    server = Server(wire)
-    server.start()
-    assert sorted(p.name for p in folder.iterdir()) == [LOCK_FILE]
-    server.stop()
-    server.stop()
-    assert not folder.exists()
-
-
-def test_clients_of_a_dead_server_learn_of_its_successor(wire):
-    script = (
-        f"import os; from libgz.transport.server import Server; from libgz.interfaces.sim import Sim\n"
-        f"s = Server({wire}); s.start(); Sim().create(s, 'default'); s.post()\n"
-        f"print('up', flush=True); input(); os._exit(9)"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as first:
-        assert first.stdout.readline() == "up\n"
-        client = libgz.Client(wire)
-        client.wait(timeout=5.0)
-        first.communicate("\n", timeout=30)
-    server = Server(wire)
-    server.start()
-    server.post()
-    with pytest.raises(libgz.ServerGoneError):  # its files are frozen: news would be a lie
-        client.wait(timeout=5.0)
-    client.disconnect()
-    server.stop()
-
-
-def test_semaphores_of_a_live_foreign_server_are_respected(wire):
-    # A server of another kind holds no lock of ours, but posts to its semaphores.
-    script = (
-        f"import sys; from libgz.transport.semaphores import SemaphoreSet\n"
-        f"s = SemaphoreSet.create({wire}); s.post(); print('up', flush=True); sys.stdin.read(); s.remove()"
-    )
-    with subprocess.Popen(
-        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as other:
-        assert other.stdout.readline() == "up\n"
-        with pytest.raises(libgz.ServerError, match="-f if you definitely want"):
-            Server(wire).start()
-        assert not Path(server_directory(wire)).exists()
-        forced = Server(wire, force=True)
-        forced.start()
-        forced.stop()
-        other.communicate("", timeout=30)
-
-
-def test_links_in_a_shared_tmp_are_not_followed(wire, tmp_path):
-    target = tmp_path / "target"
-    target.mkdir()
-    folder = Path(server_directory(wire))
-    folder.symlink_to(target)
-    with pytest.raises(libgz.ServerError, match="cannot use"):
-        Server(wire).start()
-    folder.unlink()
-    victim = tmp_path / "victim"
-    victim.write_text("precious")
-    folder.mkdir(mode=0o755)
-    (folder / "position.robot1").symlink_to(victim)
-    server = Server(wire)
-    server.start()
-    assert folder.stat().st_mode & 0o777 == 0o700
-    serve(server)
-    server.stop()
-    assert victim.read_text() == "precious"
-
-
-def test_ids_that_cannot_be_used(server):
-    for name, message in ((None, "is NULL"), ("a.b", "must not contain '.'"), ("a/b", "must not contain '/'")):
-        with pytest.raises(libgz.InterfaceError, match=message):
-            Position().create(server, name)
-    empty = serve(server, name="")
-    assert (Path(server.path) / "position.").exists()
-    empty.destroy()
-
-
-def test_the_first_of_two_with_one_id_is_served(server, caplog):
-    first, second = serve(server), serve(server)
-    assert "second position interface with id 'robot1'" in caplog.text
-    second.data.pos[0] = 5.0
-    assert first.data.pos[0] == 0.0
-    second.destroy()
-    assert (Path(server.path) / "position.robot1").exists()
-
-
-def test_the_directory_may_vanish_under_a_running_server(server, caplog):
-    first = serve(server)
-    for path in Path(server.path).iterdir():
-        path.unlink()
-    Path(server.path).rmdir()
-    with first.locked() as data:
-        data.pos[0] = 1.0
-    serve(server, name="robot2")
-    assert "was removed under the running server" in caplog.text
-    assert (Path(server.path) / "position.robot2").exists()
-
-
-def test_a_free_server_id(wire):
-    number = free_server_id()
-    with pytest.raises(FileNotFoundError):
-        SemaphoreSet.attach(number)
 
 
 # Client ----------------------------------------------------------------------------------------------------------

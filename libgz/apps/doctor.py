@@ -24,6 +24,31 @@ PACKAGES = ("numpy", "lxml", "pillow")
 
 
 @dataclass(frozen=True)
+class Extra:
+    """An optional extra of the package: what it brings, and what works without it."""
+
+    packages: tuple[str, ...]
+    gives: str
+    without: str
+
+
+EXTRAS = {
+    "net": Extra(
+        ("eclipse-zenoh",),
+        "topics between processes",
+        "worlds, plugins, topics within a process and libgazebo's clients work",
+    ),
+    "mesh": Extra(
+        ("trimesh",),
+        "meshes and skins of more formats",
+        "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
+    ),
+    "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their frames as pictures, work"),
+    "plot": Extra(("matplotlib",), "plots by libgz echo --plot", "libgz echo prints the same figures"),
+}
+
+
+@dataclass(frozen=True)
 class Finding:
     """One thing looked at."""
 
@@ -54,15 +79,33 @@ def examine() -> Iterator[Finding]:
     yield Finding("libgz", __version__)
     yield Finding("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     for package in PACKAGES:
-        try:
-            yield Finding(package, importlib.metadata.version(package))
-        except importlib.metadata.PackageNotFoundError:
-            yield Finding(package, f"not installed; pip install {package}", good=False)
+        version = _version(package)
+        yield Finding(package, version or f"not installed; pip install {package}", good=version is not None)
+    for name, extra in EXTRAS.items():
+        yield _extra(name, extra)
     yield _try("ode", lambda: f"{ode().path}: {ode().configuration}")
     yield _try("step", _step)
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)
     yield from _contexts()
+
+
+def _version(package: str) -> str | None:
+    """The version of an installed package, or None."""
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def _extra(name: str, extra: Extra) -> Finding:
+    """Whether all packages of an extra are there, and what their absence means."""
+    versions = {package: _version(package) for package in extra.packages}
+    absent = [package for package, version in versions.items() if version is None]
+    if absent:
+        text = f"no {extra.gives} without {' and '.join(absent)}; {extra.without}; pip install 'libgz[{name}]'"
+        return Finding(name, text, good=False, needed=False)
+    return Finding(name, f"{extra.gives}: " + ", ".join(f"{package} {v}" for package, v in versions.items()))
 
 
 def _try(name: str, look: Callable[[], str]) -> Finding:

@@ -68,20 +68,27 @@ def make_parser() -> argparse.ArgumentParser:
     return parser
 
 
+class _Interrupted(BaseException):
+    """A signal came while the client was starting. Not KeyboardInterrupt: Python would end with a signal of its own."""
+
+
 class Run:
     """A run of gzclient."""
 
     def __init__(self, options: argparse.Namespace, words: Sequence[str]) -> None:
         self.options, self.words = options, ["gzclient", *words]
         self._stopped = False
+        self._starting = True  # a signal ends what it waits for; later, the frame that is being drawn is finished
 
     def _interrupted(self, _number: int, _frame: object) -> None:
         self._stopped = True
+        if self._starting:
+            raise _Interrupted
 
     def run(self) -> int:
         """Everything, in classic's order; the exit code."""
         options = self.options
-        for number in (signal.SIGTERM, signal.SIGHUP):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._interrupted)
         if options.gl is not None:
             prefer(options.gl)
@@ -96,9 +103,8 @@ class Run:
                 tell_link(link)
                 call_system_plugins("Init")
                 return self._show(link.connected)
-        except KeyboardInterrupt:
-            return 0
         finally:
+            self._starting = False
             drop_system_plugins()
 
     def _show(self, connected: Callable[[], bool]) -> int:
@@ -108,7 +114,7 @@ class Run:
         with Client(options.size, options.pose and Pose3d(options.pose), options.gui_client_plugin) as client:
             if options.picture is not None:
                 return self._take_picture(client)
-            signal.signal(signal.SIGINT, self._interrupted)
+            self._starting = False
             for _ in client.run(options.rate):
                 if self._stopped:
                     everywhere["SigInt"]()
@@ -138,6 +144,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.write(BANNER + "\n")
     try:
         return Run(options, words).run()
+    except _Interrupted:
+        return 0
     except GazeboError as fault:
         log.error("%s", fault)
         return FAILED

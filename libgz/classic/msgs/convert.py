@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import random
 import time as clock
 from collections.abc import Callable
 from typing import Any
@@ -20,7 +21,8 @@ from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = ["Convert", "ConvertIgn", "CreateRequest", "Init", "Set", "Stamp"]
 
-_request_ids = itertools.count(1)
+# Numbers of requests begin anywhere, so that two programs do not take each other's answers.
+_request_ids = itertools.count(random.SystemRandom().randrange(1, 1 << 30))
 
 
 def Set(msg: Message, value: Any) -> None:

@@ -32,6 +32,7 @@ __all__ = [
     "stop",
 ]
 
+ANSWER_PERIOD = 0.25  # [s] between looks for an answer that was given early
 PUMP_PERIOD = 0.001  # [s] between looks for messages in a client
 
 _stopping = threading.Event()
@@ -151,11 +152,16 @@ def request(worldName: str, request: str, data: str = "", timeout: float = 10.0)
 
     subscriber = node.Subscribe("~/response", OnResponse)
     publisher = node.Advertise(message_type("Request"), "~/request")
+    manager, topic = TopicManager.Instance(), TopicManager.Instance().topic(subscriber.GetTopic())
     end = clock.monotonic() + timeout
     if publisher.WaitForConnection(timeout):
         publisher.Publish(asked, block=True)
-    while not answers and clock.monotonic() < end:
-        TopicManager.Instance().ProcessNodes()
+    again = clock.monotonic() + ANSWER_PERIOD
+    while not answers and (now := clock.monotonic()) < end:
+        if now >= again:  # the server may have answered before it knew that we listen
+            again = now + ANSWER_PERIOD
+            manager.latch(topic, subscriber)
+        manager.ProcessNodes()
         clock.sleep(0.001)
     subscriber.Unsubscribe()
     if not answers:

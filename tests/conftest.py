@@ -1,0 +1,47 @@
+"""Fixtures of several test modules."""
+
+import logging
+
+import pytest
+from c_programs import config
+from sdf_worlds import Loader
+
+from libgz.transport.server import Server
+
+
+@pytest.fixture(autouse=True)
+def own_logging():
+    """What a command run in this process does to the library's logger ends with the test."""
+    logger = logging.getLogger("libgz")
+    level, propagate, handlers = logger.level, logger.propagate, logger.handlers[:]
+    yield
+    logger.setLevel(level)
+    logger.propagate, logger.handlers[:] = propagate, handlers
+
+
+@pytest.fixture
+def server(wire):
+    """A server that runs, with no interface yet."""
+    running = Server(wire)
+    running.start()
+    yield running
+    running.stop()
+
+
+@pytest.fixture(scope="module")
+def flags(tmp_path_factory):
+    """What a C compiler is told to use the library."""
+    done = config("--cflags", "--libs", XDG_CACHE_HOME=str(tmp_path_factory.mktemp("cache")))
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.fixture
+def load(tmp_path, monkeypatch):
+    """Loads SDF worlds from text; files are found beside them only."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("GAZEBO_MODEL_PATH", raising=False)
+    monkeypatch.delenv("GAZEBO_RESOURCE_PATH", raising=False)
+    loader = Loader(tmp_path)
+    yield loader
+    loader.close()

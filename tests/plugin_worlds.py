@@ -1,0 +1,58 @@
+"""Pieces of SDF for tests of plugins: bodies, hinges, plugins; worlds made of them."""
+
+import libgz
+from libgz.classic import msgs, physics, transport
+from libgz.classic.math import Pose3d
+
+HINGE = """<joint name='{name}' type='revolute'>
+  <parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz></axis>
+</joint>"""
+GROUND = "<include><uri>model://ground_plane</uri></include>"
+
+
+def keep_to(folder, monkeypatch):
+    """Only the plugins and models that come with libgz are found."""
+    monkeypatch.setenv("HOME", str(folder / "home"))
+    for variable in ("GAZEBO_PLUGIN_PATH", "GAZEBO_MODEL_PATH"):
+        monkeypatch.delenv(variable, raising=False)
+
+
+def worlds_of_elements():
+    """Yields what makes a world of some elements, (engine's world, view), and closes them all in the end."""
+    worlds = []
+
+    def load(*inside, version="1.6", **options):
+        text = f"<sdf version='{version}'><world name='default'>{''.join(inside)}</world></sdf>"
+        worlds.append(libgz.World.from_string(text, **options))
+        return worlds[-1], physics.get_world()
+
+    yield load
+    for world in worlds:
+        world.close()
+
+
+def plugin(name, **elements):
+    inside = "".join(f"<{key}>{value}</{key}>" for key, value in elements.items())
+    return f"<plugin name='{name}' filename='lib{name.removeprefix('lib')}.so'>{inside}</plugin>"
+
+
+def body(name, pose="0 0 0 0 0 0", mass=1.0, inside="", link="", gravity="true"):
+    inertia = "<inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>"
+    return (
+        f"<model name='{name}'><pose>{pose}</pose><link name='link'><gravity>{gravity}</gravity>"
+        f"<inertial><mass>{mass}</mass>{inertia}</inertial>{link}</link>{inside}</model>"
+    )
+
+
+def collision(shape, pose="0 0 0 0 0 0", name="c"):
+    return f"<collision name='{name}'><pose>{pose}</pose><geometry>{shape}</geometry></collision>"
+
+
+def command(topic, speed, turn=0.0):
+    node = transport.Node()
+    node.Init("default")
+    publisher = node.Advertise(msgs.Pose, topic)
+    message = msgs.Pose()
+    msgs.Set(message, Pose3d(speed, 0.0, 0.0, 0.0, 0.0, turn))
+    publisher.Publish(message)
+    return publisher

@@ -1,0 +1,9 @@
+"""Interfaces served for tests."""
+
+from libgz.interfaces.position import Position
+
+
+def serve(server, kind=Position, name="robot1"):
+    interface = kind()
+    interface.create(server, name, "Tester", 7, 3)
+    return interface

@@ -1,0 +1,64 @@
+"""Sensors of force and torque in joints."""
+
+import math
+
+import pytest
+from sensor_worlds import G, get, model, sensor, world_of
+
+
+def arm(sensors_1="", sensors_2=""):
+    """Two links of 10 kg on two hinges, one on the other, standing upright."""
+    inertia = "<inertial><pose>0 0 0.5 0 0 0</pose><mass>10</mass></inertial>"
+    hinge = (
+        "<joint name='{}' type='revolute'><parent>{}</parent><child>{}</child>"
+        "<axis><xyz>1 0 0</xyz><limit><lower>-1.57</lower><upper>1.57</upper></limit></axis>{}</joint>"
+    )
+    return (
+        f"<model name='arm'><link name='one'>{inertia}</link><link name='two'><pose>0 0 1 0 0 0</pose>{inertia}</link>"
+        f"{hinge.format('j1', 'world', 'one', sensors_1)}{hinge.format('j2', 'one', 'two', sensors_2)}</model>"
+    )
+
+
+def force_torque(frame, direction, name, **options):
+    content = f"<frame>{frame}</frame><measure_direction>{direction}</measure_direction>"
+    return sensor("force_torque", f"<force_torque>{content}</force_torque>", name, **options)
+
+
+def test_row_11_force_and_torque_of_upright_links():
+    to_child = force_torque("child", "parent_to_child", "up")
+    to_parent = force_torque("parent", "child_to_parent", "down")
+    with world_of(
+        arm(to_child + to_parent, force_torque("child", "parent_to_child", "upper")), gravity="0 0 -50"
+    ) as world:
+        world.step(1)
+        for _ in range(10):  # the engine's least cfm makes joints soft: 2.5e-6 of the force are missing
+            assert tuple(get("up").Force()) == pytest.approx((0, 0, 1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("down").Force()) == pytest.approx((0, 0, -1000), rel=5e-6, abs=1e-9)
+            assert tuple(get("upper").Force()) == pytest.approx((0, 0, 500), rel=5e-6, abs=1e-9)
+            assert tuple(get("up").Torque()) == pytest.approx((0, 0, 0), abs=1e-6)
+            world.step(1)
+        assert get("up").ScopedName() == "default::arm::j1::up"
+        assert get("up").Joint().GetName() == "j1"
+
+
+def test_a_force_torque_sensor_tells_in_its_own_axes_and_to_listeners():
+    inertia = "<inertial><pose>1 0 0 0 0 0</pose><mass>2</mass></inertial>"
+    joint = (
+        "<joint name='j' type='fixed'><parent>world</parent><child>link</child>"
+        f"<pose>0 0 0 0 0 {math.pi / 2}</pose>{{}}</joint>"
+    )
+    both = force_torque("child", "child_to_parent", "plain")
+    both += force_torque("sensor", "child_to_parent", "turned", pose=f"0 0 0 {math.pi / 2} 0 0", on=False)
+    with world_of(model("m", inertia, "0 0 5 0 0 0", False, joint.format(both))) as world:
+        heard = []
+        kept = get("turned").ConnectUpdate(heard.append)
+        world.step(5)
+        weight = 2 * G
+        assert tuple(get("plain").Force()) == pytest.approx((0, 0, -weight), abs=1e-6)
+        assert tuple(get("plain").Torque()) == pytest.approx((0, weight, 0), abs=1e-6)
+        # The sensor's x is the child's y, its y the child's z, its z the child's x.
+        assert tuple(get("turned").Force()) == pytest.approx((0, -weight, 0), abs=1e-6)
+        assert tuple(get("turned").Torque()) == pytest.approx((weight, 0, 0), abs=1e-6)
+        assert len(heard) == 5
+        assert heard[-1].wrench.force.y == pytest.approx(-weight, abs=1e-6)
+        assert kept.connected

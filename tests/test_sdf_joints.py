@@ -1,0 +1,244 @@
+"""Joints of SDF: between models, at run time, with two axes, screws and suspensions."""
+
+import math
+
+import pytest
+from sdf_worlds import inertial, joint, link, model, place, two_links, world
+
+from libgz.errors import ParameterError, WorldFileError
+from libgz.geometry import GzQuaternToEuler, GzVector
+from libgz.sdf.reader import SdfFile
+
+
+def test_joints_to_other_models_and_in_the_world(load):
+    post = model("post", "<static>1</static>", link("top"), pose="0 0 5 0 0 0")
+    swing = model(
+        "swing",
+        link("seat", inertial()),
+        joint("rope", "revolute", "post::top", "seat", "0 1 0", pose="-1 0 0 0 0 0"),
+        pose="1 0 5 0 0 0",
+    )
+    lone = model("lone", link("block", inertial()), pose="9 0 3 0 0 0")
+    beside = joint("nail", "fixed", "world", "lone::block", "")
+    made = load(world(post, swing, lone, beside))
+    made.run(0.4)
+    assert made.model("swing").sdf_joints["rope"].position() > 0.3
+    assert place(made.body("lone")) == pytest.approx((9, 0, 3), abs=1e-6)
+    with pytest.raises(WorldFileError, match="<parent> names link 'post::foot'; model 'post' has no link 'foot'"):
+        load(world(post, swing.replace("post::top", "post::foot")))
+
+
+def test_a_joint_made_taken_away_and_made_again(load):
+    made = load(world(two_links(), gravity="0 0 0"))
+    whole = made.model("m")
+    a, b = whole.GetBody("a"), whole.GetBody("b")
+    hinge = whole.make_joint("j", "revolute", a, b, GzVector(0, 0, 1))
+    with pytest.raises(ParameterError, match="has a joint 'j' already"):
+        whole.make_joint("j", "fixed", a, b)
+    b.SetLinearVel((0, 0, 1))
+    made.run(0.5)
+    assert b.GetPosition().z - a.GetPosition().z == pytest.approx(0.0, abs=0.2)
+    hinge.detach()
+    assert not hinge.attached
+    b.SetLinearVel((0, 0, 5))
+    made.run(0.5)
+    assert b.GetPosition().z - a.GetPosition().z > 1.0
+    hinge.attach(None, b)
+    height = b.GetPosition().z
+    made.run(0.5)
+    assert b.GetPosition().z == pytest.approx(height, abs=0.02)
+    assert whole.remove_joint("j")
+    assert not whole.remove_joint("j")
+
+
+def test_a_joint_from_an_element(load):
+    made = load(world(two_links(), gravity="0 0 0"))
+    text = f"<sdf version='1.6'>{model('x', link('l'), joint('slide', 'prismatic', 'a', 'b', '1 0 0'))}</sdf>"
+    element = SdfFile.from_string(text).root.child("model").child("joint")
+    slide = made.model("m").add_joint(element)
+    slide.set_velocity(0.5)
+    made.run(0.2)
+    assert slide.position() == pytest.approx(0.1, abs=1e-3)
+
+
+def test_moving_a_joint_moves_what_hangs_on_it(load):
+    chain = model(
+        "m",
+        link("a", inertial()),
+        link("b", inertial(), pose="1 0 0 0 0 0"),
+        link("c", inertial(), pose="2 0 0 0 0 0"),
+        joint("one", "revolute", "a", "b", "0 0 1", inside="<limit><lower>-2</lower><upper>2</upper></limit>"),
+        joint("two", "fixed", "b", "c", ""),
+        joint("root", "fixed", "world", "a", ""),
+    )
+    made = load(world(chain, gravity="0 0 0"))
+    one = made.model("m").sdf_joints["one"]
+    one.set_position(math.pi / 2)
+    assert place(made.body("m", "c")) == pytest.approx((1, 1, 0), abs=1e-9)
+    assert one.position() == pytest.approx(math.pi / 2)
+    one.set_position(9.0)
+    assert one.position() == pytest.approx(2.0)
+    one.set_position(0.0)
+    one.set_velocity(3.0)
+    assert tuple(made.body("m", "c").GetLinearVel()) == pytest.approx((0, 3, 0))
+    assert tuple(made.body("m", "a").GetLinearVel()) == (0, 0, 0)
+    assert one.velocity() == pytest.approx(3.0)
+
+
+def test_limits_of_effort_and_velocity(load):
+    weak = "<limit><lower>-1e16</lower><upper>1e16</upper><effort>2</effort><velocity>1</velocity></limit>"
+    made = load(world(two_links(joint("j", "revolute", "world", "a", "0 0 1", inside=weak)), gravity="0 0 0"))
+    hinge = made.model("m").sdf_joints["j"]
+    hinge.add_force(50.0)
+    hinge.add_force(0.5)
+    assert hinge.force() == 2.5
+    made.step()
+    assert hinge.velocity() == pytest.approx(0.0025)
+    for _ in range(2000):
+        hinge.add_force(50.0)
+        made.step()
+    assert hinge.velocity() == pytest.approx(1.0, abs=0.01)
+    hinge.add_force(-1.0)
+    assert hinge.force() == -1.0
+    with pytest.raises(ParameterError, match="has no axis 1; it has 1"):
+        hinge.add_force(1.0, 1)
+
+
+def test_parameters_by_their_keys(load):
+    ode = "<physics><ode><limit><cfm>0.1</cfm><erp>0.3</erp></limit><fudge_factor>0.5</fudge_factor></ode></physics>"
+    narrow = "<limit><lower>-1</lower><upper>1</upper></limit>"
+    made = load(world(two_links(joint("j", "revolute", "world", "a", "0 0 1", ode, narrow)), gravity="0 0 0"))
+    hinge = made.model("m").sdf_joints["j"]
+    assert [hinge.get_param(key) for key in ("stop_cfm", "stop_erp", "fudge_factor")] == [0.1, 0.3, 0.5]
+    assert (hinge.get_param("lo_stop"), hinge.get_param("hi_stop")) == (-1.0, 1.0)
+    hinge.set_param("hi_stop", 0.2)
+    hinge.set_param("friction", 3.0)
+    assert [hinge.get_param(key) for key in ("hi_stop", "friction", "fmax", "vel")] == [0.2, 3.0, 3.0, 0.0]
+    with pytest.raises(ParameterError, match=r"has no 'fmx' of axis 0; keys are .*did you mean 'fmax'"):
+        hinge.set_param("fmx", 1.0)
+    with pytest.raises(ParameterError, match="vel is NaN"):
+        hinge.set_param("vel", math.nan)
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+@pytest.mark.parametrize("parent", ["world", "a"])
+def test_two_axes_turn_each_by_its_own_effort(load, kind, parent):
+    second = "<axis2><xyz>0 1 0</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis2>"
+    heavy = link("a", inertial(1e6, (1e6,) * 3))
+    crossed = joint("j", kind, parent, "b", "0 0 1", second)
+    made = load(world(model("m", heavy, link("b", inertial()), crossed), gravity="0 0 0"))
+    cross = made.model("m").sdf_joints["j"]
+    for _ in range(200):
+        cross.add_force(0.5, 0)
+        made.step()
+    assert cross.velocity(0) == pytest.approx(0.1, rel=0.01)
+    assert abs(cross.velocity(1)) < 0.01
+    assert GzQuaternToEuler(made.body("m", "b").GetRotation()).z == pytest.approx(cross.position(0), abs=1e-3)
+    cross.set_velocity(0.0, 0)
+    for _ in range(3000):
+        cross.add_force(0.5, 1)
+        made.step()
+    assert cross.position(1) == pytest.approx(0.5, abs=0.01)
+    assert cross.axis(1).y == pytest.approx(math.cos(cross.position(0)), abs=0.01)
+
+
+def test_anchors_and_axes(load):
+    offset = joint("j", "revolute", "a", "b", "0 0 2", pose="-0.5 0 0 0 0 0")
+    made = load(world(two_links(offset), gravity="0 0 0"))
+    hinge = made.model("m").sdf_joints["j"]
+    assert tuple(hinge.anchor()) == pytest.approx((0.5, 0, 0))
+    assert tuple(hinge.axis()) == pytest.approx((0, 0, 1))
+    hinge.set_axis(0, (1, 0, 0))
+    hinge.set_anchor((0, 0, 0))
+    assert tuple(hinge.axis()) == pytest.approx((1, 0, 0))
+    assert tuple(hinge.anchor()) == pytest.approx((0, 0, 0))
+    assert hinge.position() == 0.0
+
+
+def test_a_model_put_back_where_it_began(load):
+    spin = joint("j", "revolute", "world", "a", "0 0 1")
+    made = load(world(two_links(spin)))
+    whole = made.model("m")
+    whole.sdf_joints["j"].set_velocity(30.0)
+    made.run(1.0)
+    assert whole.sdf_joints["j"].position() == pytest.approx(30.0, abs=0.1)
+    whole.restore()
+    assert whole.sdf_joints["j"].position() == 0.0
+    assert place(whole.GetBody("b")) == (1, 0, 0)
+    assert tuple(whole.GetBody("b").GetLinearVel()) == (0, 0, 0)
+
+
+def test_a_joint_outlives_the_model_it_held(load):
+    damped = "<dynamics><damping>1</damping></dynamics>"
+    holder = model("holder", link("l", inertial()), joint("j", "revolute", "other::l", "l", "0 1 0", inside=damped))
+    screwed = model("screwed", link("l", inertial()), joint("s", "screw", "other::l", "l", "0 0 1"))
+    made = load(world(model("other", link("l", inertial())), holder, screwed))
+    made.run(0.01)
+    made.DeleteModel("other")
+    made.run(0.01)
+    assert not made.model("holder").sdf_joints["j"].attached
+    assert not made.model("screwed").sdf_joints["s"].attached
+    assert made.model("holder").failed is None
+    assert made.model("screwed").failed is None
+
+
+def test_a_screw_is_moved_along_its_thread(load):
+    pitched = joint("s", "screw", "world", "l", "0 0 1", "<thread_pitch>2</thread_pitch>")
+    made = load(world(model("m", link("l", inertial()), pitched), gravity="0 0 0"))
+    screw = made.model("m").sdf_joints["s"]
+    screw.set_position(3.0)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.0, -1.5))
+    screw.set_velocity(1.0)
+    made.run(0.5)
+    assert (screw.position(0), screw.position(1)) == pytest.approx((3.5, -1.75), abs=1e-3)
+    screw.set_velocity(1.0, 1)
+    assert screw.velocity(0) == pytest.approx(-2.0)
+    screw.set_param("thread_pitch", 4.0)
+    assert screw.get_param("thread_pitch") == 4.0
+
+
+def test_a_wheel_on_a_suspension(load):
+    """A sprung wheel gives way along the steering axis as ODE's suspension does: weight h erp / (h^2 k) at rest."""
+    spring = "<physics><ode><suspension><erp>0.5</erp><cfm>0.05</cfm></suspension></ode></physics>"
+    car = model(
+        "car",
+        link("body", inertial(10.0), pose="0 0 1 0 0 0"),
+        link("wheel", inertial(1.0), pose="0 0 0.5 0 0 0"),
+        joint("j", "revolute2", "body", "wheel", "0 0 1", f"<axis2><xyz>0 1 0</xyz></axis2>{spring}"),
+        joint("hold", "fixed", "world", "body", ""),
+    )
+    made = load(world(car))
+    made.run(2.0)
+    stiffness = 0.5 / (0.001 * 0.05)  # erp = h k / (h k + d), cfm = 1 / (h k + d)
+    assert 0.5 - made.body("car", "wheel").GetPosition().z == pytest.approx(9.8 / stiffness, rel=0.05)
+    made.model("car").sdf_joints["j"].set_velocity(2.0, 1)
+    made.run(0.2)
+    assert made.model("car").sdf_joints["j"].position(1) == pytest.approx(0.4, abs=0.02)
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+@pytest.mark.parametrize("parent", ["world", "a"])
+def test_two_axes_at_any_angle_but_none(load, kind, parent):
+    for first, second in (("0 1 0", "0 0 1"), ("0 1 0", "1 0 0"), ("1 0 0", "0 1 0"), ("0 0 1", "0 1 1")):
+        crossed = joint("j", kind, parent, "b", first, f"<axis2><xyz>{second}</xyz></axis2>")
+        made = load(world(two_links(crossed)))
+        made.body("m", "b").SetAngularVel((1, 2, 3))
+        made.step(50)
+        assert made.model("m").failed is None
+    with pytest.raises(WorldFileError, match="must not be parallel"):
+        load(world(two_links(joint("j", kind, parent, "b", "0 0 1", "<axis2><xyz>0 0 -2</xyz></axis2>"))))
+
+
+def test_parameters_that_were_set_outlive_a_new_anchor_and_axis(load):
+    rod = "<link name='rod'><gravity>0</gravity></link>"
+    hinge = (
+        "<joint name='j' type='revolute'><parent>world</parent><child>rod</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+    made = load(world(f"<model name='m'>{rod}{hinge}</model>"))
+    joint = made.model("m").sdf_joints["j"]
+    joint.set_param("fmax", 50.0)
+    joint.set_param("vel", 2.0)
+    joint.set_anchor((0.0, 0.1, 0.0))
+    joint.set_axis(0, (1, 0, 0))
+    made.run(0.2)
+    assert joint.velocity() == pytest.approx(2.0, abs=1e-3)

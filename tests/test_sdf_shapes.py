@@ -1,0 +1,181 @@
+"""Shapes of SDF: meshes of files, height maps, outlines, and how many contacts they make."""
+
+import math
+import struct
+
+import numpy as np
+import pytest
+from PIL import Image
+from sdf_worlds import GROUND, collision, inertial, link, model, place, world
+
+from libgz.errors import WorldFileError
+from libgz.ode.types import Surface
+
+CUBE = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
+QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+
+
+def write_obj(path):
+    path.with_suffix(".mtl").write_text("newmtl red\nKd 1 0 0\n")
+    lines = [f"mtllib {path.stem}.mtl", *(f"v {x} {y} {z}" for x, y, z in CUBE), "o cube", "usemtl red"]
+    lines += ["f " + " ".join(f"{i + 1}//1" for i in quad) for quad in QUADS]
+    path.write_text("\n".join(lines))
+
+
+def write_stl(path, *, binary):
+    faces = [[CUBE[q[i]] for i in (0, k, k + 1)] for q in QUADS for k in (1, 2)]
+    if binary:
+        rows = b"".join(struct.pack("<12fH", 0, 0, 0, *sum(face, ()), 0) for face in faces)
+        path.write_bytes(b"\0" * 80 + struct.pack("<I", len(faces)) + rows)
+        return
+    text = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*v) for v in face)
+        + "endloop\nendfacet\n"
+        for face in faces
+    )
+    path.write_text(f"solid cube\n{text}endsolid cube\n")
+
+
+def write_dae(path):
+    points = " ".join(f"{10 * v}" for corner in CUBE for v in corner)
+    corners = " ".join(f"{i} 0" for quad in QUADS for i in quad)
+    path.write_text(
+        "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
+        "<asset><unit meter='0.1'/><up_axis>Z_UP</up_axis></asset>"
+        "<library_effects><effect id='e'><profile_COMMON><technique sid='t'><lambert><diffuse>"
+        "<color>0 1 0 1</color></diffuse></lambert></technique></profile_COMMON></effect></library_effects>"
+        "<library_materials><material id='green'><instance_effect url='#e'/></material></library_materials>"
+        "<library_geometries><geometry id='g'><mesh><source id='p'><float_array id='pa' count='24'>"
+        f"{points}</float_array></source><vertices id='v'><input semantic='POSITION' source='#p'/></vertices>"
+        "<polylist count='6' material='m'><input semantic='VERTEX' source='#v' offset='0'/>"
+        f"<input semantic='NORMAL' source='#p' offset='1'/><vcount>4 4 4 4 4 4</vcount><p>{corners}</p></polylist>"
+        "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='s'>"
+        "<node name='away'><translate>30 0 0</translate><instance_geometry url='#g'><bind_material>"
+        "<technique_common><instance_material symbol='m' target='#green'/></technique_common></bind_material>"
+        "</instance_geometry></node></visual_scene></library_visual_scenes></COLLADA>"
+    )
+
+
+def mesh(uri, more=""):
+    return f"<mesh><uri>{uri}</uri>{more}</mesh>"
+
+
+@pytest.mark.parametrize("kind", ["obj", "stl", "ascii.stl", "dae"])
+def test_meshes_fall_and_rest(load, tmp_path, kind):
+    path, more = tmp_path / f"cube.{kind}", ""
+    if kind == "obj":
+        write_obj(path)
+    elif kind == "dae":
+        write_dae(path)
+        more = "<submesh><name>away</name><center>1</center></submesh>"
+    else:
+        write_stl(path, binary=kind == "stl")
+    shape = mesh(path.name, f"<scale>2 2 1</scale>{more}")
+    made = load(world(GROUND, model("m", link("l", collision(shape)), pose="0 0 1 0 0 0")))
+    made.run(1.5)
+    assert place(made.body("m")) == pytest.approx((0, 0, 0.5), abs=2e-3)
+    geom = made.body("m").geoms[0]
+    assert np.ptp(geom.vertices, axis=0) == pytest.approx((2, 2, 1))
+    assert len(geom.triangles) == 12
+
+
+def test_visuals_of_meshes_have_the_colours_of_their_files(load, tmp_path):
+    write_obj(tmp_path / "cube.obj")
+    write_dae(tmp_path / "cube.dae")
+    visuals = "".join(
+        f"<visual name='{name}'><geometry>{mesh('file://' + str(tmp_path / name))}</geometry></visual>"
+        for name in ("cube.obj", "cube.dae")
+    )
+    made = load(world(model("m", link("l", visuals))))
+    drawn = made.body("m").geoms
+    assert [tuple(geom.GetDiffuseColor())[:3] for geom in drawn] == [(1, 0, 0), (0, 1, 0)]
+    assert drawn[1].vertices[:, 0].mean() == pytest.approx(3.0)
+
+
+def test_what_is_missing_or_broken_is_told_and_left_out(load, tmp_path, caplog):
+    (tmp_path / "broken.obj").write_text("v 0 0 0\nf 1 2 3\n")
+    write_dae(tmp_path / "cube.dae")
+    shapes = [mesh("no.dae"), mesh("broken.obj"), mesh("cube.dae", "<submesh><name>awya</name></submesh>")]
+    parts = [collision(shape, name=f"c{i}") for i, shape in enumerate(shapes)]
+    made = load(world(model("m", link("l", *parts))))
+    made.step()
+    assert made.body("m").geoms == []
+    assert "Unable to find uri[no.dae]; looked for" in caplog.text
+    assert "broken.obj cannot be read" in caplog.text
+    assert "has no submesh 'awya'; it has away; did you mean 'away'" in caplog.text
+
+
+def test_a_height_map_carries(load, tmp_path):
+    slope = np.tile(np.linspace(0, 255, 17), (17, 1)).astype(np.uint8)
+    Image.fromarray(slope).save(tmp_path / "slope.png")
+    shape = "<heightmap><uri>slope.png</uri><size>8 8 2</size><pos>0 0 1</pos></heightmap>"
+    ground = model("ground", "<static>1</static>", link("l", collision(shape)))
+    balls = [
+        model(f"b{i}", link("l", inertial(1.0, (0.1,) * 3), collision("sphere")), pose=f"{x} 0 {z} 0 0 0")
+        for i, (x, z) in enumerate(((-2.0, 2.05), (2.0, 3.05)))
+    ]
+    made = load(world(ground, *balls))
+    made.run(0.6)
+    assert made.body("b1").GetPosition().z - made.body("b0").GetPosition().z == pytest.approx(1.0, abs=0.05)
+    geom = made.model("ground").bodies[0].geoms[0]
+    assert geom.vertices[:, 2].min() == 1.0
+    assert geom.vertices[:, 2].max() == pytest.approx(3.0)
+    assert made.engine.surface[geom.row, Surface.MAX_VEL] == 0.0
+    with pytest.raises(WorldFileError, match=r"<uri> is missing|needs the <uri>"):
+        load(world(model("m", link("l", collision("<heightmap/>")))))
+
+
+def test_the_top_of_a_picture_lies_at_plus_y(load, tmp_path):
+    picture = np.zeros((9, 9), dtype=np.uint8)
+    picture[0, :] = 255
+    Image.fromarray(picture).save(tmp_path / "edge.png")
+    shape = "<heightmap><uri>edge.png</uri><size>8 8 1</size></heightmap>"
+    made = load(world(model("g", "<static>1</static>", link("l", collision(shape)))))
+    vertices = made.model("g").bodies[0].geoms[0].vertices
+    assert set(vertices[vertices[:, 2] > 0.5][:, 1]) == {4.0}
+
+
+def points(*corners):
+    return "".join(f"<point>{x} {y}</point>" for x, y in corners)
+
+
+def test_outlines_are_solids_with_holes(load):
+    outer = points((0, 0), (2, 0), (2, 2), (1, 1), (0, 2), (0, 0))
+    hole = points((0.8, 0.3), (1.2, 0.3), (1.2, 0.6), (0.8, 0.6))
+    shape = f"<polyline>{outer}<height>0.5</height></polyline><polyline>{hole}<height>0.5</height></polyline>"
+    made = load(world(model("m", "<static>1</static>", link("l", collision(shape)))))
+    geom = made.model("m").bodies[0].geoms[0]
+    a, b, c = (geom.vertices[geom.triangles[:, i]] for i in range(3))
+    volume = float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6
+    assert volume == pytest.approx(0.5 * (3.0 - 0.12))
+    ranges, rows = np.empty(3), np.empty(3, dtype=np.int64)
+    rays = np.array([[x, y, 5, 0, 0, -1, 20] for x, y in ((0.5, 0.5), (1.0, 0.45), (1.0, 1.5))], dtype=float)
+    made.engine.scan(np.array([0, 0, 0, 1.0, 0, 0, 0]), rays, 0, ranges, rows)
+    assert ranges[0] == pytest.approx(4.5)
+    assert list(rows[1:]) == [-1, -1]
+    crossed = points((0, 0), (2, 2), (2, 0), (0, 2))
+    with pytest.raises(WorldFileError, match=r"cross each other|span an area"):
+        load(world(model("m", link("l", collision(f"<polyline>{crossed}<height>1</height></polyline>")))))
+
+
+def test_more_contacts_than_ten_on_request(load, tmp_path):
+    """A ring of teeth touches the ground at many points."""
+    ring = [(math.cos(a), math.sin(a)) for a in np.linspace(0, 2 * math.pi, 24, endpoint=False)]
+    rows = [f"v {x} {y} {z}" for z in (0, 1) for x, y in ring]
+    rows += [
+        f"f {i + 1} {(i + 1) % 24 + 1} {(i + 1) % 24 + 25}\nf {i + 1} {(i + 1) % 24 + 25} {i + 25}" for i in range(24)
+    ]
+    (tmp_path / "ring.obj").write_text("\n".join(rows))
+    for own, all_, expected in ((10, 20, 10), (18, 20, 18), (100, 20, 20), (100, 24, 24)):
+        most = f"<max_contacts>{own}</max_contacts>"
+        ground = collision("<plane/>", more="<max_contacts>100</max_contacts>")
+        made = load(
+            world(
+                model("g", "<static>1</static>", link("l", ground)),
+                model("m", link("l", collision(mesh("ring.obj"), more=most)), pose="0 0 -0.001 0 0 0"),
+                physics=f"<max_contacts>{all_}</max_contacts>",
+            )
+        )
+        made.step()
+        assert made.engine.contact_count == expected

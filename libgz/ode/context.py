@@ -107,10 +107,14 @@ class Tables(Protocol):
     body_start: NDArray[np.float64]
     joint_state: NDArray[np.float64]
     springs: NDArray[np.float64]
+    pushing: set[int]  # rows of joints with a spring or damper
     joint_types: NDArray[np.int64]
     body_ids: NDArray[np.uintp]
     joint_ids: NDArray[np.uintp]
     surface_edits: int
+
+
+NOT_ALL_WELL = 2  # what a step returns besides 1 and 0: what happened stands in the context
 
 
 class Step(Protocol):
@@ -120,7 +124,7 @@ class Step(Protocol):
     reads_all: bool  # whether step() leaves all states copied out
 
     def step(self) -> int:
-        """Both halves; 0 if ODE ran out of memory."""
+        """Both halves; 1: all is well, 0: out of memory, NOT_ALL_WELL: a body ran away, or the step was given up."""
 
     def collide(self) -> None:
         """The first half: find contacts and make joints of them."""

@@ -14,6 +14,7 @@ from libgz.geometry import rotate
 from libgz.ode.context import (
     MAX_CONTACTS,
     NO_HIT,
+    NOT_ALL_WELL,
     StepContext,
     Tables,
     halt_runaway,
@@ -158,13 +159,16 @@ class PythonStep:
     def collide(self) -> None:
         """Find contacts and make joints of them."""
         context, ode_ = self._context, self._ode
-        valid_for = (self._tables.surface_edits, context.step, context.record)
+        recording = context.record
+        valid_for = (self._tables.surface_edits, context.step, recording)
         if valid_for != self._pairs_valid_for:
             self._pairs.clear()
             self._contact_arrays.clear()
+            self._careful.log.clear()
             self._pairs_valid_for = valid_for
         self._contact_count = self._careful.count = 0
-        self._careful.log.clear()
+        if recording:
+            self._careful.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)
         context.contact_count = self._contact_count + self._careful.count
         self._raise_fault()
@@ -173,26 +177,29 @@ class PythonStep:
         """Move everything, empty the contact group."""
         context, ode_ = self._context, self._ode
         ode_.dRandSetSeed(context.seed)
-        self._careful.log.ask(ode_)
-        pushing = self._tables.springs[: context.joint_count, :2].any(axis=1)
-        for row in (pushing & (self._tables.joint_ids[: context.joint_count] != 0)).nonzero()[0].tolist():
-            push_joint(ode_, self._tables, row, unwind=bool(context.classic))
-        context.halted = 0
+        recording = self._pairs_valid_for[2]
+        if recording:
+            self._careful.log.ask(ode_)
+        for row in sorted(self._tables.pushing):
+            if self._tables.joint_ids[row]:
+                push_joint(ode_, self._tables, row, unwind=bool(context.classic))
+        halted = 0
         if context.classic:
             for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
                 if halt_runaway(ode_, int(self._tables.body_ids[row])):
-                    context.halted = row + 1
+                    halted = context.halted = row + 1
         if context.watch:
             for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
                 watch_body(ode_, self._tables, row)
         done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
-        self._careful.log.read()
+        if recording:
+            self._careful.log.read()
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        return int(done)
+        return NOT_ALL_WELL if done and halted else int(done != 0)
 
     def _raise_fault(self) -> None:
         fault, self._fault = self._fault, None

@@ -743,8 +743,10 @@ static void halt_runaways(context *c)
     }
 }
 
-/* The second half: move everything, drop the contacts, copy the states out. Returns what ODE's step returned: 0 is out
- * of memory. */
+enum { NOT_ALL_WELL = 2 };
+
+/* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
+ * NOT_ALL_WELL: what happened stands in the context. */
 int gz_solve(context *c)
 {
     volatile int done = 1; /* as it stays when the step is given up */
@@ -769,7 +771,9 @@ int gz_solve(context *c)
     c->steps++;
     read_bodies(c);
     read_joints(c);
-    return done;
+    if (done && (c->halted || c->gave_up || c->lost))
+        return NOT_ALL_WELL;
+    return done != 0;
 }
 
 int gz_step(context *c)

@@ -177,6 +177,7 @@ class Engine(EngineSettings):
         self.body_ids = np.zeros(16, dtype=np.uintp)
         self.joint_state = np.zeros((16, 4))
         self.springs = np.zeros((16, 3))
+        self.pushing: set[int] = set()  # rows of joints with a spring or damper
         self.joint_types = np.zeros(16, dtype=np.int64)
         self.joint_ids = np.zeros(16, dtype=np.uintp)
         self.surface = np.tile(DEFAULT_SURFACE, (16, 1))
@@ -239,7 +240,7 @@ class Engine(EngineSettings):
         row, self.joints_used = self._new_row("joint", self.joints_used)
         self.joint_ids[row] = 0
         self.joint_types[row] = kind
-        self.springs[row] = 0.0
+        self.set_spring(row, (0.0, 0.0, 0.0))
         self.joint_state[row] = 0.0
         self.joints[row] = joint
         self._publish_tables()
@@ -250,6 +251,11 @@ class Engine(EngineSettings):
         self.joint_ids[row] = handle
         self.joint_state[row] = 0.0
         self.joint_moved(row)
+
+    def set_spring(self, row: int, spring: tuple[float, ...]) -> None:
+        """Stiffness, damping and reference with which a joint pushes by itself."""
+        self.springs[row] = spring
+        (self.pushing.add if spring[0] or spring[1] else self.pushing.discard)(row)
 
     def remove_joint(self, row: int) -> None:
         """Free the row of a joint that closes."""
@@ -365,12 +371,14 @@ class Engine(EngineSettings):
             self.body_fresh[:] = self._all_bodies
             self.joint_fresh[:] = self._all_joints
             self._touched = not self.step_form.reads_all
+        if done == 1:
+            return
+        if not done:
+            raise GazeboError("ODE ran out of memory in a step: the world is too large")
         if self._context.halted:
             tell(self.bodies[self._context.halted - 1])
         if self._context.lost or self._context.gave_up:
             mend(self.bodies.values(), bool(self._context.gave_up))
-        if not done:
-            raise GazeboError("ODE ran out of memory in a step: the world is too large")
 
     def scan(
         self,

@@ -225,7 +225,7 @@ class Joint:
         """
         if self.kind not in (JointType.HINGE, JointType.SLIDER):
             raise ParameterError(f"{self!r} has no spring; hinges and sliders have")
-        self.engine.springs[self.row] = finite_tuple((stiffness, damping, reference), 3, "spring")
+        self.engine.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
 
     # Parameters --------------------------------------------------------------------------------------------------
 

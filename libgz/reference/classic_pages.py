@@ -8,6 +8,8 @@ import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from libgz.reference.pages import write_changed
+
 __all__ = ["PAGES", "classic_pages", "write_classic_pages"]
 
 NOTE = "<!-- Made by scripts/make_classic_pages.py from the classes; do not edit. -->\n"
@@ -37,14 +39,7 @@ def write_classic_pages(directory: Path) -> list[Path]:
     Raises:
         OSError: a file cannot be written.
     """
-    directory.mkdir(parents=True, exist_ok=True)
-    changed = []
-    for name, text in classic_pages().items():
-        path = directory / name
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
-            changed.append(path)
-    return changed
+    return write_changed(directory, classic_pages())
 
 
 def _page(name: str, about: str) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries
 from libgz.simulation.factory import ModelFactory
 
-__all__ = ["INDEX", "pages", "write_pages"]
+__all__ = ["INDEX", "pages", "write_changed", "write_pages"]
 
 INDEX = "README.md"
 NOTE = "<!-- Made by `libgz models --pages docs/models` from the model's declarations; do not edit. -->\n"
@@ -28,9 +28,18 @@ def write_pages(directory: Path) -> list[Path]:
     Raises:
         OSError: a file cannot be written.
     """
+    return write_changed(directory, pages())
+
+
+def write_changed(directory: Path, texts: dict[str, str]) -> list[Path]:
+    """Write texts by file name, but those that stand there already; the files that changed.
+
+    Raises:
+        OSError: a file cannot be written.
+    """
     directory.mkdir(parents=True, exist_ok=True)
     changed = []
-    for name, text in pages().items():
+    for name, text in texts.items():
         path = directory / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")

@@ -78,6 +78,7 @@ class SdfJoint(JointLimits):
         self._coupling: Thread | Gears | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1
         self._laid: dict[int, float] = {}
+        self._step_time = engine.step_time
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
         self.acts = self._engine_pushes = False
         self._given = {}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 from libgz.errors import ParameterError, nearest
 from libgz.physics.check import finite
@@ -12,9 +13,14 @@ from libgz.physics.joint import HingeJoint, Joint, SliderJoint
 from libgz.simulation.sdf_axis import HALF_TURN, UNLIMITED, Axis, JointPlan
 from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
 
+if TYPE_CHECKING:
+    from libgz.physics.body import Body
+
 __all__ = ["JointLimits"]
 
 TURN = 2.0 * math.pi
+# h^2 k / m and h d / m up to which an implicit spring and damper are pushed with; beyond 4 and 2 that would blow up.
+GENTLE = 0.05
 # What makes sense to ODE; what lies outside is taken as the nearest.
 RANGES = {
     **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
@@ -34,12 +40,15 @@ class JointLimits:
     plan: JointPlan
     axes: list[Axis]
     implicit: bool
+    parent: Body | None
+    child: Body | None
     joint: Joint | None
     _coupling: Thread | Gears | None
     acts: bool  # whether `update` has anything to do
     _engine_pushes: bool  # whether the engine does what its springs do
     _laid: dict[int, float]  # axis -> turns [rad] that its stops were laid for
     _given: dict[tuple[str, int], float]  # ODE's parameters as users set them, by key and axis
+    _step_time: float  # [s] that `_refresh` has looked at
     _held: dict[int, bool]  # axis -> whether two stops at one place stand for its spring
 
     def position(self, index: int = 0) -> float:
@@ -206,20 +215,38 @@ class JointLimits:
         self._refresh()
 
     def _refresh(self) -> None:
-        """Note who pushes: the engine for the explicit springs of hinges and sliders, for all else `update`."""
-        self._engine_pushes = False
+        """Note who pushes: the engine for the explicit springs of hinges and sliders, for all else `update`.
+
+        An implicit spring that is gentle is pushed with, too: solved with the constraints it would lose energy.
+        """
+        self._engine_pushes, self._step_time = False, self.engine.step_time
         if isinstance(self.joint, HingeJoint | SliderJoint):
-            axis, self._engine_pushes = self.axes[0], not self.implicit
+            axis = self.axes[0]
+            self._engine_pushes = not self.implicit or self._gentle(axis)
             share = float(self._engine_pushes)
             self.joint.set_spring(share * axis.stiffness, share * abs(axis.damping), axis.reference)
+            if self._engine_pushes and self._held.get(0):
+                self._let_go(0)
         turning = not isinstance(self.joint, SliderJoint)
-        springs = any(axis.springs for axis in self.axes) and not self._engine_pushes
+        springs = any(axis.springs for axis in self.axes) and (self.implicit or not self._engine_pushes)
         self.acts = self._coupling is not None or springs or (turning and any(axis.wide for axis in self.axes))
+
+    def _gentle(self, axis: Axis) -> bool:
+        """Whether spring and damper are far from what would be unstable with steps of this length."""
+        ends = [b for b in (self.parent, self.child) if b is not None and not b.dummy and not b.kinematic]
+        if not ends:
+            return False
+        turning, step = isinstance(self.joint, HingeJoint), self.engine.step_time
+        inertias = [min(b.GetMass().I[i] for i in (0, 5, 10)) if turning else b.mass for b in ends]
+        inertia = 1.0 / sum(1.0 / value for value in inertias)
+        return max(step * step * abs(axis.stiffness), step * abs(axis.damping)) <= GENTLE * inertia
 
     def update(self) -> None:
         """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
         if self.broken:
             self.detach()
+        if self.implicit and self.engine.step_time != self._step_time:
+            self._refresh()
         if isinstance(self._coupling, Thread):
             self._coupling.update()
         elif self._coupling is not None:
@@ -244,9 +271,7 @@ class JointLimits:
             return False
         if not axis.lower < at < axis.upper:
             if self._held.get(index):
-                self._set_stops(index)
-                for key, default in (("stop_erp", 0.2), ("stop_cfm", 0.0)):
-                    self.set_param(key, self.plan.parameters.get(key, default), index)
+                self._let_go(index)
             return True
         spring = self.engine.step_time * axis.stiffness
         total = spring + abs(axis.damping)
@@ -255,3 +280,9 @@ class JointLimits:
         self._lay_stops(index, target, target)
         self._held[index] = True
         return True
+
+    def _let_go(self, index: int) -> None:
+        """Let the stops be stops again."""
+        self._set_stops(index)
+        for key, default in (("stop_erp", 0.2), ("stop_cfm", 0.0)):
+            self.set_param(key, self.plan.parameters.get(key, default), index)

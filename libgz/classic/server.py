@@ -176,14 +176,17 @@ class WorldServer:
         plugin.drop()
 
     def plugins(self) -> Iterator[LoadedPlugin]:
-        """All plugins of this world that run, in the order in which they are reset."""
+        """All plugins of this world that run."""
         for model in self.world.all_models():
             yield from model.plugins
+        yield from self._plugins_beside_models()
+
+    def _plugins_beside_models(self) -> Iterator[LoadedPlugin]:
+        """Those of the world, of sensors and of visuals."""
         yield from self.world_plugins.values()
-        if self.sensors is not None:
-            yield from self.sensors.plugins()
-        if self.visuals is not None:
-            yield from self.visuals.plugins()
+        for part in (self.sensors, self.visuals):
+            if part is not None:
+                yield from part.plugins()
 
     # Companion of the world --------------------------------------------------------------------------------------
 
@@ -259,10 +262,7 @@ class WorldServer:
         self.time_was_reset()
         for model in self.world.all_models():
             model.after_reset()
-        for plugin in self.world_plugins.values():
-            plugin.call("Reset")
-        inner = [*(self.sensors.plugins() if self.sensors else ()), *(self.visuals.plugins() if self.visuals else ())]
-        for plugin in (*inner, *system_plugins):
+        for plugin in (*self._plugins_beside_models(), *system_plugins):
             plugin.call("Reset")
 
     def close(self) -> None:

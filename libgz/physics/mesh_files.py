@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 
-__all__ = ["MeshPart", "read_mesh"]
+__all__ = ["MeshPart", "read_mesh", "trimesh_parts"]
 
 Array = NDArray[np.float64]
 
@@ -57,18 +57,26 @@ def _read(path: Path, _changed: int) -> list[MeshPart]:
 
 
 def _read_by_trimesh(path: Path) -> Iterator[MeshPart]:
+    for part in trimesh_parts(path, "mesh"):
+        yield MeshPart("", np.array(part.vertices, dtype=np.float64), np.array(part.faces, dtype=np.int64))
+
+
+def trimesh_parts(path: Path, what: str) -> list[Any]:
+    """The parts of a file that have faces, as the package trimesh reads them; `what` the file is, for messages.
+
+    Raises:
+        GazeboError: the package is missing, or cannot read the file.
+    """
     try:
         import trimesh  # type: ignore[import-not-found, unused-ignore]
     except ImportError:
-        raise GazeboError(f"mesh {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
+        raise GazeboError(f"{what} {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
     try:
         loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()
     except Exception as fault:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
-        raise GazeboError(f"mesh {path} cannot be read: {fault}") from None
-    for part in parts:
-        if len(getattr(part, "faces", ())):
-            yield MeshPart("", np.array(part.vertices, dtype=np.float64), np.array(part.faces, dtype=np.int64))
+        raise GazeboError(f"{what} {path} cannot be read: {fault}") from None
+    return [part for part in parts if len(getattr(part, "faces", ()))]
 
 
 # STL -------------------------------------------------------------------------------------------------------------

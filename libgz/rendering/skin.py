@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
+from libgz.physics.mesh_files import trimesh_parts
 from libgz.rendering import mesh
 from libgz.rendering.mesh import Material, Mesh
 
@@ -41,19 +42,8 @@ def read_skin(path: Path) -> list[Mesh]:
 
 
 def _read_by_trimesh(path: Path) -> list[Mesh]:
-    try:
-        import trimesh  # type: ignore[import-not-found, unused-ignore]
-    except ImportError:
-        raise GazeboError(f"skin {path} needs the package trimesh: pip install 'libgz[mesh]'") from None
-    try:
-        loaded: Any = trimesh.load(path, force="scene")
-        parts = loaded.dump()
-    except Exception as fault:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
-        raise GazeboError(f"skin {path} cannot be read: {fault}") from None
     found = []
-    for part in parts:
-        if not len(getattr(part, "faces", ())):
-            continue
+    for part in trimesh_parts(path, "skin"):
         color = np.asarray(getattr(part.visual, "main_color", (204, 204, 204, 255)), dtype=float) / 255.0
         material = Material(diffuse=tuple(color.tolist()))
         found.append(_part(part.vertices, part.faces, material))

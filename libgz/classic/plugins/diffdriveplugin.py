@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from libgz.classic import transport
-from libgz.classic.event import Events
-from libgz.classic.math import Quaterniond
-from libgz.classic.msgs import ConvertIgn
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
+from libgz.classic.plugins._drive import DrivePlugin
 from libgz.classic.plugins._names import named_joint
 from libgz.classic.plugins._wheels import Wheel, separation
 
@@ -17,7 +14,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class DiffDrivePlugin(ModelPlugin):
+class DiffDrivePlugin(DrivePlugin):
     """Drives a model with two wheels.
 
     ~/<model>/vel_cmd takes a Pose: x of the position is the speed [m/s], yaw of the orientation the turn rate [rad/s].
@@ -39,15 +36,7 @@ class DiffDrivePlugin(ModelPlugin):
         self.separation = separation(left, right)
         self.left = Wheel(left, torque)
         self.right = Wheel(right, torque, self.left.radius)
-        self.command = (0.0, 0.0)
-        self.node = transport.Node()
-        self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
-
-    def OnVelMsg(self, message: Any) -> None:
-        """A new command."""
-        self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
+        self.listen(model)
 
     def OnUpdate(self) -> None:
         """Run the wheels."""
@@ -55,10 +44,6 @@ class DiffDrivePlugin(ModelPlugin):
         half = turn * self.separation / 2.0
         self.left.run(speed + half)
         self.right.run(speed - half)
-
-    def Reset(self) -> None:
-        """Stop."""
-        self.command = (0.0, 0.0)
 
 
 GZ_REGISTER_MODEL_PLUGIN(DiffDrivePlugin)

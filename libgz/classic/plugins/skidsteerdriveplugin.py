@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from libgz.classic import transport
-from libgz.classic.event import Events
-from libgz.classic.math import Quaterniond
-from libgz.classic.msgs import ConvertIgn
-from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
+from libgz.classic.plugins._drive import DrivePlugin
 from libgz.classic.plugins._names import find_joint
 from libgz.classic.plugins._wheels import Wheel, radius_of, separation
 
@@ -17,7 +14,7 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
-class SkidSteerDrivePlugin(ModelPlugin):
+class SkidSteerDrivePlugin(DrivePlugin):
     """Drives a model whose four wheels do not steer.
 
     The joints are called right_front, right_rear, left_front and left_rear. ~/<model>/vel_cmd takes a Pose: x of the
@@ -38,15 +35,7 @@ class SkidSteerDrivePlugin(ModelPlugin):
         wheels = {name: Wheel(joint, torque, radius) for name, joint in joints.items()}
         self.right = wheels["right_front"], wheels["right_rear"]
         self.left = wheels["left_front"], wheels["left_rear"]
-        self.command = (0.0, 0.0)
-        self.node = transport.Node()
-        self.node.Init(model.GetWorld().Name())
-        self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
-        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
-
-    def OnVelMsg(self, message: Any) -> None:
-        """A new command."""
-        self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
+        self.listen(model)
 
     def OnUpdate(self) -> None:
         """Run the wheels."""
@@ -55,10 +44,6 @@ class SkidSteerDrivePlugin(ModelPlugin):
             wheel.run(speed + turn * self.separation)
         for wheel in self.left:
             wheel.run(speed - turn * self.separation)
-
-    def Reset(self) -> None:
-        """Stop."""
-        self.command = (0.0, 0.0)
 
 
 GZ_REGISTER_MODEL_PLUGIN(SkidSteerDrivePlugin)

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.common import Time
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import custom_topic
 from libgz.classic.sensors.sensor import Sensor
 from libgz.geometry import GzCoordPoseAdd
 
@@ -25,6 +24,7 @@ class AltimeterSensor(Sensor):
     """An altimeter; 0 is the height at which it began."""
 
     message_type: ClassVar[str] = "Altimeter"
+    topic_behind = True
 
     def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
@@ -33,12 +33,6 @@ class AltimeterSensor(Sensor):
         self.add_noise(POSITION, next(altimeter.named("vertical_position"), None))
         self.add_noise(VELOCITY, next(altimeter.named("vertical_velocity"), None))
         self._reference = self._altitude = self._velocity = 0.0
-
-    def Topic(self) -> str:
-        """``~/model/link/sensor``, with the file's topic behind it if there is one."""
-        return self._own_topic(custom_topic(self.sdf))
-
-    GetTopic = Topic
 
     def Init(self) -> None:
         """Count from the present height."""

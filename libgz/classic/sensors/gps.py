@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from libgz.classic.common import Time
 from libgz.classic.math import Angle, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import custom_topic
 from libgz.classic.sensors.sensor import Sensor
 from libgz.geometry import GzCoordPoseAdd
 
@@ -36,6 +35,7 @@ class GpsSensor(Sensor):
     """A satellite navigation receiver. Noise is on the local position [m] and on the velocity [m/s]."""
 
     message_type: ClassVar[str] = "GPS"
+    topic_behind = True
 
     def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
@@ -47,12 +47,6 @@ class GpsSensor(Sensor):
                 self.add_noise(kind, next(holder.named(axis), None) if holder is not None else None)
         self._place = Vector3d()  # latitude, longitude [deg], altitude [m]
         self._velocity = Vector3d()
-
-    def Topic(self) -> str:
-        """``~/model/link/sensor``, with the file's topic behind it if there is one."""
-        return self._own_topic(custom_topic(self.sdf))
-
-    GetTopic = Topic
 
     def Init(self) -> None:
         """Take over where the world lies."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import custom_topic
 from libgz.classic.sensors.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -28,6 +27,7 @@ class MagnetometerSensor(Sensor):
     """A compass for three axes."""
 
     message_type: ClassVar[str] = "Magnetometer"
+    topic_behind = True
 
     def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
@@ -36,12 +36,6 @@ class MagnetometerSensor(Sensor):
         for axis, kind in zip("xyz", NOISE, strict=True):
             self.add_noise(kind, next(magnetometer.named(axis), None))
         self._field = Vector3d()
-
-    def Topic(self) -> str:
-        """``~/model/link/sensor``, with the file's topic behind it if there is one."""
-        return self._own_topic(custom_topic(self.sdf))
-
-    GetTopic = Topic
 
     def measure(self, now: float) -> bool:
         """Measure."""

@@ -53,6 +53,7 @@ class Sensor:
 
     category: ClassVar[SensorCategory] = SensorCategory.OTHER
     topic_suffix: ClassVar[str | None] = None  # what follows the sensor's name in its topic's; None: it has no topic
+    topic_behind: ClassVar[bool] = False  # whether the topic of its file stands behind its own, not instead
     message_type: ClassVar[str] = ""  # of its topic
     draws: ClassVar[bool] = False  # whether it needs pictures
     gathers: ClassVar[bool] = False  # whether `gather` is to be called after each iteration while it is active
@@ -110,6 +111,8 @@ class Sensor:
     def Topic(self) -> str:
         """The topic that it publishes on; an empty string for none."""
         given = custom_topic(self.sdf)
+        if self.topic_behind:
+            return self._own_topic(given)
         return given or (self._own_topic(self.topic_suffix) if self.topic_suffix is not None else "")
 
     def _own_topic(self, suffix: str) -> str:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzPose, GzVector, VectorLike
@@ -107,11 +105,6 @@ class Inertial:
         return Vector3d(*self._moments[3:])
 
     GetProductsofInertia = ProductsOfInertia
-
-    def eigenvalues(self) -> list[float]:
-        """Moments about the principal axes [kg m^2], rising."""
-        values: list[float] = np.linalg.eigvalsh(np.array(self.rows())).tolist()
-        return values
 
     def IXX(self) -> float:
         """Moment ixx [kg m^2]."""

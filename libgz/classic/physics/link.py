@@ -13,12 +13,9 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.inertial import Inertial
 from libgz.geometry import (
-    GzCoordPoseAdd,
     GzPose,
     GzVectorAdd,
-    GzVectorCross,
     GzVectorDot,
-    GzVectorSub,
     VectorLike,
     rotate,
 )
@@ -70,8 +67,7 @@ class Link(Entity):
         """Velocity [m/s] of the link's origin, or of a point given in the link's frame [m]."""
         pose = self.body.GetPose()
         point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(pose.rot, offset))
-        arm = GzVectorSub(point, self.body.GetCoMPose().pos)
-        return Vector3d(*GzVectorAdd(self.body.GetLinearVel(), GzVectorCross(self.body.GetAngularRate(), arm)))
+        return Vector3d(*self.body.GetPointVel(point))
 
     def WorldCoGLinearVel(self) -> Vector3d:
         """Velocity of the centre of mass [m/s]."""
@@ -363,7 +359,3 @@ class Link(Entity):
     def _sensor_names(self) -> list[str]:
         prefix = f"{self.GetScopedName(True)}::"
         return [name for name in self._world.sensor_names() if name.startswith(prefix)]
-
-    def world_point(self, offset: VectorLike) -> GzPose:
-        """Global pose of a point given in the link's frame [m]."""
-        return GzCoordPoseAdd(GzPose(Vector3d(*offset)), self.pose())

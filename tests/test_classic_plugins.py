@@ -405,3 +405,20 @@ def test_animations_keep_time_when_others_begin(run):
     world.step(500)
     assert view.ModelByName("a").WorldPose().Pos().X() == pytest.approx(0.5, abs=1e-4)
     del kept
+
+
+def test_a_profile_brings_all_that_its_element_says(run):
+    cone = "<ode><solver><type>quick</type><friction_model>cone_model</friction_model></solver></ode>"
+    world = run(
+        "<physics name='plain' type='ode'/>",
+        f"<physics name='cone' type='ode'><max_step_size>0.005</max_step_size>{cone}</physics>",
+        BOX.format(name="box", pose="0 0 1 0 0 0", inside=""),
+    )
+    view = physics.get_world()
+    presets = view.PresetMgr()
+    assert (presets.AllProfiles(), presets.CurrentProfile()) == (["plain", "cone"], "plain")
+    presets.SetProfileParam("cone", "iters", 77)
+    presets.CurrentProfile("cone")
+    assert (world.engine.step_time, world.engine.cone, world.engine.iterations) == (0.005, True, 77)
+    presets.CurrentProfile("plain")
+    assert (world.engine.step_time, world.engine.cone, world.engine.iterations) == (0.001, False, 50)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
+from libgz.simulation.sdf_settings import apply_profile, settings_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -46,11 +47,10 @@ class PresetManager:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
-        sdf = world.SDF()
-        for element in sdf.named("physics") if sdf is not None else ():
-            name = element.Get(str, "name") or "default_physics"
+        self._settings = settings_of(world.core)
+        for name, element in self._settings.profiles.items() if self._settings is not None else ():
             self._profiles[name] = read_profile(element)
-            if not self._current or element.Get(bool, "default"):
+            if self._settings is not None and element is self._settings.physics:
                 self._current = name
 
     def AllProfiles(self) -> list[str]:
@@ -69,7 +69,10 @@ class PresetManager:
         """
         if name is None:
             return self._current
-        for key, value in self._profile(name).items():
+        parameters = self._profile(name)
+        if self._settings is not None and name in self._settings.profiles:
+            apply_profile(self._world.core, name)
+        for key, value in parameters.items():  # as they were set since
             self._world.Physics().SetParam(key, value)
         self._current = name
         return True

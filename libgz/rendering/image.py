@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 
-__all__ = ["read_image", "write_image", "write_pnm"]
+__all__ = ["pyramid", "read_image", "write_image", "write_pnm"]
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -25,6 +25,18 @@ def read_image(path: Path) -> NDArray[np.uint8]:
             return np.asarray(picture.convert("RGB"))
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as fault:
         raise GazeboError(f"picture {path} cannot be read: {fault}") from None
+
+
+def pyramid(pixels: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
+    """A picture, and each next one half as wide and high, down to a single pixel."""
+    from PIL import Image
+
+    found, picture = [np.ascontiguousarray(pixels)], Image.fromarray(pixels)
+    while max(picture.size) > 1:
+        width, height = picture.size
+        picture = picture.resize((max(width // 2, 1), max(height // 2, 1)), Image.Resampling.BOX)
+        found.append(np.ascontiguousarray(picture))
+    return found
 
 
 def write_image(path: Path, pixels: NDArray[np.uint8]) -> None:

@@ -4,27 +4,31 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.physics.geom import Geom
 from libgz.rendering.drawers import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
-from libgz.rendering.image import read_image
-from libgz.rendering.mesh import Material, Mesh, grid
+from libgz.rendering.ground import Sight, rings
+from libgz.rendering.image import pyramid, read_image
+from libgz.rendering.mesh import Material, Mesh
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["Compiled", "Library", "Look", "Table"]
+__all__ = ["Compiled", "Level", "Library", "Look", "Table"]
 
 log = logging.getLogger("libgz.rendering")
 
 SEGMENTS = (32, 12, 8)  # of a full turn: where a body is large in the picture, small, and very small
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
-PATCH = 2.0  # [m] of a plane near the camera
+MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
 Color = tuple[float, ...]
@@ -38,6 +42,14 @@ class Compiled:
 
     def __init__(self, number: int, radius: float) -> None:
         self.list, self.radius = number, radius
+
+
+class Level(NamedTuple):
+    """A picture of a texture at one of its sizes: GL's number, width and height [px]."""
+
+    number: int
+    width: int
+    height: int
 
 
 class Table:
@@ -66,9 +78,11 @@ class Library:
     def __init__(self, gl: GL) -> None:
         self.gl = gl
         self._items: dict[tuple[tuple[int, ...], Look, int, bool], Compiled] = {}
-        self._planes: dict[tuple[int, float, Look, bool], Compiled] = {}
+        self._planes: dict[tuple[int, Sight, Look, bool], Compiled] = {}
         self._shapes: dict[str, Compiled] = {}
         self._textures: dict[tuple[Path, bool], int] = {}
+        self._levels: dict[Path, tuple[Level, ...]] = {}
+        self._damaged: set[Path] = set()
         self._skins: dict[Path, list[Mesh]] = {}
         self._content: Content | None = None
         self._tables: dict[tuple[Look, bool], Table] = {}
@@ -101,23 +115,33 @@ class Library:
             found = self._items[key] = self._compile_item(item, look, SEGMENTS[level], plain)
         return found
 
-    def plane(self, geom: Geom, far: float, look: Look, plain: bool) -> Compiled:
-        """The list of a plane: a square around the origin that faces +z."""
-        key = (geom.row, far, look, plain)
+    def plane(self, geom: Geom, sight: Sight, look: Look, plain: bool) -> Compiled:
+        """The list of a plane around the camera's foot, facing +z."""
+        key = (geom.row, sight, look, plain)
         found = self._planes.get(key)
         if found is None:
-            size = geom.appearance.texture_size
-            shape = grid(far + 2.0 * PATCH, PATCH, (size.x, size.y))
-            if not plain:
-                self._load_texture(geom, look)
-            number = self._begin()
-            if plain:
-                self._draw(shape, False)
-            else:
-                self._look(geom, [shape], look)
-            self.gl.glEndList()
-            found = self._planes[key] = Compiled(number, far)
+            if len(self._planes) >= MOST_PLANES:
+                self.gl.glDeleteLists(self._planes.pop(next(iter(self._planes))).list, 1)
+            found = self._planes[key] = Compiled(self._compile_plane(geom, sight, look, plain), sight.reach)
         return found
+
+    def _compile_plane(self, geom: Geom, sight: Sight, look: Look, plain: bool) -> int:
+        gl, size = self.gl, geom.appearance.texture_size
+        levels = () if plain else self.levels(geom.appearance.texture_file if look[2] else None)
+        texel = min(size.x / levels[0].width, size.y / levels[0].height) if levels else math.inf
+        number = self._begin()
+        if not plain:
+            self._material(*(_colors(geom) if look[1] else NEUTRAL.colors))
+        if levels:
+            gl.glEnable(Constant.TEXTURE_2D)
+        for level, shape in rings(sight, texel, max(len(levels), 1), (size.x, size.y)):
+            if levels:
+                gl.glBindTexture(Constant.TEXTURE_2D, levels[level].number)
+            self._draw(shape, bool(levels))
+        if levels:
+            gl.glDisable(Constant.TEXTURE_2D)
+        gl.glEndList()
+        return number
 
     def shape(self, name: str, build: Callable[[], Mesh]) -> Compiled:
         """The list of a mesh that has no geom, built when it is first asked for."""
@@ -194,10 +218,7 @@ class Library:
             own = shape.material
             if not look[1]:
                 own = NEUTRAL
-            if own is not None:
-                self._material(own.ambient, own.diffuse, own.specular, (0.0, 0.0, 0.0, 1.0), own.shininess)
-            else:
-                self._material(*colors)
+            self._material(*(colors if own is None else own.colors))
             textured = bool(texture) and shape.texcoords is not None and shape.material is None
             if textured:
                 gl.glEnable(Constant.TEXTURE_2D)
@@ -255,29 +276,54 @@ class Library:
         if path is None:
             return 0
         if (path, repeat) not in self._textures:
-            try:
-                self._textures[path, repeat] = self._upload(path, repeat)
-            except GazeboError as fault:
-                log.warning("%s; its place stays plain", fault)
-                self._textures[path, repeat] = 0
+            picture = self._picture(path)
+            vertical = Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE
+            # Mixing the mipmaps, too, would cost as much as all the rest of a software-drawn picture.
+            smoothing = Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST
+            self._textures[path, repeat] = 0 if picture is None else self._upload(picture, vertical, *smoothing)
         return self._textures[path, repeat]
 
-    def _upload(self, path: Path, repeat: bool) -> int:
-        pixels = np.ascontiguousarray(read_image(path)[::-1])  # GL's rows begin at the bottom
-        gl, kind = self.gl, Constant.TEXTURE_2D
-        number = ctypes.c_uint()
+    def levels(self, path: Path | None) -> tuple[Level, ...]:
+        """The levels of a texture that repeats, for planes; none, and one warning, if its file cannot be read."""
+        if path is None:
+            return ()
+        if path not in self._levels:
+            picture = self._picture(path)
+            pictures = [] if picture is None else pyramid(picture)
+            # Near by, texels are larger than pixels, and are smoothed; far away there is one for each pixel.
+            filters = [Constant.LINEAR] + [Constant.NEAREST] * (len(pictures) - 1)
+            self._levels[path] = tuple(map(self._upload_level, pictures, filters))
+        return self._levels[path]
+
+    def _picture(self, path: Path) -> NDArray[np.uint8] | None:
+        """A picture, top row first; None, and one warning, if its file cannot be read."""
+        try:
+            return read_image(path)
+        except GazeboError as fault:
+            if path not in self._damaged:
+                log.warning("%s; its place stays plain", fault)
+            self._damaged.add(path)
+            return None
+
+    def _upload_level(self, pixels: NDArray[np.uint8], smoothing: int) -> Level:
+        height, width, _ = pixels.shape
+        return Level(self._upload(pixels, Constant.REPEAT, smoothing, smoothing), width, height)
+
+    def _upload(self, pixels: NDArray[np.uint8], vertical: int, magnified: int, minified: int) -> int:
+        """A texture of a picture, bottom row last as in files, that repeats sideways."""
+        upward = np.ascontiguousarray(pixels[::-1])  # GL's rows begin at the bottom
+        gl, kind, number = self.gl, Constant.TEXTURE_2D, ctypes.c_uint()
         gl.glGenTextures(1, ctypes.byref(number))
         gl.glBindTexture(kind, number.value)
         gl.glPixelStorei(Constant.UNPACK_ALIGNMENT, 1)
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_S, Constant.REPEAT)
-        gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE)
-        gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, Constant.LINEAR)
-        # Mixing the mipmaps, too, would cost as much as all the rest of a software-drawn picture.
-        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, Constant.NEAREST_MIPMAP_NEAREST)
-        gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
-        height, width, _ = pixels.shape
+        gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, vertical)
+        gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, magnified)
+        gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, minified)
+        gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, int(minified not in (Constant.NEAREST, Constant.LINEAR)))
+        height, width, _ = upward.shape
         gl.glTexImage2D(
-            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, pixels.ctypes.data
+            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, upward.ctypes.data
         )
         return int(number.value)
 

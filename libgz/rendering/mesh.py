@@ -17,8 +17,8 @@ __all__ = [
     "capsule",
     "cylinder",
     "disc",
-    "grid",
     "heightfield",
+    "ring",
     "sphere",
     "torus",
     "triangles",
@@ -36,6 +36,11 @@ class Material:
     specular: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     ambient: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     shininess: float = 0.0
+
+    @property
+    def colors(self) -> tuple[tuple[float, ...], tuple[float, ...], tuple[float, ...], tuple[float, ...], float]:
+        """Ambient, diffuse, specular colour, emission, shininess."""
+        return self.ambient, self.diffuse, self.specular, (0.0, 0.0, 0.0, 1.0), self.shininess
 
 
 @dataclass(frozen=True)
@@ -199,16 +204,8 @@ def heightfield(heights: ArrayLike, extent: tuple[float, ...], texture_size: tup
     return Mesh(_f(vertices), _unit(normals), _f(vertices[:, :2] / texture_size), _patches(columns - 1, rows - 1))
 
 
-def grid(reach: float, patch: float, texture_size: tuple[float, float]) -> Mesh:
-    """A flat square around the origin, facing +z: small patches in the middle, each next one twice as wide [m]."""
-    steps, edge, width = [0.0], 0.0, patch
-    while edge < reach:
-        edge += width
-        steps.append(edge)
-        width *= 2.0
-    line = np.array([-s for s in reversed(steps[1:])] + steps)
-    xs, ys = np.meshgrid(line, line)
-    vertices = np.stack([xs, ys, np.zeros_like(xs)], axis=-1).reshape(-1, 3)
-    normals = np.tile([0.0, 0.0, 1.0], (len(vertices), 1))
-    count = len(line) - 1
-    return Mesh(_f(vertices), _f(normals), _f(vertices[:, :2] / texture_size), _patches(count, count))
+def ring(radii: NDArray[np.float64], segments: int, texture_size: tuple[float, float]) -> Mesh:
+    """A flat ring around the origin, facing +z, of circles with these radii [m], from the inside outwards."""
+    zero, one = np.zeros(len(radii), dtype=np.float32), np.ones(len(radii), dtype=np.float32)
+    flat = _revolved(_f(radii[::-1]), zero, zero, one, one, segments)
+    return replace(flat, texcoords=_f(flat.vertices[:, :2] / texture_size))

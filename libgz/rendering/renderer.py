@@ -17,7 +17,8 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
-from libgz.rendering.library import PATCH, Library, Look
+from libgz.rendering.ground import Sight
+from libgz.rendering.library import Library, Look
 from libgz.rendering.shot import Light, RenderOptions, Shot, View
 
 __all__ = ["Renderer"]
@@ -205,29 +206,29 @@ class Renderer:
 
     def _ground(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
         """All planes: most of the pixels, which are drawn by Mesa's threads while this one goes on to the items."""
+        if plain:
+            self._id_color(0)
         for plane in shot.planes:
             self._plane(shot, eye, plane, plain)
         if shot.planes:
             self.gl.glFlush()
 
     def _plane(self, shot: Shot, eye: NDArray[np.float64], geom: Geom, plain: bool) -> None:
-        """A plane as patches around the camera; they keep their places in the world, and so does the texture."""
+        """A plane as rings around the camera's foot; its texture keeps its place in the world."""
         if not isinstance(geom, PlaneGeom):
             return
         view, gl = shot.view, self.gl
         frame = _plane_frame((*geom.normal,), geom.altitude)
-        camera = np.array(view.pose.pos) - frame[:3, 3]
-        size = geom.appearance.texture_size
-        shift = [math.floor(float(camera @ frame[:3, k]) / PATCH) * PATCH for k in (0, 1)]
+        x, y, height = (float(value) for value in frame[:3, :3].T @ (np.array(view.pose.pos) - frame[:3, 3]))
+        if height <= 0.0:
+            return
         matrix = frame.copy()
-        matrix[:3, 3] += shift[0] * frame[:3, 0] + shift[1] * frame[:3, 1]
-        compiled = self.library.plane(geom, view.far, _look_of(view.options), plain)
+        matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
+        compiled = self.library.plane(geom, Sight.of(view, height), _look_of(view.options), plain)
+        size = geom.appearance.texture_size
         gl.glMatrixMode(Constant.TEXTURE)
-        gl.glLoadIdentity()
-        gl.glTranslated(math.fmod(shift[0] / size.x, 1.0), math.fmod(shift[1] / size.y, 1.0), 0.0)
+        gl.glTranslated(math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0), 0.0)
         gl.glMatrixMode(Constant.MODELVIEW)
-        if plain:
-            self._id_color(0)
         _load(gl, eye @ matrix)
         gl.glCallList(compiled.list)
         gl.glMatrixMode(Constant.TEXTURE)

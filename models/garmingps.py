@@ -10,7 +10,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import CylinderGeom
 from libgz.sensors.utm import utm_to_geodetic
 from libgz.simulation.model import Model
-from libgz.simulation.rate import UpdateRate
+from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.worldfile.attributes import color, lengths, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -62,6 +62,8 @@ class GarminGPS(Model):
         housing.SetMass(values.mass)
         housing.SetColor(values.color)
         self.rate = UpdateRate(values.updateFreq)
+        if "updateTimes" in self.world.engine.quirks and values.updateFreq > 0.0:
+            self.rate = OldRate(1.0 / values.updateFreq, last=0.0, beyond=True)
         self.gps = Gps()
         self.zone = int(self.world.utmZone.x)
         if self.zone == 0:

@@ -15,7 +15,7 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.model import Model
-from libgz.simulation.rate import UpdateRate
+from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import number, numbers, read
 from libgz.worldfile.file import WorldFile
@@ -70,7 +70,8 @@ class PanTiltCamera(Model):
         self.tilt = self._hinge("tilt", self.head, middle, TILT_ANCHOR, (0.0, 1.0, 0.0))
         for body in (middle, self.head):
             body.SetFiniteRotationMode(1)
-        self.rate = UpdateRate(PTZ_RATE)
+        old = "updateTimes" in self.world.engine.quirks
+        self.rate = OldRate(1.0 / PTZ_RATE, last=-1.0 / PTZ_RATE) if old else UpdateRate(PTZ_RATE)
         self.command = (0.0, 0.0, math.pi)
         self.ptz = Ptz()
         self.camera = CameraServer(self, values)

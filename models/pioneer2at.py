@@ -8,6 +8,9 @@ from libgz.models.sonars import PIONEER2AT_RING, SonarRing
 from libgz.models.wheels import Tire
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
+from libgz.simulation.rate import OldRate
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
 
 WHEELS = {
     "left_front": (0.13335, 0.1905),
@@ -29,6 +32,11 @@ class Pioneer2AT(DifferentialRobot):
     interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.381, 0.20
     maxTorque = 10.0
+
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        super().Load(file, node)
+        if "updateTimes" in self.world.engine.quirks:
+            self.rate = OldRate(self.rate.period, last=-self.rate.period, beyond=True)
 
     def build(self) -> None:  # noqa: D102
         chassis = Body(self.world)

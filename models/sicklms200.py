@@ -15,7 +15,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.sensors.rays import RayProximity
 from libgz.simulation.model import Model
-from libgz.simulation.rate import UpdateRate
+from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import angle, integer, length, number, read
 from libgz.worldfile.file import WorldFile
@@ -101,6 +101,8 @@ class SickLMS200(Model):
         self._share = place - self._first
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        if "updateTimes" in self.world.engine.quirks:
+            self.rate = OldRate(self.rate.period, last=self.world.GetSimTime())
         self.guard = Guard(f"laser.{self.GetId()}")
         owner = (self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
         self.laser.create(self.world.gz_server, *owner)

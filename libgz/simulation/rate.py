@@ -1,10 +1,10 @@
-"""UpdateRate: when a model has to act, by sim time."""
+"""UpdateRate: when a model has to act, by sim time; and OldRate, when the old server's models did."""
 
 from __future__ import annotations
 
 import math
 
-__all__ = ["UpdateRate"]
+__all__ = ["OldRate", "UpdateRate"]
 
 _SLACK = 1e-9  # [s]; sums of step times are off by less
 
@@ -22,6 +22,26 @@ class UpdateRate:
     def due(self, now: float) -> bool:
         """Whether to act at sim time `now` [s]: also when time was set back. If so, the next period begins."""
         if 0.0 <= now - self.last < self.period - _SLACK:
+            return False
+        self.last = now
+        return True
+
+
+class OldRate(UpdateRate):
+    """Ticks as the old server's models did: sums of step times are compared as they are, and may fall short by 1e-16 s.
+
+    Args:
+        period: least time between two ticks [s].
+        last: sim time at which the first period begins [s].
+        beyond: whether a period has to be exceeded, and not only reached.
+    """
+
+    def __init__(self, period: float, last: float, beyond: bool = False) -> None:
+        self.period, self.last, self.beyond = period, last, beyond
+
+    def due(self, now: float) -> bool:  # noqa: D102
+        elapsed = now - self.last
+        if 0.0 <= elapsed < self.period or (self.beyond and elapsed == self.period):
             return False
         self.last = now
         return True

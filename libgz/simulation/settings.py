@@ -20,6 +20,7 @@ QUIRKS = {
     "originInertia": "a body's inertia is taken about its frame's origin, not about its centre of mass",
     "gripperState": "grippers report states by the old server's private numbers, at the time of the command",
     "noBounce": "SetBounce has no effect",
+    "updateTimes": "some models update a step late, now and then or always, for sums of step times are compared as is",
 }
 
 OLD_GLOBAL_TAGS = frozenset({"gravity", "stepTime"})  # all that 0.4 had

@@ -1,7 +1,7 @@
-"""Adds the native step to what setup.cfg says.
+"""Adds the native step, and the native reading of pictures, to what setup.cfg says.
 
-It needs neither Python's headers nor ODE's: it is a plain shared object that ctypes loads. Where there is no C compiler
-the package installs without it, and the step runs in Python.
+They need neither Python's headers nor ODE's: they are plain shared objects that ctypes loads. Where there is no C
+compiler the package installs without them; the step runs in Python, and Mesa converts the pictures.
 """
 
 from setuptools import Extension, setup
@@ -14,6 +14,12 @@ setup(
             # No fused multiply-add: the native step and the Python one must give the same bits.
             extra_compile_args=["-O2", "-std=c99", "-ffp-contract=off"],
             optional=True,
-        )
+        ),
+        Extension(
+            "libgz.rendering._pixels",
+            ["libgz/rendering/pixels.c"],
+            extra_compile_args=["-O3", "-std=c99"],
+            optional=True,
+        ),
     ]
 )

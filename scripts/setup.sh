@@ -40,7 +40,7 @@ fi
 [ -x .venv/bin/python ] || python3 -m venv .venv
 
 # Install anew when a file was added or removed, or what is built has changed: the installed tree links to ours.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg setup.py pyproject.toml libgz/ode/step.c; } | cksum)
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg setup.py pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c; } | cksum)
 if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build

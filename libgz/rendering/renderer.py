@@ -19,6 +19,7 @@ from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
 from libgz.rendering.library import Library, Look
+from libgz.rendering.pixels import PixelReader
 from libgz.rendering.shot import Light, RenderOptions, Shot, View
 
 __all__ = ["Renderer"]
@@ -34,6 +35,7 @@ class Renderer:
     def __init__(self, gl: GL) -> None:
         self.gl = gl
         self.library = Library(gl)
+        self._pixels = PixelReader(gl)
         self._buffers: dict[tuple[int, int], tuple[ctypes.c_uint, ctypes.Array[ctypes.c_uint]]] = {}
         for state in (Constant.CULL_FACE, Constant.DEPTH_TEST):
             gl.glEnable(state)
@@ -282,7 +284,7 @@ class Renderer:
         gl, area = self.gl, (0, 0, view.width, view.height)
         gl.glFinish()
         if image is not None:
-            gl.glReadPixels(*area, Constant.RGB, Constant.UNSIGNED_BYTE, image.ctypes.data)
+            self._pixels.read(image)
         if depth is not None:
             gl.glReadPixels(*area, Constant.DEPTH_COMPONENT, Constant.FLOAT, depth.ctypes.data)
             near, far, nothing = view.near, view.far, depth >= 1.0

@@ -119,6 +119,31 @@ def test_models_come_and_go_as_they_did(load, tmp_path):
         assert names() == {"ground_plane", "box"}
 
 
+def test_plugins_do_not_act_in_a_played_world(load, tmp_path):
+    loaded = tmp_path / "loaded"
+    (tmp_path / "note.py").write_text(
+        "from pathlib import Path\nfrom libgz.classic import *\n\n\nclass Note(ModelPlugin):\n"
+        f"    def Load(self, model, sdf):\n        file = Path({str(loaded)!r})\n"
+        "        file.write_text((file.read_text() if file.exists() else '') + model.GetName())\n\n\n"
+        "GZ_REGISTER_MODEL_PLUGIN(Note)\n"
+    )
+    plugin = "<plugin name='note' filename='note.py'/>"
+    box, ball = (text.replace("</model>", f"{plugin}</model>") for text in (BOX, BALL))
+    core = load(world(box))
+    with LogRecord(core, tmp_path / "state.log"):
+        core.step(3)
+        attach(core).world.InsertModelString(
+            f"<sdf version='1.6'>{BALL.replace('</model>', plugin + '</model>')}</sdf>"
+        )
+        core.step(3)
+    assert loaded.read_text() == "boxball"
+    with LogPlay(tmp_path / "state.log") as play:
+        while play.Step():
+            pass
+        assert {part.GetName() for part in play.world.children()} == {"box", "ball"}
+    assert loaded.read_text() == "boxball"
+
+
 def test_period_and_filter(load, tmp_path):
     core = load(world(BOX, BALL))
     with LogRecord(core, tmp_path / "state.log", period=0.05, filter="b*x"):

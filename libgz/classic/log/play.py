@@ -86,7 +86,11 @@ class LogPlay:
         if document is None or document.find("world") is None:
             raise WorldFileError(f"log {self.reader.path} begins with no world")
         text = etree.tostring(document, encoding="unicode")
-        file = SdfFile.from_string(text, f"{self.reader.path}: <world>", self.reader.path.parent)
+        return self._read(text, "world")
+
+    def _read(self, text: str, what: str) -> SdfFile:
+        """SDF of the log, without the plugins that would act in it."""
+        file = SdfFile.from_string(text, f"{self.reader.path}: <{what}>", self.reader.path.parent)
         for element in [found for found in _all(file.root) if found.name == "plugin"]:
             if element.parent is not None and element.parent.name != "visual":
                 element.parent.RemoveChild(element)
@@ -147,7 +151,7 @@ class LogPlay:
 
     def _insert(self, text: str) -> None:
         version = self.core.sdf.version if self.core.sdf is not None else "1.6"
-        self.world.InsertModelString(f"<sdf version='{version}'>{text}</sdf>")
+        self.world.InsertModelSDF(self._read(f"<sdf version='{version}'>{text}</sdf>", "insertions"))
 
     def _apply_next(self) -> None:
         state = self._next
@@ -198,7 +202,8 @@ class LogPlay:
         self.Rewind()
 
     def close(self) -> None:
-        """The world ends."""
+        """The world ends; so does the reading."""
+        self._states, self._next = iter(()), None
 
     def __enter__(self) -> LogPlay:
         return self

@@ -132,9 +132,7 @@ def test_plugins_do_not_act_in_a_played_world(load, tmp_path):
     core = load(world(box))
     with LogRecord(core, tmp_path / "state.log"):
         core.step(3)
-        attach(core).world.InsertModelString(
-            f"<sdf version='1.6'>{BALL.replace('</model>', plugin + '</model>')}</sdf>"
-        )
+        attach(core).world.InsertModelString(f"<sdf version='1.6'>{ball}</sdf>")
         core.step(3)
     assert loaded.read_text() == "boxball"
     with LogPlay(tmp_path / "state.log") as play:

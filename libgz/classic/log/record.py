@@ -78,8 +78,8 @@ class LogRecord:
             raise ParameterError(f"bad log period {period!r} s; it must be 0 or more")
         self._wanted = NamePattern(filter)
         self._world = attach(self._core).world
-        first = world_text(self._world)
         self.path = Path(path) if path is not None else default_log_path()
+        first = world_text(self._world, self.path.parent)
         self._period, self._due = period, self._core.GetSimTime() + period
         self._last = self._core.iterations
         self._known: dict[str, tuple[GzPose, GzVector, GzVector]] = {}
@@ -160,7 +160,7 @@ class LogRecord:
             part = next((p for p in self._world.children() if getattr(p, "core", None) is core), None)
             sdf = part.GetSDF() if part is not None else None
             if part is not None and sdf is not None and (isinstance(part, Light) or self._wanted(part.GetName())):
-                self._insertions.append(upgraded(sdf).ToString())
+                self._insertions.append(upgraded(sdf, self.path.parent).ToString())
 
     # Companion of the world --------------------------------------------------------------------------------------
 

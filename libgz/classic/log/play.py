@@ -21,6 +21,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.base import Entity
     from libgz.classic.physics.world import World
     from libgz.simulation.model import Model as CoreModel
 
@@ -69,6 +70,7 @@ class LogPlay:
         self.core = CoreWorld() if core is None else core
         self._next: LogState | None = None
         self._index, self._time, self._iterations = 0, 0.0, 0
+        self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:
             self.core.load_sdf(self._first())
             self.core.physics_enabled = False
@@ -143,6 +145,7 @@ class LogPlay:
         """Before the first state: all that was there at the start, and nothing else."""
         self._states, self._index = read_states(self.reader), 0
         self._next = next(self._states, None)
+        self._parts.clear()
         here = {part.GetName() for part in self.world.children()}
         for name in here - self._at_start.keys():
             self.world.RemoveModel(name)
@@ -164,19 +167,26 @@ class LogPlay:
                 self.world.RemoveModel(name)
         for text in state.insertions:
             self._insert(text)
+        if state.deletions or state.insertions:
+            self._parts.clear()
         for name, pose in state.poses.items():
-            part = self.world.EntityByName(name)
+            part = self._part(name)
             if isinstance(part, Link):
                 part.body.SetPose(pose)
             elif isinstance(part, Light):
                 part.SetWorldPose(pose)
         for name, (linear, angular) in state.velocities.items():
-            part = self.world.EntityByName(name)
+            part = self._part(name)
             if isinstance(part, Link):
                 part.body.SetLinearVel(linear)
                 part.body.SetAngularVel(angular)
         self._time, self._iterations = state.sim_time, state.iterations
         self.update()
+
+    def _part(self, name: str) -> Entity | None:
+        if name not in self._parts:
+            self._parts[name] = self.world.EntityByName(name)
+        return self._parts[name]
 
     # Companion of the world --------------------------------------------------------------------------------------
 

@@ -280,7 +280,8 @@ class Model(Entity):
 
     def NestedModels(self) -> list[Model]:
         """The models directly inside it."""
-        return [model for model in self._world.all_models() if model.GetParent() is self]
+        views = (self._world.view(core) for core in self.core.children)
+        return [model for model in views if model.GetParent() is self]
 
     def NestedModel(self, name: str) -> Model | None:
         """A model inside it by name; None if there is none."""

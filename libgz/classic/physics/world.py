@@ -220,7 +220,9 @@ class World(Base):
     def ModelByName(self, name: str) -> Model | None:
         """A model by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        return next((model for model in self.all_models() if model.core.GetId() == name), None)
+        found = (c for c in self.core.models if c.GetId() == name and not isinstance(c, SdfLight | WorldJoints))
+        core = next(found, None)
+        return None if core is None else self.view(core)
 
     def ModelByIndex(self, index: int) -> Model | None:
         """A model by its number; None if there is none."""

@@ -12,7 +12,7 @@ from libgz.ode.lib import ode
 from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
-from libgz.physics.check import LARGEST, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.check import REACH, finite_tuple, not_negative, positive, rotation_tuple
 from libgz.physics.engine import Space
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class Geom:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
+        position = finite_tuple(pose.pos, 3, "relative position [m]", REACH)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
         self.appearance.version += 1

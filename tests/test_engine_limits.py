@@ -127,6 +127,15 @@ def test_joint_parameters_that_ode_cannot_reckon_with(parameter, bad):
         joint.SetParam(parameter, bad)
 
 
+def test_settings_that_ode_cannot_reckon_with():
+    engine = Engine()
+    for settings in ((INF, 0, 1), (0.2, INF, 1), (math.nan, 0, 1), (0.2, 0, -1)):
+        with pytest.raises(ParameterError):
+            engine.set_constraints(*settings)
+    with pytest.raises(ParameterError, match="bounce is inf"):
+        solid(engine, box(1, 1, 1)).geoms[0].SetBounce(INF)
+
+
 def test_joint_parameters_without_bounds():
     engine = Engine()
     joint = libgz.HingeJoint(engine)
@@ -156,6 +165,8 @@ def test_meshes_of_one_triangle_meet_other_meshes(form):
         ([(0, 0, 0), (1, 0, 0), (0, 1e30, 0)], [(0, 1, 2)], "a vertex lies at 1e"),
         ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, -2)], "names vertex -2; there are 3"),
         ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 3)], "names vertex 3; there are 3"),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [0, 1], r"triangles have shape \(2,\)"),
+        ([0, 0, 0, 1], [(0, 1, 2)], "vertices have shape"),
     ],
 )
 def test_meshes_that_are_none(corners, triangles, told):

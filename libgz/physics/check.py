@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
 from libgz.ode.types import JOINT_PARAMETERS
@@ -21,6 +25,7 @@ __all__ = [
     "perpendicular",
     "positive",
     "rotation_tuple",
+    "table",
     "unit_axis",
 ]
 
@@ -93,6 +98,18 @@ def finite_tuple(values: Iterable[float], count: int, what: str, largest: float 
     if largest < math.inf and max(map(abs, numbers)) > largest:
         raise ParameterError(f"{what} is {numbers}; its numbers must be within +-{largest:g}")
     return numbers
+
+
+def table(values: ArrayLike, columns: int, what: str) -> NDArray[Any]:
+    """`values` as an array of so many columns, a copy.
+
+    Raises:
+        ParameterError: they do not make whole rows.
+    """
+    numbers = np.array(values)
+    if numbers.size % columns or numbers.dtype.kind not in "biuf":
+        raise ParameterError(f"{what} have shape {numbers.shape}; they must be numbers, {columns} in a row")
+    return numbers.reshape(-1, columns)
 
 
 def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:

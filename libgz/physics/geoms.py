@@ -14,7 +14,7 @@ from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
-from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, unit_axis
+from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
@@ -143,8 +143,8 @@ class TriMeshGeom(Geom):
 
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         """Make this the mesh, in place of the one there was."""
-        points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-        numbers = np.array(triangles).reshape(-1, 3)
+        points = table(vertices, 3, "vertices").astype(np.float64)
+        numbers = table(triangles, 3, "triangles")
         if not len(numbers) or not np.isfinite(points).all():
             raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
         if np.abs(points).max() > REACH:

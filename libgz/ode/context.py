@@ -158,6 +158,16 @@ class Step(Protocol):
     ) -> None:
         """Cast rays from a frame; see gz_scan in step.c."""
 
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """`scan` with these arguments, to be called again and again."""
+
 
 def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
     """Copy the state of one body out of ODE into its row."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from ctypes import c_void_p
 from typing import Any, TypeAlias
 
@@ -256,6 +257,17 @@ class PythonStep:
                     continue
                 if ode_.dCollide(context.ray, geom, 1, hit_address, hit_size) and hit.depth < ranges[i]:
                     ranges[i], rows[i] = hit.depth, row
+
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """A scan ready to be made."""
+        return functools.partial(self.scan, frame, rays, owner, ranges, rows)
 
     def _gather(self, owner: int) -> list[tuple[int, int, list[float]]]:
         """(geom, row, bounding box) of all geoms whose box meets the probe's, without those of body `owner`."""

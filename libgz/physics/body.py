@@ -133,6 +133,10 @@ class Body:
         x, y, z, qu, qx, qy, qz = self._values(0, 7)
         return GzPose(GzVector(x, y, z), GzQuatern(qu, qx, qy, qz))
 
+    def frame(self) -> list[float]:
+        """Position [m] and quaternion (u, x, y, z) of the body frame, global."""
+        return self._values(0, 7) if self.row >= 0 else [*self._pose.pos, *self._pose.rot]
+
     def GetPosition(self) -> GzVector:
         """Global position of the body frame [m]."""
         return self.GetPose().pos

@@ -412,6 +412,23 @@ class Engine(EngineSettings):
         self._ode.ensure_thread()
         self.step_form.scan(frame, rays, owner, ranges, rows)
 
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], None]:
+        """What `scan` does with these arrays, to be called again and again: it costs less than as many scans."""
+        ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(frame, rays, owner, ranges, rows)
+
+        def scan() -> None:
+            ensure_thread()
+            cast()
+
+        return scan
+
     def close(self) -> None:
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""
         if not self._destroy.alive:

@@ -37,7 +37,7 @@ FARTHEST = 1e8  # from the origin of the world to a body [m]
 REACH = 1e7  # from a body to its geoms and their corners, and to its centre of mass [m]
 
 # What ODE can reckon with; a stop that cannot be met, and a motor without bounds, are infinite.
-_JOINT_VALUES = {
+_RANGES = {
     "dParamLoStop": (-math.inf, LARGEST),
     "dParamHiStop": (-LARGEST, math.inf),
     "dParamFMax": (-math.inf, math.inf),  # it passes over those below zero
@@ -46,6 +46,7 @@ _JOINT_VALUES = {
     **dict.fromkeys(("dParamERP", "dParamStopERP", "dParamSuspensionERP"), (0.0, LARGEST)),
     **dict.fromkeys(("dParamCFM", "dParamStopCFM", "dParamSuspensionCFM"), (0.0, 1e12)),
 }
+_JOINT_VALUES = {number: _RANGES[name.rstrip("2")] for number, name in JOINT_PARAMETERS.items()}
 
 
 def finite(value: float, what: str) -> float:
@@ -167,8 +168,8 @@ def joint_value(parameter: int, value: float) -> float:
     Raises:
         ParameterError: the parameter is unknown, or the value is out of its range.
     """
-    name, number = JOINT_PARAMETERS[known_parameter(parameter)], float(value)
-    least, most = _JOINT_VALUES[name.rstrip("2")]
-    if not least <= number <= most:
-        raise ParameterError(f"{name} is {number:g}; it must be within {least:g} and {most:g}")
-    return number
+    least, most = _JOINT_VALUES.get(parameter) or _JOINT_VALUES[known_parameter(parameter)]
+    number = float(value)
+    if least <= number <= most:
+        return number
+    raise ParameterError(f"{JOINT_PARAMETERS[parameter]} is {number:g}; it must be within {least:g} and {most:g}")

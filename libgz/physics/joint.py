@@ -81,6 +81,7 @@ class Joint:
         self.bodies: tuple[Body | None, Body | None] = (None, None)
         self._feedback: JointFeedback | None = None
         self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
+        self._set_param = getattr(ode(), f"dJointSet{self.ode_name}Param")  # models set some in every step
         self.row = self.engine.add_joint(self, self.kind)
         if group is not None:
             group.add(self)
@@ -240,7 +241,8 @@ class Joint:
             ParameterError: the number names no parameter, or the value is NaN or beyond what it may be: only stops and
                 dParamFMax may be infinite, and CFM, ERP and bounce must not be negative.
         """
-        self._call("Set", "Param", known_parameter(parameter), joint_value(parameter, value))
+        number = joint_value(parameter, value)
+        self._set_param(self.id, int(parameter), number)
 
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import functools
+from collections.abc import Callable
 from ctypes import c_int64, c_void_p
 from pathlib import Path
 
@@ -35,6 +36,8 @@ class NativeStep:
         self._address = ctypes.addressof(context)
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
         self._scan = self._shared.gz_scan
+        self._quick_scan = self._shared["gz_scan"]  # as above
+        self._quick_scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
 
     @classmethod
@@ -104,6 +107,21 @@ class NativeStep:
         """Cast rays from a frame."""
         self._scan(
             self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
+        )
+
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
+        frame_, rays_, ranges_, rows_ = (array.ctypes.data_as(c_void_p) for array in (frame, rays, ranges, rows))
+        count, number = c_int64(len(rays)), c_int64(owner)
+        return functools.partial(
+            self._quick_scan, c_void_p(self._address), frame_, rays_, count, number, ranges_, rows_
         )
 
 

@@ -12,7 +12,7 @@ from libgz.ode.lib import ode
 from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
-from libgz.physics.check import LARGEST, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, rotation_tuple
 from libgz.physics.engine import Space
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ class Geom:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
+        position = finite_tuple(pose.pos, 3, "relative position [m]", REACH)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
         self.appearance.version += 1
@@ -216,7 +216,7 @@ class Geom:
 
     def SetBounce(self, bounce: float) -> None:
         """Share of the approach speed that a contact gives back, 0 to 1; not honoured with the quirk noBounce."""
-        value = not_negative(bounce, "bounce")
+        value = finite(not_negative(bounce, "bounce"), "bounce")
         if "noBounce" not in self.body.engine.quirks:
             self.body.engine.set_surface(self.row, Surface.BOUNCE, value)
 

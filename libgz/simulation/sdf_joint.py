@@ -24,7 +24,8 @@ from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
 from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
-from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, HingeJoint, Joint, SliderJoint, UniversalJoint
+from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
+from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 from libgz.simulation.sdf_axis import Axis, JointPlan
 from libgz.simulation.sdf_limits import JointLimits
 from libgz.simulation.sdf_links import links_behind, move_links, push_links

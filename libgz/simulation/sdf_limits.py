@@ -193,7 +193,9 @@ class JointLimits:
         low = axis.lower - turns if abs(axis.lower) < UNLIMITED else -math.inf
         high = axis.upper - turns if abs(axis.upper) < UNLIMITED else math.inf
         if turns or (axis.wide and not isinstance(self.joint, SliderJoint)):
-            low, high = (v if abs(v) <= math.pi else math.copysign(math.inf, v) for v in (low, high))
+            # A stop that is half a turn away or more is none, unless the axis lies beyond it: it turns towards it.
+            low = min(low, math.pi) if low >= -math.pi else -math.inf
+            high = max(high, -math.pi) if high <= math.pi else math.inf
         self._lay_stops(index, low, high)
         self._held[index] = False
         self._laid[index] = turns

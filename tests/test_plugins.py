@@ -228,3 +228,38 @@ def test_static_registration():
     libgz.GZ_REGISTER_STATIC("StillModel", Still)
     with libgz.World.from_string("<gz:world xmlns:gz='g' xmlns:model='m'><model:StillModel/></gz:world>") as world:
         assert isinstance(world.model("StillModel"), Still)
+
+
+STRAY = """
+from libgz import *
+class Stray(Model):
+    def Load(self, file, node):
+        SphereGeom(Body(self.world), self.modelSpaceId, 0.1)
+        if node.GetBool("fail"):
+            raise RuntimeError("half made")
+        self.AddBody(Body(self.world), True)
+GZ_REGISTER_PLUGIN("Stray", Stray)
+"""
+
+
+def test_bodies_that_were_not_added_are_told_and_go_with_their_model(tmp_path, caplog):
+    (tmp_path / "Stray.py").write_text(STRAY)
+    with run(tmp_path, "Stray", "Stray.py") as world:
+        assert "<model:Stray>: has a body that no AddBody was told of" in caplog.text
+        world.step()
+        world.DeleteModel("m1")
+        assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
+        with pytest.raises(WorldFileError, match="half made"):
+            world.InsertModel(WORLD.format(model="Stray", plugin="Stray.py</plugin><fail>1</fail><plugin>"))
+        assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
+
+
+def test_what_init_and_load_fail_with_is_said_once(tmp_path):
+    write(tmp_path, "Bad", init="return -1")
+    with pytest.raises(PluginError, match=r"<model:Bad>: Init of model 'm1': it returned -1, which is not 0$"):
+        run(tmp_path, "Bad", "Bad.py")
+    (tmp_path / "Empty.py").write_text(
+        "import libgz\nclass Empty(libgz.Model): pass\nlibgz.GZ_REGISTER_PLUGIN('Empty', Empty)"
+    )
+    with pytest.raises(WorldFileError, match=r"<model:Empty>: Empty has no Load\(file, node\)$"):
+        run(tmp_path, "Empty", "Empty.py")

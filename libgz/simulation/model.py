@@ -72,6 +72,7 @@ class Model:
         self.bodies: list[Body] = []
         self.failed: BaseException | None = None
         self._canonical: Body | None = None
+        self._strays: list[Body] = []  # that Load made and told no AddBody of
         self._id = ""
         self._name = type(self).__name__
         self._number = next(_numbers)
@@ -86,7 +87,7 @@ class Model:
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> int | None:
         """Read attributes from `node` and build bodies, geoms and joints."""
-        raise NotImplementedError(f"{type(self).__name__} has no Load(file, node)")
+        raise GazeboError(f"{type(self).__name__} has no Load(file, node)")
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> int | None:
         """Make interfaces; all models are loaded by now."""
@@ -107,7 +108,11 @@ class Model:
         """
         self._gravity = node.GetBool("gravity", True)
         self._enabled = node.GetBool("enable", node.GetBool("enabled", True))
-        result = self.Load(file, node)
+        before = next(reversed(self.world.engine.bodies.values()), None)
+        try:
+            result = self.Load(file, node)
+        finally:
+            self._strays = self._strays_since(before)
         if result:
             raise GazeboError(f"Load of model {self._id!r} failed: it returned {result}")
         if self._canonical is None:
@@ -116,6 +121,13 @@ class Model:
             )
         for body in self.bodies:
             self._switch(body)
+        if self._strays:
+            node.warn("has a body that no AddBody was told of: it stays where Load put it, and is not the model's")
+
+    def _strays_since(self, before: Body | None) -> list[Body]:
+        """Bodies that were made since `before` and belong to no model."""
+        made = itertools.takewhile(lambda body: body is not before, reversed(self.world.engine.bodies.values()))
+        return [body for body in made if body.model is None]
 
     def MasterInit(self, file: WorldFile, node: WorldFileNode) -> None:
         """Call `Init`.
@@ -125,7 +137,7 @@ class Model:
         """
         result = self.Init(file, node)
         if result:
-            raise GazeboError(f"Init of model {self._id!r} failed: it returned {result}")
+            raise GazeboError(f"it returned {result}, which is not 0")
 
     def MasterUpdate(self, step: float) -> None:
         """Log the pose if wanted, then `Update`."""
@@ -328,6 +340,6 @@ class Model:
         """Destroy bodies, joints and space."""
         if self.joint is not None:
             self.joint.close()
-        for body in self.bodies:
+        for body in (*self.bodies, *self._strays):
             body.close()
         self.modelSpaceId.close()

@@ -57,6 +57,7 @@ class _Slide:
     ) -> None:
         self.travel = travel
         self.direction = 0  # 1 to the end, -1 back, 0 stop
+        self.rate = self._before = 0.0  # its speed [m/s]; where it was a step ago [m]
         self._speed = 0.0  # [m/s], as last set
         self.joint = SliderJoint(world, name=name)
         self.joint.Attach(moving, carrier)
@@ -72,10 +73,13 @@ class _Slide:
         """How far it has gone [m]."""
         return self.joint.GetPosition()
 
-    @property
-    def rate(self) -> float:
-        """Its speed [m/s]."""
-        return self.joint.GetPositionRate()
+    def measure(self, step: float) -> None:
+        """Bring `rate` up to date after a step [s].
+
+        ODE's own rate is the difference of two bodies' velocities, and not zero while both turn with the robot.
+        """
+        self.rate = (self.position - self._before) / step
+        self._before = self.position
 
     @property
     def at_start(self) -> bool:
@@ -190,6 +194,8 @@ class Pioneer2Gripper(Model):
 
     def _watch_grip(self, step: float) -> None:
         """How long the paddles have been slow while closing; a grip that is stopped still holds."""
+        for paddle in (self.left, self.right):
+            paddle.measure(step)
         slow = max(abs(self.left.rate), abs(self.right.rate)) < STILL
         if slow and self.left.direction > 0:
             self.slow_for += step

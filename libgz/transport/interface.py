@@ -233,6 +233,17 @@ class Interface(Generic[D]):
         self.client = None
         self._release()
 
+    @property
+    def replaced(self) -> bool:
+        """Whether the server serves another interface of this type and id now, and this one is nobody's any more."""
+        if self.client is None or self._descriptor is None:
+            return False
+        try:
+            there = os.stat(f"{self.client.path}/{self.type}.{self.id}")  # noqa: PTH116
+        except OSError:
+            return False  # some old programs delete all files: what is open is still in use then
+        return not os.path.samestat(there, os.fstat(self._descriptor))
+
     # Lock --------------------------------------------------------------------------------------------------------
 
     def lock(self, timeout: float | None = None) -> bool:

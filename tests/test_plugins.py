@@ -187,6 +187,17 @@ def test_an_exception_in_update_stops_that_model_only(tmp_path, caplog):
         assert world.model("robot1").GetPose().pos.x > 0.5
 
 
+def test_what_a_plugin_asks_for_after_a_step_may_fail(tmp_path, caplog):
+    update = "[self.world.after_step(act) for act in (lambda: 1 / 0, lambda: done.append(1))]"
+    write(tmp_path, "Late", update=f"done = self.world.done; {update}")
+    with run(tmp_path, "Late", "Late.py") as world:
+        world.done = []
+        world.step(2)
+        assert world.done == [1, 1]
+    assert "ZeroDivisionError" in caplog.text
+    assert "in <lambda>" in caplog.text
+
+
 def test_a_stopped_robot_goes_slack(caplog):
     text = """<gz:world xmlns:gz='g' xmlns:model='m'>
     <model:GroundPlane/><model:Pioneer2AT><id>r</id></model:Pioneer2AT></gz:world>"""

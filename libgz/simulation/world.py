@@ -454,10 +454,13 @@ class World(Lookup, Loader, Clock):
     def _act(self) -> None:
         actions, self._afterwards, self._stepping = self._afterwards, [], False
         for by, action in actions:
+            whose = f"{by}: " if by is not None else ""
             try:
                 action()
             except GazeboError as fault:
-                log.error("%s%s", f"{by}: " if by is not None else "", fault)
+                log.error("%s%s", whose, fault)
+            except Exception as fault:  # noqa: BLE001 - a plugin's; the world runs on, as after a failed Update
+                log.error("%swhat it asked for after the step failed with\n%s", whose, own_traceback(fault))
 
     def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
         """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.

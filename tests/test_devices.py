@@ -168,6 +168,22 @@ def test_gripper_tells_at_the_command_with_the_old_fault():
         assert flags(gripper) == OPEN | {"lift_down"}
 
 
+@pytest.mark.parametrize(("quirks", "opened", "moving", "closed"), [("", 1, 3, 2), ("gripperState", 0, 1, 1)])
+def test_gripper_serves_the_struct_that_came_later(quirks, opened, moving, closed):
+    robot = ROBOT.replace("<id>g</id>", "<id>g</id><laterInterface>true</laterInterface>")
+    with world_of(GROUND + robot, f"<legacyQuirks>{quirks}</legacyQuirks>") as world:
+        gripper = world.interface("gripper", "g")
+        assert gripper.size == 200
+        gripper.command(codes.OPEN)
+        world.step(3)
+        assert (gripper.data.state, gripper.data.left_paddle_open) == (opened, 1)
+        gripper.command(codes.CLOSE)
+        world.step(3)
+        assert gripper.data.state == moving
+        world.run(1.0)
+        assert (gripper.data.state, gripper.data.left_paddle_open) == (closed, 0)
+
+
 # GPS -------------------------------------------------------------------------------------------------------------
 
 

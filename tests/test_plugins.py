@@ -274,3 +274,47 @@ def test_what_init_and_load_fail_with_is_said_once(tmp_path):
     )
     with pytest.raises(WorldFileError, match=r"<model:Empty>: Empty has no Load\(file, node\)$"):
         run(tmp_path, "Empty", "Empty.py")
+
+
+HINGED = """
+from libgz import *
+class Hinged(Model):
+    def Load(self, file, node):
+        base, arm = Body(self.world), Body(self.world, "arm")
+        self.AddBody(base, True)
+        self.AddBody(arm)
+        for body, x in ((base, 0.0), (arm, 0.3)):
+            BoxGeom(body, self.modelSpaceId, 0.1, 0.1, 0.1).SetMass(0.1)
+            body.SetPosition((x, 0, 0))
+        self.failed = False
+        self.joint = HingeJoint(self.world)
+        self.joint.Attach(arm, base)
+        self.joint.SetAnchor((0.2, 0, 0))
+        self.joint.SetAxis((0, 0, 1))
+        self.joint.SetParam(dParamVel, 1.0)
+        self.joint.SetParam(dParamFMax, 5.0)
+GZ_REGISTER_PLUGIN("Hinged", Hinged)
+"""
+
+
+def test_a_nested_model_may_call_a_joint_of_its_own_joint(tmp_path):
+    (tmp_path / "Hinged.py").write_text(HINGED)
+    path = tmp_path / "w.world"
+    inner = "<model:Hinged><id>m1</id><plugin>Hinged.py</plugin><xyz>0 0 0.7</xyz></model:Hinged>"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'><model:SimpleSolid>{inner}</model:SimpleSolid></gz:world>")
+    with libgz.World.from_file(path) as world:
+        model = world.model("m1")
+        world.run(1.0)
+        assert model.joint.GetAngle() == pytest.approx(1.0, abs=0.01)
+        assert model.welded.GetJointBody(1) is world.body("SimpleSolid")
+        model.Update = lambda step: 1 / 0
+        world.step(2)
+        assert isinstance(model.failed, ZeroDivisionError)
+        world.DeleteModel("SimpleSolid")
+        assert not world.engine.joints
+
+
+def test_the_list_of_bodies_is_the_models(tmp_path):
+    write(tmp_path, "Lister", load="self.bodies = []")
+    with pytest.raises(WorldFileError, match=r"property 'bodies' of 'Lister' object has no setter"):
+        run(tmp_path, "Lister", "Lister.py")

@@ -62,14 +62,15 @@ class Model:
         self.node: WorldFileNode | None = None
         self.parent: Model | None = None
         self.parentBody: Body | None = None
-        self.children: list[Model] = []
-        self.joint: HingeJoint | None = None
+        self._children: list[Model] = []
+        self._weld: HingeJoint | None = None
+        self._own_joint: Any = None  # what a subclass keeps under the name of the weld
         self.relPose = GzPose()
         self.initPose = GzPose()
         self.fixed = False
         self.logPoses = False
         self.poses: list[GzPose] = []
-        self.bodies: list[Body] = []
+        self._bodies: list[Body] = []
         self.failed: BaseException | None = None
         self._canonical: Body | None = None
         self._strays: list[Body] = []  # that Load made and told no AddBody of
@@ -157,6 +158,30 @@ class Model:
         return len(self.poses)
 
     # Bodies and joints -------------------------------------------------------------------------------------------
+
+    @property
+    def bodies(self) -> list[Body]:
+        """All bodies in order of `AddBody`."""
+        return self._bodies
+
+    @property
+    def children(self) -> list[Model]:
+        """The models that are attached to this one."""
+        return self._children
+
+    @property
+    def joint(self) -> Any:
+        """The weld to the parent body, or None; in a subclass that keeps something else under this name, that."""
+        return self._weld if self._own_joint is None else self._own_joint
+
+    @joint.setter
+    def joint(self, joint: Any) -> None:
+        self._own_joint = joint
+
+    @property
+    def welded(self) -> HingeJoint | None:
+        """The weld to the parent body; None at the top level, and where one of the bodies is a dummy."""
+        return self._weld
 
     def AddBody(self, body: Body, canonical: bool = False) -> None:
         """Take a body in. Exactly one is canonical; it is renamed so, and stands for the model's pose.
@@ -264,23 +289,23 @@ class Model:
         self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
         if body.dummy or self.parentBody.dummy:
             return
-        self.joint = HingeJoint(self.world, name="weld")
-        self.joint.Attach(body, self.parentBody)
+        self._weld = HingeJoint(self.world, name="weld")
+        self._weld.Attach(body, self.parentBody)
         self.weld()
-        self.joint.SetParam(dParamHiStop, 0.0)
-        self.joint.SetParam(dParamLoStop, 0.0)
+        self._weld.SetParam(dParamHiStop, 0.0)
+        self._weld.SetParam(dParamLoStop, 0.0)
 
     def weld(self) -> None:
         """Make the present place on the parent the one that the weld keeps."""
-        if self.joint is not None:
-            self.joint.SetAnchor(self.GetBody().GetPosition())
-            self.joint.SetAxis((0.0, 0.0, 1.0))
+        if self._weld is not None:
+            self._weld.SetAnchor(self.GetBody().GetPosition())
+            self._weld.SetAxis((0.0, 0.0, 1.0))
 
     def Detach(self) -> None:
         """Let the parent go."""
-        if self.joint is not None:
-            self.joint.close()
-            self.joint = None
+        if self._weld is not None:
+            self._weld.close()
+            self._weld = None
         if self.parent is not None:
             self.parent.children.remove(self)
         self.parent = self.parentBody = None
@@ -288,7 +313,7 @@ class Model:
     @property
     def follows(self) -> bool:
         """Whether the model is carried along by its parent without a joint."""
-        return self.parentBody is not None and self.joint is None
+        return self.parentBody is not None and self._weld is None
 
     def follow(self) -> None:
         """Go where the parent body takes the model."""
@@ -338,8 +363,8 @@ class Model:
 
     def close(self) -> None:
         """Destroy bodies, joints and space."""
-        if self.joint is not None:
-            self.joint.close()
+        if self._weld is not None:
+            self._weld.close()
         for body in (*self.bodies, *self._strays):
             body.close()
         self.modelSpaceId.close()

@@ -401,10 +401,10 @@ class World(Lookup, Loader, Clock):
                 )
         if failed:
             for model in self._updating:
-                if model.failed is not None:
+                if isinstance(model.failed, BaseException):  # a subclass may mean something else by it
                     model.motors_off()
                     unlock_interfaces(self, model)
-            self._updating = [model for model in self._updating if model.failed is None]
+            self._updating = [model for model in self._updating if not isinstance(model.failed, BaseException)]
 
     # Changes -----------------------------------------------------------------------------------------------------
 

@@ -376,6 +376,19 @@ def test_other_encodings_survive(tmp_path):
     assert path.read_bytes().decode("iso-8859-1") == text.replace("<a>1", "<a>2\u00b0")
 
 
+def test_a_protected_file_is_left_alone(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text(SAVED)
+    path.chmod(0o444)
+    file = WorldFile.from_file(path)
+    file.GetRootNode().children[0].SetPosition("xyz", (1, 2, 3))
+    with pytest.raises(WorldFileError, match=r"unable to save .*: it is write-protected"):
+        file.Save()
+    assert path.read_text() == SAVED
+    file.Save(tmp_path / "copy.world")
+    assert "1.000 2.000 3.000" in (tmp_path / "copy.world").read_text()
+
+
 def test_saving_fails_in_words(tmp_path):
     file = load("<a>1</a>")
     with pytest.raises(WorldFileError, match="name a file"):

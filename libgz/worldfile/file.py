@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import functools
 import logging
 import os
@@ -251,9 +252,15 @@ def _encoding(root: etree._Element) -> str:
 
 
 def write_whole(target: Path, data: bytes) -> None:
-    """Replace a file in one step, so that nobody ever sees half of it."""
+    """Replace a file in one step, so that nobody ever sees half of it.
+
+    Raises:
+        OSError: it cannot be written, or is protected: putting another file in its place would ask nobody.
+    """
     target = target.resolve()
     mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
+    if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
+        raise PermissionError(errno.EACCES, "it is write-protected", str(target))
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
         path = Path(temporary.name)
         try:

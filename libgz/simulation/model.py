@@ -288,6 +288,7 @@ class Model:
         body = self.GetBody()
         self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
         if body.dummy or self.parentBody.dummy:
+            self.world.take_along(self)
             return
         self._weld = HingeJoint(self.world, name="weld")
         self._weld.Attach(body, self.parentBody)

@@ -227,6 +227,11 @@ class World(Lookup, Loader, Clock):
         for companion in self.companions:
             companion.model_added(model)
 
+    def take_along(self, model: Model) -> None:
+        """Let a model that was attached at run time, and without a joint, follow its parent."""
+        if model in self.models and model not in self._followers:
+            self._followers.append(model)
+
     # Start and end -----------------------------------------------------------------------------------------------
 
     def Initialize(self) -> int:

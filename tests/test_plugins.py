@@ -1,6 +1,7 @@
 """Finding, loading and failing plugins."""
 
 import logging
+import math
 import textwrap
 
 import pytest
@@ -318,3 +319,48 @@ def test_the_list_of_bodies_is_the_models(tmp_path):
     write(tmp_path, "Lister", load="self.bodies = []")
     with pytest.raises(WorldFileError, match=r"property 'bodies' of 'Lister' object has no setter"):
         run(tmp_path, "Lister", "Lister.py")
+
+
+MOORED = """
+from libgz import *
+class Moored(Model):
+    def Load(self, file, node):
+        body = Body(self.world)
+        self.AddBody(body, True)
+        BoxGeom(body, self.modelSpaceId, 1.0, 0.1, 0.1).SetMass(1.0)
+        body.SetPosition((0.1, 0.2, 0.3))
+        body.SetRotation(GzQuaternFromEuler(0.1, 0.2, 0.3))
+        self.joint = globals()[node.GetString("kind")](self.world)
+        self.joint.Attach(*((body, None) if node.GetBool("first") else (None, body)))
+        if hasattr(self.joint, "SetFixed"):
+            self.joint.SetFixed()
+        self.joint.SetAnchor((0.1, 0.2, 0.3))
+        if hasattr(self.joint, "SetAxis1"):
+            self.joint.SetAxis1((1, 0, 0))
+            self.joint.SetAxis2((0, 1, 0))
+        elif hasattr(self.joint, "GetPosition"):
+            self.joint.SetAxis(0, 1, 0)
+        elif hasattr(self.joint, "SetAxis"):
+            self.joint.SetAxis((0, 1, 0))
+GZ_REGISTER_PLUGIN("Moored", Moored)
+"""
+
+
+@pytest.mark.parametrize("first", ["true", "false"])
+@pytest.mark.parametrize("kind", ["HingeJoint", "SliderJoint", "BallJoint", "UniversalJoint", "FixedJoint"])
+def test_joints_to_the_world_go_where_the_worldfile_puts_their_model(tmp_path, kind, first):
+    (tmp_path / "Moored.py").write_text(MOORED)
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:Moored><plugin>Moored.py</plugin><gravity>false</gravity>"
+        f"<kind>{kind}</kind><first>{first}</first><xyz>2 1 0.5</xyz><rpy>20 30 90</rpy></model:Moored></gz:world>"
+    )
+    with libgz.World.from_file(path) as world:
+        (model,) = world.models
+        if kind in ("HingeJoint", "BallJoint", "UniversalJoint"):
+            assert tuple(model.joint.GetAnchor()) == pytest.approx((2.0, 1.0, 0.5))
+        world.step(50)
+        pose = model.GetPose()
+        assert tuple(pose.pos) == pytest.approx((2.0, 1.0, 0.5))
+        turned = libgz.GzQuaternToEuler(pose.rot)
+        assert tuple(turned) == pytest.approx(tuple(map(math.radians, (20, 30, 90))))

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, cast
 from libgz.errors import GazeboError, InterfaceError, NotFoundError, nearest
 from libgz.geometry import GzPose
 from libgz.simulation.factory import ModelFactory
+from libgz.simulation.moorings import with_moorings
 from libgz.simulation.origin import to_world
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
 from libgz.simulation.poses import Poses
@@ -107,7 +108,7 @@ class Loader(Poses):
         try:
             model.MasterLoad(node.file, node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
-            self.SetModelPose(model, model.initPose)
+            with_moorings(model, lambda: self.SetModelPose(model, model.initPose))
             model.Attach()
         except BaseException:
             model.Detach()

@@ -364,3 +364,19 @@ def test_joints_to_the_world_go_where_the_worldfile_puts_their_model(tmp_path, k
         assert tuple(pose.pos) == pytest.approx((2.0, 1.0, 0.5))
         turned = libgz.GzQuaternToEuler(pose.rot)
         assert tuple(turned) == pytest.approx(tuple(map(math.radians, (20, 30, 90))))
+
+
+def test_a_body_is_added_once(tmp_path):
+    write(tmp_path, "Twice", load="self.AddBody(self.GetBody())")
+    with pytest.raises(WorldFileError, match=r"<Body canonical dummy> was added to a model already, <Twice 'm1'>"):
+        run(tmp_path, "Twice", "Twice.py")
+
+
+@pytest.mark.parametrize("base", ["object", "libgz.Model"])
+def test_classes_that_are_no_models_are_told_what_to_be(tmp_path, base):
+    (tmp_path / "Plain.py").write_text(
+        f"import libgz\nclass Plain({base}):\n    def __init__(self, world): self.world = world\n"
+        "libgz.GZ_REGISTER_PLUGIN('Plain', Plain)"
+    )
+    with pytest.raises(WorldFileError, match=r"<model:Plain>: Plain must be a subclass of Model; .* super\(\)"):
+        run(tmp_path, "Plain", "Plain.py")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, cast
 
-from libgz.errors import GazeboError, InterfaceError, NotFoundError, nearest
+from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzPose
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.moorings import with_moorings
@@ -91,6 +91,11 @@ class Loader(Poses):
             log.info("loading %s...", path)
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(cast("World", self), node.GetName())
+        if model is not None and not hasattr(model, "modelSpaceId"):
+            raise ParameterError(
+                f"{type(model).__name__} must be a subclass of Model; its __init__, if any, must call "
+                "super().__init__(world)"
+            )
         if model is None:
             hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
             hint = hint or "; `libgz models` lists those there are"

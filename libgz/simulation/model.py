@@ -187,8 +187,10 @@ class Model:
         """Take a body in. Exactly one is canonical; it is renamed so, and stands for the model's pose.
 
         Raises:
-            ParameterError: the model has a canonical body already.
+            ParameterError: the body belongs to a model already, or the model has a canonical body.
         """
+        if body.model is not None:
+            raise ParameterError(f"{body!r} was added to a model already, {body.model!r}; a body belongs to one, once")
         if canonical:
             if self._canonical is not None:
                 raise ParameterError(f"model {self._id or self._name!r} has a canonical body already")

@@ -380,3 +380,19 @@ def test_classes_that_are_no_models_are_told_what_to_be(tmp_path, base):
     )
     with pytest.raises(WorldFileError, match=r"<model:Plain>: Plain must be a subclass of Model; .* super\(\)"):
         run(tmp_path, "Plain", "Plain.py")
+
+
+def test_models_come_and_go_in_init(tmp_path):
+    new = "<model:Pioneer2AT><id>new</id></model:Pioneer2AT>"
+    write(tmp_path, "Spawner", init=f"self.world.InsertModel({new!r}); self.world.DeleteModel('old')")
+    plugin = "<plugin>Spawner.py</plugin>"
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:Pioneer2AT><id>old</id></model:Pioneer2AT>"
+        f"<model:Spawner>{plugin}</model:Spawner><model:TruthWidget><id>after</id></model:TruthWidget></gz:world>"
+    )
+    with libgz.World.from_file(path) as world:
+        world.step()
+        assert [model.GetId() for model in world.models] == ["Spawner", "after", "new"]
+        assert {("truth", "after"), ("position", "new")} < set(world.gz_server.interfaces)
+        assert ("position", "old") not in world.gz_server.interfaces

@@ -257,8 +257,10 @@ class World(Lookup, Loader, Clock):
 
     def init_models(self, models: Iterable[Model], file: WorldFile) -> None:
         """Let models make their interfaces; nothing to do before the server is started."""
-        for model in models if self._start is not None else ():
-            self._init_model(model, file)
+        # An Init may insert models, which are initialized then, and delete some.
+        for model in list(models) if self._start is not None else ():
+            if model in self.models:
+                self._init_model(model, file)
 
     def _init_model(self, model: Model, file: WorldFile) -> None:
         if model.node is None:

@@ -150,6 +150,21 @@ def test_elements_that_are_almost_models_or_settings(tmp_path):
     assert (group.line, group.message) == (5, "is not used by <gz:world>")
 
 
+def test_pictures_and_skins_that_cannot_be_read(tmp_path):
+    for name in ("bad.png", "bad.3ds"):
+        (tmp_path / name).write_bytes(b"junk")
+    path = tmp_path / "looks.world"
+    path.write_text(
+        HEAD + "<model:GroundPlane><textureFile>bad.png</textureFile></model:GroundPlane>\n"
+        "<model:CarChassis><skinFile>bad.3ds</skinFile></model:CarChassis>\n"
+        "<model:SimpleSolid><skinFile>bad.3ds</skinFile></model:SimpleSolid></gz:world>"
+    )
+    picture, skin = check(path)
+    assert (picture.line, picture.severity, skin.line) == (2, "warning", 3)
+    assert "bad.png cannot be read" in picture.message
+    assert "bad.3ds cannot be read" in skin.message
+
+
 def test_the_ninth_light_stays_dark(tmp_path):
     path = tmp_path / "lights.world"
     path.write_text(HEAD + "<model:LightSource/>\n" * 9 + "</gz:world>")

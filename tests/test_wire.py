@@ -218,6 +218,14 @@ def test_an_interface_that_was_made_anew_is_opened_anew(server):
         assert client.position("robot1") is new
 
 
+def test_an_id_too_long_for_c_programs_is_told(server, caplog):
+    room = 127 - len(f"{server.path}/position.")
+    serve(server, name="a" * room)
+    assert not caplog.records
+    serve(server, name="b" * (room + 1))
+    assert "C programs cannot open" in caplog.text
+
+
 def test_a_client_without_a_server(wire):
     with pytest.raises(libgz.ServerError, match=f"server {wire} does not appear to be running"):
         libgz.Client(wire, timeout=0.05)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from libgz.errors import ClosedError, InterfaceError
 from libgz.transport.client import Client
 from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, fields_of, numpy_type
-from libgz.transport.paths import check_id, file_name
+from libgz.transport.paths import LONGEST_PATH, check_id, file_name
 from libgz.transport.server import LocalServer, Server
 
 __all__ = ["DataClass", "Interface", "View"]
@@ -152,6 +152,7 @@ class Interface(Generic[D]):
         self.server = server
         self._served = server.claim(self)
         if self._served and isinstance(server, Server):
+            _warn_of_length(f"{server.path}/{file_name(self.type, self.id)}")
             try:
                 self._descriptor = server.create_file(file_name(self.type, self.id), size)
                 self._memory = mmap.mmap(self._descriptor, size)
@@ -339,6 +340,13 @@ class Interface(Generic[D]):
             fcntl.flock(self._descriptor, fcntl.LOCK_UN)
             os.close(self._descriptor)
             self._descriptor = None
+
+
+def _warn_of_length(path: str) -> None:
+    if len(os.fsencode(path)) > LONGEST_PATH:
+        log.warning(
+            "C programs cannot open %s: their paths end after %d bytes; set TMP shorter, or the id", path, LONGEST_PATH
+        )
 
 
 def _int32(value: int) -> int:

@@ -124,6 +124,7 @@ def test_steps_time_and_speed(wire):
     assert run("gazebo", "-s", wire, "--steps", "500", "-n", WORLD).returncode == 0
     assert time.monotonic() - began < 9.0  # ten simulated seconds
     assert run("gazebo", "-s", wire, "-t", "0.3", WORLD).returncode == 0
+    assert run("gazebo", "-s", wire, "-t", "-1", "--steps", "3", WORLD).returncode == 0  # -1 was "never"
 
 
 def test_a_free_id_is_taken_and_printed(wire):
@@ -140,6 +141,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["-s", "-4", "x.world"], "-s"),
         (["-d", "10", "x.world"], "invalid choice"),
         (["--rate", "nan", "x.world"], "invalid rate value"),
+        (["-t", "nan", "x.world"], "invalid time value"),
         (["--steps", "-1", str(WORLD)], "--steps is -1"),
         (["--wire-version", "0.4", "x.world"], "'0.4' is no wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),

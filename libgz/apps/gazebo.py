@@ -51,6 +51,16 @@ def _rate(text: str) -> float:
 _rate.__name__ = "rate"
 
 
+def _seconds(text: str) -> float | None:
+    number = float(text)
+    if not abs(number) < float("inf"):
+        raise ValueError
+    return number if number >= 0.0 else None
+
+
+_seconds.__name__ = "time"
+
+
 def _wire_version(text: str) -> int:
     if text not in WIRE_VERSIONS:
         raise argparse.ArgumentTypeError(f"{text!r} is no wire version; allowed are {', '.join(WIRE_VERSIONS)}")
@@ -80,7 +90,14 @@ def make_parser() -> argparse.ArgumentParser:
         default=1,
         help="message level, -1 none to 9 all (default 1); errors and warnings are always told",
     )
-    add("-t", dest="seconds", metavar="SEC", type=_rate, default=None, help="quit after so many seconds of real time")
+    add(
+        "-t",
+        dest="seconds",
+        metavar="SEC",
+        type=_seconds,
+        default=None,
+        help="quit after so many seconds of real time; negative: never (default)",
+    )
     add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
     add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")

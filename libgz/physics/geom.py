@@ -321,9 +321,10 @@ class Geom:
         """Scale the skin along its own axes."""
         self._look("skin_scale", GzVector(*scale))
 
-    def SetSkinNull(self, null: bool) -> None:
-        """While skins are shown, draw nothing for this geom."""
+    def SetSkinNull(self, null: bool, instead: Path | None = None) -> None:
+        """While skins are shown, draw nothing for this geom; with `instead`, only if that skin can be read."""
         self._look("skin_null", bool(null))
+        self._look("skin_instead", instead)
 
     def HasSkin(self) -> bool:
         """Whether a skin was set."""

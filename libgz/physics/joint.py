@@ -332,7 +332,7 @@ class SliderJoint(Joint):
         return self._value(0)
 
     def GetPositionRate(self) -> float:
-        """Velocity along the axis [m/s]."""
+        """Velocity along the axis [m/s]: that of one body less that of the other, which is not zero where both turn."""
         return self._value(2)
 
     def SetSliderForce(self, force: float) -> None:

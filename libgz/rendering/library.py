@@ -183,7 +183,7 @@ class Library:
         """What a geom looks like, in the frame of its body."""
         appearance = geom.appearance
         place = pose_matrix(geom.GetRelativePose())
-        if skins and appearance.skin_null:
+        if skins and appearance.skin_null and (appearance.skin_instead is None or self._skin(appearance.skin_instead)):
             return []
         if skins and appearance.skin_file is not None:
             skin = self._skin(appearance.skin_file)

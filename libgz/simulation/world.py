@@ -227,6 +227,11 @@ class World(Lookup, Loader, Clock):
         for companion in self.companions:
             companion.model_added(model)
 
+    def take_along(self, model: Model) -> None:
+        """Let a model that was attached at run time, and without a joint, follow its parent."""
+        if model in self.models and model not in self._followers:
+            self._followers.append(model)
+
     # Start and end -----------------------------------------------------------------------------------------------
 
     def Initialize(self) -> int:
@@ -252,8 +257,10 @@ class World(Lookup, Loader, Clock):
 
     def init_models(self, models: Iterable[Model], file: WorldFile) -> None:
         """Let models make their interfaces; nothing to do before the server is started."""
-        for model in models if self._start is not None else ():
-            self._init_model(model, file)
+        # An Init may insert models, which are initialized then, and delete some.
+        for model in list(models) if self._start is not None else ():
+            if model in self.models:
+                self._init_model(model, file)
 
     def _init_model(self, model: Model, file: WorldFile) -> None:
         if model.node is None:
@@ -401,10 +408,10 @@ class World(Lookup, Loader, Clock):
                 )
         if failed:
             for model in self._updating:
-                if model.failed is not None:
+                if isinstance(model.failed, BaseException):  # a subclass may mean something else by it
                     model.motors_off()
                     unlock_interfaces(self, model)
-            self._updating = [model for model in self._updating if model.failed is None]
+            self._updating = [model for model in self._updating if not isinstance(model.failed, BaseException)]
 
     # Changes -----------------------------------------------------------------------------------------------------
 
@@ -454,10 +461,13 @@ class World(Lookup, Loader, Clock):
     def _act(self) -> None:
         actions, self._afterwards, self._stepping = self._afterwards, [], False
         for by, action in actions:
+            whose = f"{by}: " if by is not None else ""
             try:
                 action()
             except GazeboError as fault:
-                log.error("%s%s", f"{by}: " if by is not None else "", fault)
+                log.error("%s%s", whose, fault)
+            except Exception as fault:  # noqa: BLE001 - a plugin's; the world runs on, as after a failed Update
+                log.error("%swhat it asked for after the step failed with\n%s", whose, own_traceback(fault))
 
     def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
         """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.

@@ -187,21 +187,24 @@ class Renderer:
             if plain:
                 self._id_color(item.model_id)
             elif item.transparent:
-                later.append((float(places[i] @ places[i]), i, number))
+                middle = matrices[i] @ (*table.middles[i], 1.0)
+                later.append((float(middle[:3] @ middle[:3]), i, number))
                 continue
             if lamps.near:
                 lamps.switch(places[i].tolist(), float(table.radii[i]))
             load(start + 128 * i)
             call(number)
-        lamps.all_on()
         if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
             for _, i, number in sorted(later, reverse=True):
+                if lamps.near:
+                    lamps.switch(places[i].tolist(), float(table.radii[i]))
                 load(start + 128 * i)
                 call(number)
             gl.glDepthMask(1)
             gl.glDisable(Constant.BLEND)
+        lamps.all_on()
 
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)

@@ -26,6 +26,7 @@ __all__ = [
     "link_lights",
     "material_name",
     "put_on",
+    "scripted_material",
     "set_light",
     "set_sky",
     "set_transparency",
@@ -57,12 +58,9 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
 def _material(look: Appearance, element: Element, note: Note) -> None:
     name = material_name(element)
     if name:
-        script = element.child("script")
-        uris = [uri.Get(str) for uri in script.named("uri")]
-        folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
-        found = find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
+        found = scripted_material(name, element)
         if found is None:
-            note(script, f"there is no material {name!r}; it is shown in grey")
+            note(element.child("script"), f"there is no material {name!r}; it is shown in grey")
         put_on(look, found or NEUTRAL)
     for key, attribute in (("ambient",) * 2, ("diffuse",) * 2, ("specular",) * 2, ("emissive", "emission")):
         if element.HasElement(key):
@@ -80,6 +78,16 @@ def material_name(element: Element) -> str:
     name = script.Get(str, "name")
     name = script.value.GetAsString() if name in ("", UNSET) else name
     return "" if name == UNSET else name
+
+
+def scripted_material(name: str, element: Element | None) -> Material | None:
+    """A material by name, looked for in the scripts that a `<material>` names, too; None if it is not known."""
+    script = next(element.named("script"), None) if element is not None else None
+    if script is None:
+        return find_material(name)
+    uris = [uri.Get(str) for uri in script.named("uri")]
+    folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
+    return find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
 
 
 def put_on(look: Appearance, material: Material) -> None:

@@ -1,0 +1,81 @@
+"""What visuals look like in unusual cases: glass behind glass, no size at all, materials of many places."""
+
+import math
+
+import pytest
+from classic_scenes import FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
+
+from libgz.classic import rendering
+
+
+@pytest.fixture
+def world_of(tmp_path, monkeypatch):
+    """Makes a classic world of some elements."""
+    keep_to(tmp_path, monkeypatch)
+    yield from worlds_in(tmp_path)
+
+
+def glass(name, color, x):
+    pane = "<box><size>0.1 1 1</size></box>"
+    return visual(name, material(FLAT.format(color)) + "<transparency>0.5</transparency>", pane, f"{x} 0 0 0 0 0")
+
+
+def test_panes_of_one_link_are_seen_in_their_order_from_both_sides(world_of):
+    world = world_of(model(inside=glass("red", "1 0 0", -1) + glass("blue", "0 0 1", 1)))
+    half = 127.5
+    assert middle(see(world)) == pytest.approx((half + 13, 25, 38 + 64), abs=2)
+    assert middle(see(world, pose=(8, 0, 0, 0, 0, math.pi))) == pytest.approx((13 + 64, 25, half + 38), abs=2)
+
+
+def test_glass_out_of_reach_of_a_lamp_stays_dark(world_of):
+    dark = "<scene><ambient>0 0 0 1</ambient><background>0 0 0 1</background></scene>"
+    lamp = """<light name='lamp' type='point'><pose>0 0 0 0 0 0</pose><diffuse>1 1 1 1</diffuse>
+      <attenuation><range>{}</range><constant>1</constant><linear>0</linear><quadratic>0</quadratic></attenuation></light>"""
+    near = world_of(model(inside=glass("red", "1 0 0", 0)), lamp.format(9), scene=dark)
+    assert middle(see(near))[0] > 100
+    far = world_of(model(inside=glass("red", "1 0 0", 0)), lamp.format(1), scene=dark)
+    assert middle(see(far)) == (0, 0, 0)
+
+
+def test_a_visual_comes_back_from_no_size(world_of):
+    world = world_of(model(inside=red()))
+    scene = rendering.scene.scene_of(world)
+    for name in ("m::link::v", "m"):
+        shape = scene.GetVisual(name)
+        before = middle(see(world))
+        shape.SetScale((0, 0, 0))
+        assert tuple(shape.Scale()) == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
+        assert middle(see(world)) == (51, 102, 153)
+        shape.SetScale((1, 1, 1))
+        assert tuple(scene.GetVisual("m::link::v").Scale()) == pytest.approx((1.0, 1.0, 1.0))
+        assert middle(see(world)) == before == (255, 0, 0)
+
+
+# Materials -----------------------------------------------------------------------------------------------------------
+
+OWN = "material {} {{ technique {{ pass {{ ambient 0 0 1 1\n diffuse 0 0 1 1 }} }} }}\n"
+
+
+def test_a_script_s_own_name_is_not_taken_for_one_of_gazebo_s(world_of, tmp_path):
+    (tmp_path / "own.material").write_text(OWN.format("Red"))
+    world = world_of(model(inside=visual(looks=script("Red", "own.material"))))
+    assert middle(see(world)) == (0, 0, 255)
+    world = world_of(model(inside=visual(looks=script("Gazebo/Red", "own.material"))))
+    assert middle(see(world)) == (255, 0, 0)
+    world = world_of(model(inside=visual(looks=script("Red"))))
+    assert middle(see(world)) == (255, 0, 0)
+
+
+def test_grey_has_two_spellings(world_of, caplog):
+    world = world_of(model(inside=visual(looks=script("Gazebo/Gray"))))
+    assert middle(see(world)) == pytest.approx((76, 76, 76), abs=1)
+    assert "Gray" not in caplog.text
+
+
+def test_a_plugin_puts_on_a_material_of_a_script_beside_the_world(world_of, tmp_path):
+    (tmp_path / "own.material").write_text(OWN.format("My/Blue") + OWN.format("My/Other"))
+    world = world_of(model(inside=visual(looks=script("My/Blue", "own.material"))))
+    shape = rendering.scene.scene_of(world).GetVisual("m::link::v")
+    shape.SetMaterial("Gazebo/Red")
+    shape.SetMaterial("My/Other")
+    assert (shape.GetMaterialName(), middle(see(world))) == ("My/Other", (0, 0, 255))

@@ -79,3 +79,27 @@ def test_a_plugin_puts_on_a_material_of_a_script_beside_the_world(world_of, tmp_
     shape.SetMaterial("Gazebo/Red")
     shape.SetMaterial("My/Other")
     assert (shape.GetMaterialName(), middle(see(world))) == ("My/Other", (0, 0, 255))
+
+
+# Lights --------------------------------------------------------------------------------------------------------------
+
+DARK = "<scene><ambient>0 0 0 1</ambient><background>0 0 0 1</background></scene>"
+BEAM = """<light name='lamp' type='{}'><pose>0 0 2 0 0 0</pose><diffuse>1 1 1 1</diffuse><direction>0 0 -1</direction>
+  <attenuation><range>20</range><constant>{}</constant><linear>0</linear><quadratic>0</quadratic></attenuation>
+  <spot><inner_angle>1.2</inner_angle><outer_angle>1.4</outer_angle><falloff>1</falloff></spot></light>"""
+
+
+def test_a_spot_is_seen_on_a_floor_that_is_a_box(world_of):
+    white = visual(looks=material(FLAT.format("1 1 1")), geometry="<box><size>12 12 0.1</size></box>")
+    world = world_of(model(inside=white, pose="0 0 -0.05 0 0 0"), BEAM.format("spot", 1), scene=DARK)
+    pixels = see(world, pose=(0, 0, 6, 0, math.pi / 2, 0))
+    assert middle(pixels)[0] > 200
+    assert pixels[24, 4].max() < 20
+
+
+def test_lights_that_cannot_be_are_told_with_their_line(world_of, caplog):
+    inside = BEAM.format("spott", 1) + BEAM.format("point", -1).replace("lamp", "other")
+    world = world_of(inside, model(inside=red()))
+    assert "w0.world:1: <light>: there is no light of type 'spott'" in caplog.text
+    assert "<attenuation>: attenuation is (-1.0, 0.0, 0.0); its numbers must not be negative" in caplog.text
+    assert middle(see(world)) == (255, 0, 0)

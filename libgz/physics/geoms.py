@@ -261,8 +261,15 @@ class LightGeom(Geom):
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:
-        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance."""
-        self.attenuation = GzVector(*finite_tuple(factors, 3, "attenuation"))
+        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance.
+
+        Raises:
+            ParameterError: one is negative, or no number.
+        """
+        numbers = finite_tuple(factors, 3, "attenuation")
+        if min(numbers) < 0.0:
+            raise ParameterError(f"attenuation is {numbers}; its numbers must not be negative")
+        self.attenuation = GzVector(*numbers)
 
     @staticmethod
     def CheckAvailable() -> bool:

@@ -27,10 +27,17 @@ from libgz.rendering.mesh import Mesh
 
 __all__ = ["DRAWERS", "Drawer", "meshes_of"]
 
+PATCH = 1.0  # [m] longest side of the patches of a box's faces in classic worlds, where floors and walls are boxes
 HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
 
 # (geom, segments of a full turn) -> meshes in the frame of the geom's centre
 Drawer = Callable[[Any, int], list[Mesh]]
+
+
+def _box(geom: BoxGeom, _segments: int) -> list[Mesh]:
+    """A box; in classic worlds light is reckoned all over large faces, in legacy ones at the corners, as it was."""
+    x, y, z = geom.size
+    return [mesh.box(x, y, z, PATCH if geom.body.engine.classic else math.inf)]
 
 
 def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
@@ -58,7 +65,7 @@ def _texture_size(geom: Geom) -> tuple[float, float]:
 
 # A kind that is not here is drawn as the nearest of its base classes is; kinds without a drawer are not seen.
 DRAWERS: dict[type[Geom], Drawer] = {
-    BoxGeom: lambda geom, segments: [mesh.box(*geom.size)],
+    BoxGeom: _box,
     SphereGeom: lambda geom, segments: [mesh.sphere(geom.radius, segments)],
     CylinderGeom: lambda geom, segments: mesh.cylinder(geom.radius, geom.length, segments),
     CapsuleGeom: lambda geom, segments: [mesh.capsule(geom.radius, geom.length, segments)],

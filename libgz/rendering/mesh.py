@@ -25,6 +25,7 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float32]
+MOST_PATCHES = 16  # of a box's face, in each direction
 CREASE = math.cos(math.radians(40.0))  # edges sharper than this are drawn sharp
 
 
@@ -99,21 +100,27 @@ def _patches(columns: int, rows: int) -> NDArray[np.uint32]:
     return np.stack([a, b, c, a, c, d], axis=1).astype(np.uint32).ravel()
 
 
-def box(x: float, y: float, z: float) -> Mesh:
-    """A box of full lengths [m]; each face carries the whole texture."""
-    vertices, normals = [], []
+def box(x: float, y: float, z: float, patch: float = math.inf) -> Mesh:
+    """A box of full lengths [m]; each face carries the whole texture.
+
+    `patch`: longest side of the rectangles that faces are made of [m], as far as so many allow: light is reckoned at
+    their corners.
+    """
+    half, parts = np.array((x, y, z)) / 2.0, []
     for axis in range(3):
         for sign in (1.0, -1.0):
             n = np.eye(3)[axis] * sign
             # Texture upright on the sides: t runs along z, or along y on top and bottom.
             t = np.eye(3)[1 if axis == 2 else 2]
             s = np.cross(t, n)
-            vertices += [n - s - t, n + s - t, n + s + t, n - s + t]
-            normals += [n] * 4
-    corners = np.array(vertices) * (x / 2.0, y / 2.0, z / 2.0)
-    indices = [4 * face + k for face in range(6) for k in (0, 1, 2, 0, 2, 3)]
-    texcoords = np.tile([[0, 0], [1, 0], [1, 1], [0, 1]], (6, 1))
-    return Mesh(_f(corners), _f(normals), _f(texcoords), np.array(indices, dtype=np.uint32))
+            across, up = (max(1, min(math.ceil(2.0 * abs(d) @ half / patch), MOST_PATCHES)) for d in (s, t))
+            i, j = (g.reshape(-1, 1) for g in np.meshgrid(np.linspace(0, 1, across + 1), np.linspace(0, 1, up + 1)))
+            corners = (n + (2.0 * i - 1.0) * s + (2.0 * j - 1.0) * t) * half
+            parts.append((corners, np.broadcast_to(n, corners.shape), np.hstack((i, j)), _patches(across, up)))
+    starts = np.cumsum([0, *(len(corners) for corners, *_ in parts)])
+    indices = [part[3] + start for part, start in zip(parts, starts[:-1], strict=True)]
+    vertices, normals, texcoords = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    return Mesh(_f(vertices), _f(normals), _f(texcoords), np.concatenate(indices).astype(np.uint32))
 
 
 def _revolved(radii: Floats, heights: Floats, outward: Floats, upward: Floats, t: Floats, segments: int) -> Mesh:

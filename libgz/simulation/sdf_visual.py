@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
@@ -119,17 +120,22 @@ def set_transparency(look: Appearance, transparency: float) -> None:
 # Lights ----------------------------------------------------------------------------------------------------------
 
 
-def set_light(light: LightGeom, element: Element) -> None:
+def set_light(light: LightGeom, element: Element, note: Note) -> None:
     """Give a light what a `<light>` says; one without `<attenuation>` does not fade."""
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
     light.SetAmbientColor(GzColor())  # what comes from everywhere is the scene's
     kind = element.Get(str, "type")
+    if kind not in KINDS:
+        note(element, f"there is no light of type {kind!r}{nearest(kind, KINDS)}; it is shown as a point light")
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
     if element.HasElement("attenuation"):
         fading = element.child("attenuation")
-        light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        try:
+            light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        except ParameterError as fault:
+            note(fading, f"{fault}; the light does not fade")
         light.range = fading.Get(float, "range")
     if element.HasElement("spot"):
         cone = element.child("spot")
@@ -138,12 +144,12 @@ def set_light(light: LightGeom, element: Element) -> None:
         light.spot = (math.pi / 2.0, math.pi / 2.0, 0.0)
 
 
-def link_lights(body: Body, link: Element) -> None:
+def link_lights(body: Body, link: Element, note: Note) -> None:
     """The lights of a `<link>`, which go along with it."""
     for element in link.named("light"):
         light = LightGeom(body, None)
         light.SetRelativePose(element.Get(GzPose, "pose"), updateCoM=False)
-        set_light(light, element)
+        set_light(light, element, note)
 
 
 # Scene -----------------------------------------------------------------------------------------------------------

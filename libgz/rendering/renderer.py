@@ -74,7 +74,7 @@ class Renderer:
         Args:
             shot: what.
             image: out, shape (height, width, 3), top row first.
-            depth: out, distance along the line of sight [m], shape (height, width); infinite where there is nothing.
+            depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing.
         """
         view = shot.view
         self._bind(view.width, view.height)

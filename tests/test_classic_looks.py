@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from classic_scenes import FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
+from classic_scenes import BEHIND, FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
 
 from libgz.classic import rendering
 
@@ -49,6 +49,24 @@ def test_a_visual_comes_back_from_no_size(world_of):
         shape.SetScale((1, 1, 1))
         assert tuple(scene.GetVisual("m::link::v").Scale()) == pytest.approx((1.0, 1.0, 1.0))
         assert middle(see(world)) == before == (255, 0, 0)
+
+
+def test_what_comes_in_the_place_of_something_looks_like_itself(world_of):
+    world = world_of(model(inside=""))
+    place = rendering.scene.scene_of(world).GetVisual("m::link")
+    found = []
+    with rendering.Camera(world, "eye", 64, 48) as camera:
+        for shape, name in (("unit_box", "Red"), ("unit_sphere", "Red"), ("unit_sphere", "Blue")):
+            made = rendering.Visual("made", place)
+            made.AttachMesh(shape)
+            made.SetMaterial(f"Gazebo/{name}")
+            rendering.draw_frame(world, [camera])
+            found.append((middle(camera.pixels), int((camera.pixels != BEHIND).any(axis=2).sum())))
+            made.Fini()
+    (box, ball, blue), (large, small, same) = zip(*found, strict=True)
+    assert (box, ball, blue) == ((255, 0, 0), (255, 0, 0), (0, 0, 255))
+    assert small == same == pytest.approx(large * math.pi / 4.0, rel=0.4)
+    assert small < 0.8 * large
 
 
 # Materials -----------------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@ import pytest
 from classic_scenes import BEHIND, FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
 
 from libgz.classic import rendering
+from libgz.errors import ParameterError
 
 
 @pytest.fixture
@@ -67,6 +68,28 @@ def test_what_comes_in_the_place_of_something_looks_like_itself(world_of):
     assert (box, ball, blue) == ((255, 0, 0), (255, 0, 0), (0, 0, 255))
     assert small == same == pytest.approx(large * math.pi / 4.0, rel=0.4)
     assert small < 0.8 * large
+
+
+def test_a_scaled_model_is_seen_in_its_new_size_and_falls_onto_the_ground(world_of):
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    boxes = red() + "<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision>"
+    world = world_of(ground, model(inside=boxes, pose="3 0 0.5 0 0 0", static=False))
+    crate = world.ModelByName("m")
+
+    def pixels():
+        return int((see(world, pose=(0, 0, 0.5, 0, 0, 0)) == (255, 0, 0)).all(axis=2).sum())
+
+    world.Step(3000)
+    assert not crate.GetLink().GetEnabled()  # it sleeps
+    before = pixels()
+    for _ in range(2):  # the size is half of the first one, however often that is said
+        crate.SetScale((0.5, 0.5, 0.5))
+    assert tuple(crate.BoundingBox().Size()) == pytest.approx((0.5, 0.5, 0.5), abs=1e-3)
+    assert pixels() == pytest.approx(before * (2.5 * 0.5 / 2.75) ** 2, rel=0.1)
+    world.Step(1000)
+    assert crate.WorldPose().Pos().Z() == pytest.approx(0.25, abs=1e-3)
+    with pytest.raises(ParameterError, match="above zero"):
+        crate.SetScale((0.0, 1.0, 1.0))
 
 
 # Materials -----------------------------------------------------------------------------------------------------------

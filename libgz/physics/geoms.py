@@ -55,6 +55,7 @@ class BoxGeom(Geom):
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -70,6 +71,7 @@ class SphereGeom(Geom):
         self.radius = positive(radius, "sphere radius [m]")
         if self.id:
             ode().dGeomSphereSetRadius(self.id, self.radius)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -89,6 +91,7 @@ class CylinderGeom(Geom):
         self.length = positive(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 

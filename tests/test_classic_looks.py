@@ -92,6 +92,21 @@ def test_a_scaled_model_is_seen_in_its_new_size_and_falls_onto_the_ground(world_
         crate.SetScale((0.0, 1.0, 1.0))
 
 
+def test_lines_go_with_the_model_that_they_are_drawn_on(world_of):
+    world = world_of(model(inside=red()))
+    scene = rendering.scene.scene_of(world)
+    shape = scene.GetVisual("m::link::v")
+    line = shape.CreateDynamicLine()
+    for y in (-1.0, 1.0):
+        line.AddPoint((-1.0, y, 0.0))
+    shape.SetHighlighted(True)
+    assert (see(world) != BEHIND).any()
+    world.RemoveModel("m")
+    world.Step(1)
+    assert (see(world) == BEHIND).all()
+    shape.DeleteDynamicLine(line)  # which is no error
+
+
 # Materials -----------------------------------------------------------------------------------------------------------
 
 OWN = "material {} {{ technique {{ pass {{ ambient 0 0 1 1\n diffuse 0 0 1 1 }} }} }}\n"

@@ -141,3 +141,15 @@ def test_a_world_of_a_moment_ends_without_a_word(run, caplog):
         core, _ = run(body("stone"))
         core.close()
     assert not caplog.records
+
+
+def test_what_was_removed_is_not_taken_for_what_came_after_it(run):
+    core, world = run(body("old", "1 0 0 0 0 0", inside=HINGE.format(name="j"), gravity="false"))
+    link, joint = world.ModelByName("old").GetLink(), world.ModelByName("old").GetJoint("j")
+    world.RemoveModel("old")
+    text = body("new", "7 0 0 0 0 0", inside=HINGE.format(name="j"), gravity="false")
+    world.InsertModelString(f"<sdf version='1.6'>{text}</sdf>")
+    world.ModelByName("new").GetJoint("j").SetPosition(0, 0.5)
+    core.step()
+    assert link.WorldPose().Pos().X() == 1.0
+    assert joint.Position(0) == 0.0

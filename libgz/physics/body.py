@@ -68,6 +68,7 @@ class Body:
         self._given_mass: mass_.Mass | None = None
         self.damping = 0.0, 0.0
         self._closed = False
+        self._last: list[float] = []
         self._id: int | None = None
         self.row = -1
         if not dummy:
@@ -93,14 +94,21 @@ class Body:
             raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         return self._id or 0
 
+    @property
+    def closed(self) -> bool:
+        """Whether it was destroyed."""
+        return self._closed
+
     def GetBodyId(self) -> int:
         """The ODE handle; 0 for a dummy."""
         return self.id
 
     def close(self) -> None:
-        """Destroy the body, its geoms, and the joints that hold it."""
+        """Destroy the body, its geoms, and the joints that hold it. What is asked of it later is as it was last."""
         if self._closed:
             return
+        if self.row >= 0:
+            self._last = self._values(0, 16)
         self.engine.wake()
         for joint in list(self.joints):
             joint.close()
@@ -116,11 +124,11 @@ class Body:
     # State -------------------------------------------------------------------------------------------------------
 
     def _values(self, first: int, last: int) -> list[float]:
-        """Columns of this body's row; see `Engine.states`."""
+        """Columns of this body's row; see `Engine.states`. The row of a body that was closed is soon another one's."""
+        if self._closed:
+            return self._last[first:last]
         engine, row = self.engine, self.row
         if not engine.body_fresh[row]:
-            if self._closed:
-                raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
             engine.read_body(row)
         values: list[float] = engine.body_values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
         return values

@@ -470,6 +470,14 @@ class Visual:
             part = part._parent
         return self._scene.still_body()
 
+    @property
+    def gone(self) -> bool:
+        """Whether what it is drawn on left the world."""
+        part: Visual | None = self
+        while part is not None and part.body is None:
+            part = part._parent
+        return part is not None and part.body is not None and part.body.closed
+
     def CreateDynamicLine(self, type: int = DynamicLines.LINE_STRIP) -> DynamicLines:
         """New lines in its frame."""
         line = DynamicLines(self, type)
@@ -481,7 +489,7 @@ class Visual:
         """Take lines off."""
         if line in self._lines:
             self._lines.remove(line)
-            self._scene.lines.remove(line)
+            self._scene.lines = [other for other in self._scene.lines if other is not line]
 
     def AttachLineVertex(self, line: DynamicLines, index: int) -> None:
         """Let a point of lines go along with this visual."""

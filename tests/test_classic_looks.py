@@ -107,6 +107,27 @@ def test_lines_go_with_the_model_that_they_are_drawn_on(world_of):
     shape.DeleteDynamicLine(line)  # which is no error
 
 
+def test_a_camera_stays_where_its_carrier_left_it(world_of):
+    world = world_of(model("car", pose="0 0 0 0 0 0", static=False), model())
+    scene = rendering.scene.scene_of(world)
+    line = scene.WorldVisual().CreateDynamicLine()
+    for _ in range(2):
+        line.AddPoint((0.0, 0.0, 5.0))
+    scene.GetVisual("car").AttachLineVertex(line, 0)
+    with rendering.Camera(world, "eye", 16, 12) as camera:
+        assert camera.AttachToVisual("car")
+        assert camera.TrackVisual("m")
+        rendering.draw_frame(world, [camera])
+        before = camera.WorldPose()
+        for name in ("car", "m"):
+            world.RemoveModel(name)
+        world.InsertModelString(f"<sdf version='1.6'>{model('late', pose='9 9 9 0 0 0', static=False)}</sdf>")
+        world.Step(1)
+        rendering.draw_frame(world, [camera])
+        assert camera.WorldPose() == before
+        assert camera.TrackedVisual() is None
+
+
 # Materials -----------------------------------------------------------------------------------------------------------
 
 OWN = "material {} {{ technique {{ pass {{ ambient 0 0 1 1\n diffuse 0 0 1 1 }} }} }}\n"

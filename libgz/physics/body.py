@@ -68,7 +68,6 @@ class Body:
         self._given_mass: mass_.Mass | None = None
         self.damping = 0.0, 0.0
         self._closed = False
-        self._last: list[float] = []
         self._id: int | None = None
         self.row = -1
         if not dummy:
@@ -104,11 +103,9 @@ class Body:
         return self.id
 
     def close(self) -> None:
-        """Destroy the body, its geoms, and the joints that hold it. What is asked of it later is as it was last."""
+        """Destroy the body, its geoms, and the joints that hold it."""
         if self._closed:
             return
-        if self.row >= 0:
-            self._last = self._values(0, 16)
         self.engine.wake()
         for joint in list(self.joints):
             joint.close()
@@ -126,7 +123,7 @@ class Body:
     def _values(self, first: int, last: int) -> list[float]:
         """Columns of this body's row; see `Engine.states`. The row of a body that was closed is soon another one's."""
         if self._closed:
-            return self._last[first:last]
+            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         engine, row = self.engine, self.row
         if not engine.body_fresh[row]:
             engine.read_body(row)

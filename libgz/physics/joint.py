@@ -84,7 +84,6 @@ class Joint:
         self.name = name
         self.bodies: tuple[Body | None, Body | None] = (None, None)
         self._feedback: JointFeedback | None = None
-        self._last: list[float] = []
         self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
         self.row = self.engine.add_joint(self, self.kind)
         if group is not None:
@@ -110,10 +109,9 @@ class Joint:
         return self._id
 
     def close(self) -> None:
-        """Destroy the joint. What is asked of its position and rate later is as it was last."""
+        """Destroy the joint."""
         if self._id is None:
             return
-        self._last = [self._value(column) for column in range(4)]
         self._forget_bodies()
         self.engine.remove_joint(self.row)
         ode().dJointDestroy(self._id)
@@ -151,9 +149,9 @@ class Joint:
 
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
-        if self._id is None:  # its row is soon another one's
-            return self._last[column]
         engine, row = self.engine, self.row
+        if self._id is None:  # its row is soon another one's
+            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
         if not engine.joint_fresh[row]:
             engine.read_joint(row)
         return engine.joint_values[4 * row + column]

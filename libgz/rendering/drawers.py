@@ -27,17 +27,11 @@ from libgz.rendering.mesh import Mesh
 
 __all__ = ["DRAWERS", "Drawer", "meshes_of"]
 
-PATCH = 1.0  # [m] longest side of the patches of a box's faces in classic worlds, where floors and walls are boxes
+PATCH = 1.0  # [m] longest side of the patches of a box's faces near lamps, for floors and walls are boxes
 HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
 
 # (geom, segments of a full turn) -> meshes in the frame of the geom's centre
 Drawer = Callable[[Any, int], list[Mesh]]
-
-
-def _box(geom: BoxGeom, _segments: int) -> list[Mesh]:
-    """A box; in classic worlds light is reckoned all over large faces, in legacy ones at the corners, as it was."""
-    x, y, z = geom.size
-    return [mesh.box(x, y, z, PATCH if geom.body.engine.classic else math.inf)]
 
 
 def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
@@ -65,7 +59,7 @@ def _texture_size(geom: Geom) -> tuple[float, float]:
 
 # A kind that is not here is drawn as the nearest of its base classes is; kinds without a drawer are not seen.
 DRAWERS: dict[type[Geom], Drawer] = {
-    BoxGeom: _box,
+    BoxGeom: lambda geom, segments: [mesh.box(*geom.size)],
     SphereGeom: lambda geom, segments: [mesh.sphere(geom.radius, segments)],
     CylinderGeom: lambda geom, segments: mesh.cylinder(geom.radius, geom.length, segments),
     CapsuleGeom: lambda geom, segments: [mesh.capsule(geom.radius, geom.length, segments)],
@@ -75,8 +69,14 @@ DRAWERS: dict[type[Geom], Drawer] = {
 }
 
 
-def meshes_of(geom: Geom, segments: int) -> list[Mesh]:
-    """The meshes of a geom in the frame of its centre; none if its kind has no drawer."""
+def meshes_of(geom: Geom, segments: int, lamps: bool = False) -> list[Mesh]:
+    """The meshes of a geom in the frame of its centre; none if its kind has no drawer.
+
+    With `lamps` near by, light is reckoned all over large boxes of classic worlds; the old server had their corners.
+    """
+    if lamps and type(geom) is BoxGeom and geom.body.engine.classic:
+        x, y, z = geom.size
+        return [mesh.box(x, y, z, PATCH)]
     for kind in type(geom).__mro__:
         drawer = DRAWERS.get(kind)
         if drawer is not None:

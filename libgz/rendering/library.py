@@ -32,7 +32,7 @@ MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
 Color = tuple[float, ...]
-Look = tuple[bool, bool, bool]  # whether skins, materials and textures are shown
+Look = tuple[bool, bool, bool, bool]  # whether skins, materials, textures are shown, and lamps are near things
 
 
 class Compiled:
@@ -160,7 +160,7 @@ class Library:
         return int(number)
 
     def _compile_item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
-        work = [(geom, self._meshes(geom, look[0], segments)) for geom in item.geoms]
+        work = [(geom, self._meshes(geom, look, segments)) for geom in item.geoms]
         radius, middle = _extent([shape for _, meshes in work for shape in meshes])
         if not plain:
             for geom, _ in work:
@@ -175,9 +175,9 @@ class Library:
         self.gl.glEndList()
         return Compiled(number, radius, middle)
 
-    def _meshes(self, geom: Geom, skins: bool, segments: int) -> list[Mesh]:
+    def _meshes(self, geom: Geom, look: Look, segments: int) -> list[Mesh]:
         """What a geom looks like, in the frame of its body."""
-        appearance = geom.appearance
+        appearance, skins = geom.appearance, look[0]
         place = pose_matrix(geom.GetRelativePose())
         if skins and appearance.skin_null:
             return []
@@ -186,7 +186,7 @@ class Library:
             if skin:
                 on_geom = place @ pose_matrix(appearance.skin_pose)
                 return [part.scaled(*appearance.skin_scale).moved(on_geom) for part in skin]
-        shapes = meshes_of(geom, segments)
+        shapes = meshes_of(geom, segments, lamps=look[3])
         if tuple(appearance.scale) != (1.0, 1.0, 1.0):
             shapes = [shape.scaled(*appearance.scale) for shape in shapes]
         return [shape.moved(place) for shape in shapes]

@@ -20,7 +20,7 @@ from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
 from libgz.rendering.library import Library, Look
 from libgz.rendering.pixels import PixelReader
-from libgz.rendering.shot import Light, RenderOptions, Shot, View
+from libgz.rendering.shot import Light, Shot, View
 
 __all__ = ["Renderer"]
 
@@ -178,7 +178,7 @@ class Renderer:
         matrices = eye @ shot.poses
         columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
         start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
-        table = self.library.table(content, _look_of(shot.view.options), plain)
+        table = self.library.table(content, _look_of(shot), plain)
         places = matrices[:, :3, 3]
         later: list[tuple[float, int, int]] = []
         lamps = _Lamps(gl, shot, eye)
@@ -229,7 +229,7 @@ class Renderer:
             return
         matrix = frame.copy()
         matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
-        compiled = self.library.plane(geom, Sight.of(view, height), _look_of(view.options), plain)
+        compiled = self.library.plane(geom, Sight.of(view, height), _look_of(shot), plain)
         size = geom.appearance.texture_size
         gl.glMatrixMode(Constant.TEXTURE)
         gl.glTranslated(math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0), 0.0)
@@ -337,8 +337,10 @@ class _Lamps:
         self._off.clear()
 
 
-def _look_of(options: RenderOptions) -> Look:
-    return options.displaySkins, options.displayMaterials, options.displayTextures
+def _look_of(shot: Shot) -> Look:
+    options = shot.view.options
+    lamps = any(light.kind != "directional" for light in shot.lights)
+    return options.displaySkins, options.displayMaterials, options.displayTextures, lamps
 
 
 @lru_cache

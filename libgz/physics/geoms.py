@@ -138,6 +138,7 @@ class TriMeshGeom(Geom):
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
+    columns = 0  # of vertices in a row, where it is a flat rectangle that carries its picture once
 
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)

@@ -89,7 +89,7 @@ class WorldTopics:
     def close(self) -> None:
         """The world ends; so do its topics, unless another world of this process has the same name."""
         name = self._world.Name()
-        self._subscribers.clear()
         self._node.Fini()
+        self._subscribers.clear()
         if not any(world.Name() == name for world in live_worlds() if world is not self._world):
             self._manager.RemoveTopicNamespace(name)

@@ -93,6 +93,11 @@ class Body:
             raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         return self._id or 0
 
+    @property
+    def closed(self) -> bool:
+        """Whether it was destroyed."""
+        return self._closed
+
     def GetBodyId(self) -> int:
         """The ODE handle; 0 for a dummy."""
         return self.id
@@ -116,11 +121,11 @@ class Body:
     # State -------------------------------------------------------------------------------------------------------
 
     def _values(self, first: int, last: int) -> list[float]:
-        """Columns of this body's row; see `Engine.states`."""
+        """Columns of this body's row; see `Engine.states`. The row of a body that was closed is soon another one's."""
+        if self._closed:
+            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         engine, row = self.engine, self.row
         if not engine.body_fresh[row]:
-            if self._closed:
-                raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
             engine.read_body(row)
         values: list[float] = engine.body_values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
         return values

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["Geom"]
 
 MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
+
+_numbers = itertools.count(1)
 
 
 class Geom:
@@ -55,6 +58,7 @@ class Geom:
         self._slip = [0.01, 0.01]
         self._closed = False
         self._id: int | None = None
+        self.number = next(_numbers)  # of this geom among all; rows are used again
         self.row = body.engine.add_geom(self, body.number)
         body.geoms.append(self)
         if handle is not None:

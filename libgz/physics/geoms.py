@@ -55,6 +55,7 @@ class BoxGeom(Geom):
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -70,6 +71,7 @@ class SphereGeom(Geom):
         self.radius = positive(radius, "sphere radius [m]")
         if self.id:
             ode().dGeomSphereSetRadius(self.id, self.radius)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -89,6 +91,7 @@ class CylinderGeom(Geom):
         self.length = positive(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -135,6 +138,7 @@ class TriMeshGeom(Geom):
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
+    columns = 0  # of vertices in a row, where it is a flat rectangle that carries its picture once
 
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
@@ -274,8 +278,15 @@ class LightGeom(Geom):
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:
-        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance."""
-        self.attenuation = GzVector(*finite_tuple(factors, 3, "attenuation"))
+        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance.
+
+        Raises:
+            ParameterError: one is negative, or no number.
+        """
+        numbers = finite_tuple(factors, 3, "attenuation")
+        if min(numbers) < 0.0:
+            raise ParameterError(f"attenuation is {numbers}; its numbers must not be negative")
+        self.attenuation = GzVector(*numbers)
 
     @staticmethod
     def CheckAvailable() -> bool:

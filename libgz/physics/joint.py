@@ -147,8 +147,9 @@ class Joint:
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
         engine, row = self.engine, self.row
+        if self._id is None:  # its row is soon another one's
+            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
         if not engine.joint_fresh[row]:
-            _ = self.id
             engine.read_joint(row)
         return engine.joint_values[4 * row + column]
 

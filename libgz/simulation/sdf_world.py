@@ -30,7 +30,7 @@ log = logging.getLogger("libgz.simulation")
 class SdfLight(Model):
     """A `<light>`: a dummy body with a light."""
 
-    def __init__(self, world: World, element: Element) -> None:
+    def __init__(self, world: World, element: Element, faults: Faults) -> None:
         super().__init__(world)
         self.sdf = element
         self.SetName("light")
@@ -40,7 +40,11 @@ class SdfLight(Model):
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
-        set_light(self.light, element)
+        set_light(
+            self.light,
+            element,
+            lambda part, text: faults.add(Fault(part.file, part.line, part.name, text, "warning")),
+        )
 
 
 class WorldJoints(Model):
@@ -134,7 +138,7 @@ def add_entities(world: World, elements: Iterable[Element], faults: Faults) -> l
             for member in model.family():
                 _register(world, member)
         elif element.name == "light":
-            _register(world, SdfLight(world, element))
+            _register(world, SdfLight(world, element, faults))
     for model in models:
         model.build_joints()
     return world.models[before:]

@@ -194,5 +194,5 @@ class Collision(Entity):
         return self.geom.GetRetro()
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Multiply its size."""
+        """Make it so many times as large as it was at first."""
         self.GetShape().SetScale(scale)

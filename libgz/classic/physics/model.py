@@ -10,6 +10,7 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.joint import AXES, Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
+from libgz.classic.physics.shape import shape_of
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
@@ -333,10 +334,13 @@ class Model(Entity):
             link.SetLaserRetro(retro)
 
     def SetScale(self, scale: VectorLike, publish: bool = False) -> None:
-        """Multiply the size of all its shapes."""
+        """Make all its shapes, collisions and visuals, so many times as large as they were at first.
+
+        Places stay, and so do meshes and masses.
+        """
         for link in self.family_links():
-            for collision in link.GetCollisions():
-                collision.SetScale(scale)
+            for geom in link.body.geoms:
+                shape_of(geom).SetScale(scale)
 
     # Sensors and plugins -----------------------------------------------------------------------------------------
 

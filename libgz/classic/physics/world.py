@@ -11,7 +11,7 @@ import numpy as np
 from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.animations import Animations
-from libgz.classic.physics.base import Base, Entity, view_of
+from libgz.classic.physics.base import Base, Entity, find_named, view_of
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
@@ -236,7 +236,7 @@ class World(Base):
     def BaseByName(self, name: str) -> Base | None:
         """Anything by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        return next((part for top in self.children() for part in top.tree() if _is(part, name)), None)
+        return find_named((part for top in self.children() for part in top.tree()), name)
 
     GetByName = BaseByName
 
@@ -494,7 +494,3 @@ class World(Base):
         self.animations.update()
         for parent, model, offset in self._attached:
             model.move(GzCoordPoseAdd(offset, parent.pose()))
-
-
-def _is(part: Base, name: str) -> bool:
-    return name in (part.GetName(), part.GetScopedName())

@@ -74,7 +74,10 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
         path = Path(options.spawn_file)
         if not path.is_file():
             raise ParameterError(f"{path}: there is no such file")
-        message.sdf = path.read_text()
+        try:
+            message.sdf = path.read_text()
+        except (OSError, UnicodeDecodeError) as fault:
+            raise ParameterError(f"the model cannot be read from {str(path)!r}: {fault}") from None
     if options.model_name:
         message.edit_name = options.model_name
     if place is not None:

@@ -71,6 +71,7 @@ class Model:
         self.poses: list[GzPose] = []
         self.bodies: list[Body] = []
         self.failed: BaseException | None = None
+        self.initialized: bool | None = None  # by Init; None before it is called
         self._canonical: Body | None = None
         self._id = ""
         self._name = type(self).__name__

@@ -177,3 +177,20 @@ def test_the_grammar_is_written(tmp_path):
     assert libgz("schema", "--rng", "-o", path).returncode == 0
     assert path.read_text() == libgz("schema", "--rng").stdout
     assert "cannot write" in libgz("schema", "--rng", "-o", tmp_path / "no" / "world.rng").stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("<a/>", "1: <a>: warning: there is no <model:...> element in this file, and its root is not like <gz:world>"),
+        ("<robot name='a'><link name='b'/></robot>", "1: <robot>: this is a robot description (URDF), not a worldfile"),
+        ("<html><body/></html>", "1: <html>: this is a web page, not a worldfile of 0.3 - 0.7"),
+        ("<w xmlns:model='m'><model:SimpleSolid/></w>", ""),
+        ("<gz:world xmlns:gz='g'/>", ""),
+    ],
+)
+def test_files_that_are_no_worldfiles(tmp_path, text, told):
+    path = tmp_path / "a.world"
+    path.write_text(text)
+    assert libgz("check", path).stdout.startswith(f"{path}:{told}" if told else "")
+    assert bool(check(path)) == bool(told)

@@ -98,9 +98,7 @@ def make_parser() -> argparse.ArgumentParser:
         default=1,
         help="message level, -1 none to 9 all (default 1); errors and warnings are always told",
     )
-    add(
-        "-t", dest="seconds", metavar="SEC", type=_seconds, default=None, help="quit after so much real time"
-    )
+    add("-t", dest="seconds", metavar="SEC", type=_seconds, default=None, help="quit after so much real time")
     add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
     add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")

@@ -13,6 +13,7 @@ import pytest
 
 import libgz
 from libgz.apps import gazebo as command
+from libgz.apps import libgz as toolbox
 from libgz.apps import model, record
 from libgz.apps.console import INTERRUPTED, LogFile, as_command
 from libgz.errors import GazeboError, ParameterError
@@ -189,3 +190,8 @@ def test_a_world_that_does_not_run_says_so():
     world.close()
     with pytest.raises(libgz.ClosedError, match="the world is closed"):
         world.step()
+
+
+def test_a_place_that_is_no_number(capsys):
+    assert toolbox.main(["model", "-m", "box", "-x", "nan"]) == 1
+    assert capsys.readouterr().err == "libgz: --pose-x is nan; it must be a finite number\n"

@@ -61,13 +61,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     options = make_parser(words[0] if words else None).parse_args(words)
     set_up_messages(0, None)
-    if threading.current_thread() is threading.main_thread():
+    before = signal.getsignal(signal.SIGTERM)
+    owned = threading.current_thread() is threading.main_thread()
+    if owned:
         signal.signal(signal.SIGTERM, _terminated)
     try:
         return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
     except GazeboError as fault:
         print(f"libgz: {fault}", file=sys.stderr)
         return 1
+    finally:
+        if owned:
+            signal.signal(signal.SIGTERM, before)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,9 @@ def run(options: argparse.Namespace) -> int:
     """
     place = [getattr(options, word.replace("-", "_")) for word in AXES]
     moved = any(value is not None for value in place)
+    for word, value in zip(AXES, place, strict=True):
+        if value is not None and not math.isfinite(value):
+            raise ParameterError(f"--{word} is {value:g}; it must be a finite number")
     spawned = options.spawn_file or options.spawn_string
     if not (options.model_name or spawned):
         raise ParameterError("which model? -m NAME, or -f FILE for a new one")

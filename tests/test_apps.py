@@ -99,6 +99,7 @@ def test_a_second_server_on_one_id_is_refused(gazebo):
     second = run("gazebo", "-s", server.id, WORLD)
     assert second.returncode == 1
     assert f"another server running with id {server.id}" in second.stderr
+    assert len(second.stderr.splitlines()) == 1
     assert server.process.poll() is None
 
 
@@ -141,11 +142,13 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["-s", "-4", "x.world"], "-s"),
         (["-d", "10", "x.world"], "invalid choice"),
         (["--rate", "nan", "x.world"], "invalid rate value"),
-        (["-t", "nan", "x.world"], "invalid time value"),
+        (["-t", "nan", "x.world"], "invalid number of seconds value"),
+        (["--seed", "-1", "x.world"], "--seed"),
         (["--steps", "-1", str(WORLD)], "--steps is -1"),
         (["--wire-version", "0.4", "x.world"], "'0.4' is no wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
         (["/tmp"], "worldfile '/tmp' is a directory"),
+        (["/dev/null"], "worldfile '/dev/null' is not a plain file"),
         (["-l", "/no/such/dir/log", str(WORLD)], "cannot write log file"),
     ],
 )

@@ -227,3 +227,32 @@ def test_the_grammar_is_written(tmp_path):
     assert libgz("schema", "--rng", "-o", path).returncode == 0
     assert path.read_text() == libgz("schema", "--rng").stdout
     assert "cannot write" in libgz("schema", "--rng", "-o", tmp_path / "no" / "world.rng").stderr
+
+
+@pytest.mark.parametrize("id", ["a/b", "robot.1"])
+def test_ids_that_no_interface_can_have(tmp_path, id):
+    """`gazebo` learns of them in Init, which checking does not call."""
+    path = tmp_path / "a.world"
+    models = (f"<model:{name}><id>{id}</id></model:{name}>" for name in ("Pioneer2AT", "SimpleSolid"))
+    path.write_text(f"{HEAD}{''.join(models)}</gz:world>")
+    done = libgz("check", path)
+    assert done.returncode == 1
+    assert len(done.stdout.splitlines()) == 1
+    assert f"{path}:2: <model:Pioneer2AT>: invalid id [{id}] (must not contain" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("<a/>", "1: <a>: warning: there is no <model:...> element in this file, and its root is not like <gz:world>"),
+        ("<robot name='a'><link name='b'/></robot>", "1: <robot>: this is a robot description (URDF), not a worldfile"),
+        ("<html><body/></html>", "1: <html>: this is a web page, not a worldfile of 0.3 - 0.7"),
+        ("<w xmlns:model='m'><model:SimpleSolid/></w>", ""),
+        ("<gz:world xmlns:gz='g'/>", ""),
+    ],
+)
+def test_files_that_are_no_worldfiles(tmp_path, text, told):
+    path = tmp_path / "a.world"
+    path.write_text(text)
+    assert libgz("check", path).stdout.startswith(f"{path}:{told}" if told else "")
+    assert bool(check(path)) == bool(told)

@@ -325,6 +325,36 @@ def test_sensors():
             convert(world, rays="laser")
 
 
+@pytest.mark.parametrize("name", ["pioneer2at", "gripper", "simplesolids", "terrain"])
+def test_what_stands_stands_in_the_converted_world_too(tmp_path, name):
+    """Soft wheels above all: by SDF's own defaults contacts push out at 1 cm/s, and robots sink."""
+    with libgz.World.from_file(installed_worlds() / f"{name}.world") as world:
+        converted = convert(world, meshes="m")
+        for file, data in converted.meshes.items():
+            (tmp_path / file).parent.mkdir(exist_ok=True)
+            (tmp_path / file).write_bytes(data)
+        path = tmp_path / "a.sdf"
+        path.write_bytes(converted.sdf)
+        with libgz.World.from_file(path) as other:
+            world.run(1.0)
+            other.run(1.0)
+            before = {model.GetId(): model.GetBody().GetCoMPose().pos for model in world.models if model.parent is None}
+            after = {model.GetId(): model.GetBody().GetCoMPose().pos for model in other.models}
+            both = before.keys() & after.keys()
+            assert len(both) >= 3
+            for name in both:
+                assert tuple(after[name]) == pytest.approx(tuple(before[name]), abs=0.02), name
+
+
+def test_bounce_needs_two_in_sdf():
+    with loaded(body_world("<model:SimpleSolid><id>ball</id><shape>sphere</shape></model:SimpleSolid>")) as world:
+        world.model("ball").GetBody().geoms[0].SetBounce(0.7)
+        converted, root = sdf_of(world)
+        bounce = root.find("world/model[@name='ball']/link/collision/surface/bounce")
+        assert [float(bounce.findtext(tag)) for tag in ("restitution_coefficient", "threshold")] == [0.7, 0.0]
+        assert any("'ball': bounces only off what bounces, too" in note for note in converted.notes)
+
+
 def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
     (tmp_path / "a.png").write_bytes(b"")
     body = (
@@ -354,6 +384,7 @@ def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
         assert box.findtext("collision/surface/friction/ode/mu") == "0.3"
         assert box.findtext("collision/surface/contact/ode/kp") == "100000"
         assert box.findtext("collision/surface/contact/ode/kd") == "20"
+        assert float(box.findtext("collision/surface/contact/ode/max_vel")) == 100.0
         assert box.findtext("collision/laser_retro") == "1"
         assert box.findtext("visual/transparency") == "0.75"
         assert box.findtext("visual/material/diffuse") == "1 0 0 1"

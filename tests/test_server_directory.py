@@ -1,5 +1,6 @@
 """A server's directory: its start and end, its place, and what others left or do there."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -13,6 +14,7 @@ from libgz.interfaces.position import Position
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import Server, free_server_id
+from libgz.worldfile.attributes import installed_worlds
 
 
 def test_directory_is_named_by_tmp_user_and_id(monkeypatch):
@@ -162,3 +164,49 @@ def test_a_free_server_id(wire):
     number = free_server_id()
     with pytest.raises(FileNotFoundError):
         SemaphoreSet.attach(number)
+
+
+def test_a_disk_without_room_is_told_before_anybody_touches_the_memory(server, monkeypatch):
+    """Memory mapped from a file that has only its length kills who touches a page that the disk has no room for."""
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(libgz.InterfaceError, match=r"No space left on device \(position\.robot1\)"):
+        serve(server)
+    assert [path.name for path in Path(server.path).iterdir()] == [LOCK_FILE]
+
+
+def test_files_of_interfaces_hold_their_room_on_the_disk(server):
+    interface = serve(server)
+    assert (Path(server.path) / "position.robot1").stat().st_blocks * 512 >= interface.size
+
+
+def test_a_directory_that_cannot_be_written_is_one_sentence(wire, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "pwrite", full)
+    with pytest.raises(libgz.ServerError, match=r"cannot use .* as the server's directory: No space left on device"):
+        Server(wire).start()
+    assert not Path(server_directory(wire)).exists()
+
+
+def test_a_child_that_was_forked_does_not_end_its_parents_server(wire):
+    """In a process of its own: that of the tests has threads, and those do not go well with forks."""
+    program = f"""
+import os, sys, libgz
+world = libgz.World.from_file({str(installed_worlds() / "pioneer2at.world")!r}, server_id={wire})
+with world:
+    child = os.fork()
+    if child == 0:
+        sys.exit(0)
+    print(os.waitpid(child, 0)[1], sorted(os.listdir(world.gz_server.path)))
+    with libgz.Client({wire}) as client:
+        world.step()
+        print(client.wait(timeout=1.0))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.stdout.startswith("0 ['fiducial.laser1', 'gazebo.pid', 'laser.laser1', "), done.stderr
+    assert done.stdout.endswith("True\n")

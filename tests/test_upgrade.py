@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import os
 import subprocess
 import sys
 
@@ -10,7 +11,7 @@ import pytest
 import libgz
 from libgz.simulation.settings import read_global
 from libgz.worldfile.attributes import installed_worlds, read
-from libgz.worldfile.file import WorldFile
+from libgz.worldfile.file import WorldFile, write_whole
 from libgz.worldfile.upgrade import upgrade
 
 HEAD = """<?xml version="1.0"?>
@@ -255,3 +256,20 @@ def test_the_command(tmp_path):
     assert "nothing to change" in run(old, "--in-place").stderr
     assert "cannot write" in run(old, "-o", tmp_path / "no" / "new.world").stderr
     assert run(old, "-o", new, "--in-place").returncode == 2
+
+
+def test_pipes_and_devices_are_written_to_and_never_replaced(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reading = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_whole(pipe, b"text")
+    assert os.read(reading, 100) == b"text"
+    os.close(reading)
+    assert pipe.is_fifo()
+
+
+def test_a_file_that_cannot_be_written_is_named(tmp_path):
+    target = tmp_path / "no" / "such.world"
+    with pytest.raises(FileNotFoundError) as told:
+        write_whole(target, b"")
+    assert told.value.filename == str(target)

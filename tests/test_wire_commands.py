@@ -126,6 +126,7 @@ def test_counts_of_a_mad_server_are_bounded(capsys, server):
         (["joint.arm", "joints[0].ankle"], "joints has no part 'ankle'"),
         (["position.robot1", "--rate", "0"], "--rate is 0"),
         (["position.robot1", "--count", "0"], "--count is 0"),
+        (["position"], "which position? 'position' names none; write TYPE.ID; its position interfaces are 'robot1'"),
         (["position.robot1", "pos", "--plot", "x.png"], "--plot needs an end"),
         (["position.robot1", "--plot", "x.png"], "--plot needs a field"),
     ],
@@ -135,6 +136,19 @@ def test_echo_says_what_is_wrong(capsys, server, words, sentence):
     code, out, err = command(capsys, "echo", "-s", server.server_id, *words, *more)
     assert (code, out) == (1, "")
     assert sentence in err
+
+
+@pytest.mark.parametrize("seconds", ["nan", "inf", "-1"])
+def test_echo_ends(capsys, server, seconds):
+    code, out, err = command(capsys, "echo", "-s", server.server_id, "position.robot1", "--seconds", seconds)
+    assert (code, out) == (1, "")
+    assert f"--seconds is {seconds}; it must not be negative, nor endless" in err
+
+
+def test_only_what_is_required_is_said_to_be(capsys):
+    code, _, err = command(capsys, "echo")
+    assert code == 2
+    assert "the following arguments are required: TYPE.ID;" in err
 
 
 def test_echo_follows_a_running_robot(capsys, gazebo, tmp_path):

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import functools
 import logging
+import os
+import signal
 import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import NoReturn, TextIO, TypeAlias
 
 from libgz.errors import ParameterError
 
-__all__ = ["USAGE_ERROR", "Parser", "set_up_classic_console", "set_up_messages"]
+__all__ = ["INTERRUPTED", "USAGE_ERROR", "LogFile", "Parser", "as_command", "set_up_classic_console", "set_up_messages"]
 
 USAGE_ERROR = 2
+INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # as shells tell of programs that signals ended
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 
@@ -22,6 +28,84 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end with exit code 2."""
         self.exit(USAGE_ERROR, f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
+
+
+_Main: TypeAlias = Callable[[Sequence[str] | None], int]
+
+
+def as_command(name: str, interrupted: int = INTERRUPTED) -> Callable[[_Main], Callable[..., int]]:
+    """Make a main function end well whatever becomes of its streams: one sentence, or nothing, and an exit code.
+
+    Args:
+        name: of the command.
+        interrupted: exit code for a SIGINT that the function does not take itself.
+    """
+
+    def decorate(main: _Main) -> Callable[..., int]:
+        @functools.wraps(main)
+        def command(arguments: Sequence[str] | None = None) -> int:
+            _open_streams()
+            try:
+                try:
+                    return main(arguments)
+                finally:
+                    sys.stdout.flush()
+            except KeyboardInterrupt:
+                return interrupted
+            except BrokenPipeError:  # `| head` has seen enough
+                _give_up_output()
+                return NO_READER
+            except OSError as fault:
+                _give_up_output()
+                with contextlib.suppress(OSError):
+                    print(f"{name}: {fault.filename or 'its output'}: {fault.strerror or fault}", file=sys.stderr)
+                return 1
+
+        return command
+
+    return decorate
+
+
+def _open_streams() -> None:
+    """Open streams that the command was started without: the next file would get their number, and their text."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w")  # noqa: PTH123, SIM115 - for the rest of the process
+    if sys.stderr is None:
+        sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115 - for the rest of the process
+
+
+def _give_up_output() -> None:
+    """What is still to be written would fail once more when Python ends."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+class _Console(logging.StreamHandler[TextIO]):
+    """Messages to a stream; where it takes no more, there is nobody to tell."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        if not isinstance(sys.exc_info()[1], OSError):
+            super().handleError(record)
+
+
+class LogFile(logging.FileHandler):
+    """Messages to a file; one that cannot be written any more (a full disk) is told once, and left."""
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """End the file, and say so."""
+        fault = sys.exc_info()[1]
+        if not isinstance(fault, OSError):
+            super().handleError(record)
+            return
+        root = logging.getLogger("libgz")
+        if self in root.handlers:
+            root.removeHandler(self)
+            root.error("log file %s ends here: %s", self.baseFilename, fault.strerror)
 
 
 class _ConsoleFormatter(logging.Formatter):
@@ -38,14 +122,14 @@ def set_up_messages(level: int, logfile: str | None) -> None:
     root = logging.getLogger("libgz")
     root.setLevel(logging.DEBUG)
     root.propagate = False
-    console = logging.StreamHandler(sys.stderr)
+    console = _Console(sys.stderr)
     console.setFormatter(_ConsoleFormatter("%(message)s"))
     console.setLevel(logging.WARNING if level < 1 else logging.INFO if level == 1 else logging.DEBUG)
     root.handlers[:] = [console]
     if logfile is None:
         return
     try:
-        file = logging.FileHandler(Path(logfile).expanduser(), mode="w")
+        file = LogFile(Path(logfile).expanduser(), mode="w")
     except OSError as fault:
         raise ParameterError(f"cannot write log file {logfile!r}: {fault.strerror}") from None
     file.setFormatter(_ConsoleFormatter("%(filename)s:%(lineno)d %(message)s"))

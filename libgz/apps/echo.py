@@ -26,7 +26,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_target(parser)
     add = parser.add_argument
-    add("fields", nargs="*", metavar="FIELD", help="such as pos, pos[0] or joints[2].angle; all if none is given")
+    add(
+        "fields",
+        nargs="*",
+        default=[],
+        metavar="FIELD",
+        help="such as pos, pos[0] or joints[2].angle; all if none is given",
+    )
     add("--json", action="store_true", help="one JSON object a line, long arrays included")
     add("--rate", type=float, default=10.0, metavar="HZ", help="lines per second of real time at most (default 10)")
     add("--count", type=int, default=None, metavar="N", help="end after so many samples")
@@ -49,6 +55,8 @@ def run(options: argparse.Namespace) -> int:
     count = 1 if options.once else options.count
     if count is not None and count < 1:
         raise ParameterError(f"--count is {count}; it must be at least 1")
+    if options.seconds is not None and not 0.0 <= options.seconds < math.inf:
+        raise ParameterError(f"--seconds is {options.seconds:g}; it must not be negative, nor endless")
     if options.plot and count is None and options.seconds is None:
         raise ParameterError("--plot needs an end: give --count or --seconds")
     pyplot = _pyplot() if options.plot else None

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz._version import __version__
-from libgz.apps.console import USAGE_ERROR, Parser, set_up_messages
+from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
 from libgz.apps.record import Recorder
-from libgz.errors import GazeboError, ParameterError
+from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.world import World
@@ -58,7 +58,18 @@ def _seconds(text: str) -> float | None:
     return number if number >= 0.0 else None
 
 
-_seconds.__name__ = "time"
+_seconds.__name__ = "number of seconds"
+
+
+def _count(text: str) -> int:
+    """A seed: numpy takes none below 0."""
+    number = int(text)
+    if number < 0:
+        raise ValueError
+    return number
+
+
+_count.__name__ = "whole number from 0"
 
 
 def _wire_version(text: str) -> int:
@@ -108,7 +119,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="R",
         help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)",
     )
-    add("--seed", type=int, default=0, metavar="N", help="seed of everything random (default 0)")
+    add("--seed", type=_count, default=0, metavar="N", help="seed of everything random (default 0)")
     add(
         "--wire-version",
         type=_wire_version,
@@ -187,6 +198,7 @@ class Run:
         sys.stdout.flush()
 
 
+@as_command("gazebo", interrupted=0)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong."""
     options = make_parser().parse_args(arguments)
@@ -198,7 +210,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.steps is not None and options.steps < 0:
         return _complain(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
     if not path.is_file():
-        what = "is a directory" if path.is_dir() else "does not exist"
+        what = "is a directory" if path.is_dir() else "is not a plain file" if path.exists() else "does not exist"
         return _complain(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
         return _run(path, options)
@@ -207,13 +219,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(path: Path, options: argparse.Namespace) -> int:
-    server_id = free_server_id() if options.server_id is None else options.server_id
     if options.gl is not None:
         prefer(options.gl)
     if options.render_thread:
         from libgz.rendering.scene import draw_beside_physics  # not needed by worlds without cameras
 
         draw_beside_physics(True)
+    if options.server_id is not None:
+        return _serve(path, options, options.server_id)
+    while True:
+        server_id = free_server_id()
+        try:
+            return _serve(path, options, server_id)
+        except ServerError:
+            if free_server_id() == server_id:
+                raise  # for another reason than that somebody took the id while the world was loading
+
+
+def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
     run = None
     try:
@@ -230,9 +253,11 @@ def _run(path: Path, options: argparse.Namespace) -> int:
             run.print_status()
             print()
     finally:
-        for recorder in run.recorders if run is not None else ():
-            recorder.close()
-        world.close()
+        try:
+            for recorder in run.recorders if run is not None else ():
+                recorder.close()
+        finally:
+            world.close()
     return 0
 
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.apps.console import set_up_classic_console
+from libgz.apps.console import as_command, set_up_classic_console
 from libgz.apps.gzserver import (
     BANNER,
     FAILED,
@@ -132,6 +132,7 @@ class Run:
         return 0
 
 
+@as_command("gzclient", interrupted=0)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run, or the server ended."""
     words = list(sys.argv[1:] if arguments is None else arguments)

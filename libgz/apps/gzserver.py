@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import dataclasses
 import logging
 import os
@@ -13,7 +14,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import set_up_classic_console
+from libgz.apps.console import LogFile, as_command, set_up_classic_console
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.classic.common import LogFormatter, gzlog
 from libgz.classic.loading import new_plugin
@@ -108,7 +109,7 @@ def make_parser() -> argparse.ArgumentParser:
     add("-e", "--physics", default="ode", help="physics engine; there is ode")
     add("-o", "--profile", help="name of the <physics> element to use")
     add("-s", "--server-plugin", action="append", default=[], help="System plugin to load; may be given several times")
-    add("--seed", type=int, help="seed of everything random (default: the process's number)")
+    add("--seed", type=_count, help="seed of everything random (default: the process's number)")
     add("--iters", type=_count, help="end after so many iterations, or with the log")
     add("--server-id", type=_count, help="serve the interfaces of old client programs under this id")
     add_log_options(parser)
@@ -260,7 +261,7 @@ def open_log(kind: str, port: int) -> None:
     folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"{kind}-{port}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        handler = logging.FileHandler(folder / "default.log", mode="w")
+        handler = LogFile(folder / "default.log", mode="w")
     except OSError as fault:
         log.warning("no log file in %s: %s", folder, fault.strerror)
         return
@@ -275,6 +276,7 @@ def _find_world(name: str) -> Path:
         raise NotFoundError(f"Could not open file[{name}]: {fault}") from None
 
 
+@as_command("gzserver", interrupted=0)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run."""
     words = list(sys.argv[1:] if arguments is None else arguments)
@@ -282,7 +284,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     set_up_classic_console(verbose="--verbose" in words)
     options = system_options(parser, words)
     if options.verbose:
-        sys.stderr.write(BANNER + "\n")
+        with contextlib.suppress(OSError):
+            sys.stderr.write(BANNER + "\n")
     try:
         return Server(options, words).run()
     except GazeboError as fault:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import signal
 import sys
+import threading
 from collections.abc import Sequence
+from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import Parser, set_up_messages
+from libgz.apps.console import Parser, as_command, set_up_messages
 from libgz.errors import GazeboError
 
 __all__ = ["main"]
@@ -48,16 +51,29 @@ def make_parser(wanted: str | None) -> Parser:
     return parser
 
 
+def _terminated(number: int, _frame: object) -> NoReturn:
+    """SIGTERM: end what was begun, the demonstration's server above all."""
+    sys.exit(128 + number)
+
+
+@as_command("libgz")
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     options = make_parser(words[0] if words else None).parse_args(words)
     set_up_messages(0, None)
+    before = signal.getsignal(signal.SIGTERM)
+    owned = threading.current_thread() is threading.main_thread()
+    if owned:
+        signal.signal(signal.SIGTERM, _terminated)
     try:
         return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
     except GazeboError as fault:
         print(f"libgz: {fault}", file=sys.stderr)
         return 1
+    finally:
+        if owned:
+            signal.signal(signal.SIGTERM, before)
 
 
 if __name__ == "__main__":

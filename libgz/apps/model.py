@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,9 @@ def run(options: argparse.Namespace) -> int:
     """
     place = [getattr(options, word.replace("-", "_")) for word in AXES]
     moved = any(value is not None for value in place)
+    for word, value in zip(AXES, place, strict=True):
+        if value is not None and not math.isfinite(value):
+            raise ParameterError(f"--{word} is {value:g}; it must be a finite number")
     spawned = options.spawn_file or options.spawn_string
     if not (options.model_name or spawned):
         raise ParameterError("which model? -m NAME, or -f FILE for a new one")
@@ -74,7 +78,10 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
         path = Path(options.spawn_file)
         if not path.is_file():
             raise ParameterError(f"{path}: there is no such file")
-        message.sdf = path.read_text()
+        try:
+            message.sdf = path.read_text()
+        except (OSError, UnicodeDecodeError) as fault:
+            raise ParameterError(f"the model cannot be read from {str(path)!r}: {fault}") from None
     if options.model_name:
         message.edit_name = options.model_name
     if place is not None:

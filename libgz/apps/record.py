@@ -62,14 +62,21 @@ class Recorder:
                 self._started = True
             even = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]  # the coder halves both sides
             self._file.write_frame(even)
-        except (OSError, ValueError) as fault:
+        except (OSError, ValueError, EOFError) as fault:  # av says EOFError where a disk is full
             raise GazeboError(f"video {self.path} cannot be written: {fault}") from None
 
     def close(self) -> None:
-        """Finish the file. Can be called twice."""
-        if self._file is not None:
-            self._file.close()
-            self._file = None
+        """Finish the file. Can be called twice.
+
+        Raises:
+            GazeboError: its end cannot be written.
+        """
+        file, self._file = self._file, None
+        if file is not None:
+            try:
+                file.close()
+            except (OSError, ValueError, EOFError) as fault:
+                raise GazeboError(f"video {self.path} cannot be written: {fault}") from None
 
 
 def _open(path: Path) -> Any:

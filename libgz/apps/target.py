@@ -63,8 +63,11 @@ def open_target(client: Client, target: str) -> Interface[Any]:
         ParameterError: there is no such type.
         InterfaceError: the server does not serve it.
     """
-    kind, _, name = target.partition(".")
-    return client.open(new_interface(kind), name or ("default" if kind == "sim" else ""))
+    kind, dot, name = target.partition(".")
+    interface = new_interface(kind)
+    if not dot and kind != "sim":
+        raise ParameterError(f"which {kind}? {target!r} names none; write TYPE.ID{client.hint(kind, '')}")
+    return client.open(interface, name if dot else "default")
 
 
 def values_of(interface: Interface[Any], *, everything: bool = False) -> dict[str, Any]:

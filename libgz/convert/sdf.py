@@ -15,7 +15,7 @@ from lxml import etree
 from libgz.convert.element import Notes, add, color, name_of, pose
 from libgz.convert.joints import add_joint, ends_of
 from libgz.convert.sensors import add_sensors
-from libgz.convert.shapes import Meshes, add_geom, is_shape
+from libgz.convert.shapes import PUSH_OUT, Meshes, add_geom, is_shape
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.physics.body import Body
@@ -83,10 +83,16 @@ class _Conversion:
         add(physics, "max_step_size", world.engine.step_time)
         add(physics, "real_time_factor", world.simSpeed or 1.0)
         add(physics, "real_time_update_rate", world.simSpeed / world.engine.step_time)
-        solver = add(add(physics, "ode"), "solver")
+        ode = add(physics, "ode")
+        solver = add(ode, "solver")
         add(solver, "type", world.engine.solver)
         add(solver, "iters", 50)
         add(solver, "sor", 1.3)
+        constraints = add(ode, "constraints")
+        add(constraints, "cfm", 0.0)
+        add(constraints, "erp", world.engine.erp)
+        add(constraints, "contact_max_correcting_vel", PUSH_OUT)
+        add(constraints, "contact_surface_layer", 0.0)
         scene = add(self.root, "scene")
         add(scene, "ambient", self._ambient())
         add(scene, "background", color(world.skyColor))

@@ -34,8 +34,10 @@ from libgz.physics.geoms import (
     WheelGeom,
 )
 
-__all__ = ["Meshes", "add_geom", "is_shape"]
+__all__ = ["PUSH_OUT", "Meshes", "add_geom", "is_shape"]
 
+# [m/s], as fast as a world lets contacts push; SDF's own default of 0.01 lets what stands on soft wheels sink
+PUSH_OUT = 100.0
 RIGID = 1e12  # [N/m]; SDF's own default, where libgz has an infinite spring
 STICKY = 1e9  # Coulomb coefficient, where libgz has an infinite one
 PLANE_EXTENT = (100.0, 100.0)  # [m] that is drawn of an infinite plane
@@ -173,8 +175,12 @@ def _add_surface(collision: etree._Element, geom: Geom) -> None:
     contact = add(add(surface, "contact"), "ode")
     add(contact, "kp", values[Surface.KP] if math.isfinite(values[Surface.KP]) else RIGID)
     add(contact, "kd", values[Surface.KD])
+    add(contact, "max_vel", PUSH_OUT)
+    add(contact, "min_depth", 0.0)
     if values[Surface.BOUNCE]:
-        add(add(surface, "bounce"), "restitution_coefficient", min(values[Surface.BOUNCE], 1.0))
+        bounce = add(surface, "bounce")
+        add(bounce, "restitution_coefficient", min(values[Surface.BOUNCE], 1.0))
+        add(bounce, "threshold", 0.0)
 
 
 def _add_material(visual: etree._Element, geom: Geom) -> None:
@@ -199,5 +205,7 @@ def _note_losses(geom: Geom, owner: str, notes: Notes) -> None:
         )
     if look.skin_file is not None:
         notes.add(owner, f"the skin {look.skin_file.name} is left out; the shape below it is drawn")
+    if geom.body.engine.surface[geom.row, Surface.BOUNCE]:
+        notes.add(owner, "bounces only off what bounces, too: SDF takes the smaller coefficient of the two")
     if look.fiducial != -1:
         notes.add(owner, f"fiducial {look.fiducial} has no counterpart")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ctypes
 import functools
+import os
+import threading
 from collections.abc import Callable
 from ctypes import c_int64, c_void_p
 from pathlib import Path
@@ -18,13 +20,27 @@ from libgz.ode.lib import ode
 __all__ = ["NativeStep", "native_path"]
 
 
+# ODE's solver and mesh colliders keep memory that all worlds of a process share: two steps at once crash. Only the
+# native step gives the interpreter lock up while it is in ODE, so it takes this one.
+_in_ode = threading.Lock()
+
+
+def _forked() -> None:
+    """A child must not wait for a thread that it does not have."""
+    global _in_ode
+    _in_ode = threading.Lock()
+
+
+os.register_at_fork(after_in_child=_forked)
+
+
 def native_path() -> Path | None:
     """Where the native step was built, or None."""
     return next(iter(sorted(Path(__file__).parent.glob("_step*.so"))), None)
 
 
 class NativeStep:
-    """step.c, by ctypes. The interpreter lock is released while it runs."""
+    """step.c, by ctypes. The interpreter lock is released while it runs; other worlds wait for their turn."""
 
     name = "native"
     reads_all = True
@@ -70,16 +86,19 @@ class NativeStep:
 
     def step(self) -> int:
         """Collide, step and copy all states out."""
-        done: int = self._step()
+        with _in_ode:
+            done: int = self._step()
         return done
 
     def collide(self) -> None:
         """Find contacts and make joints of them."""
-        self._shared.gz_collide(self._address)
+        with _in_ode:
+            self._shared.gz_collide(self._address)
 
     def solve(self) -> int:
         """Move everything, empty the contact group, copy all states out."""
-        return int(self._shared.gz_solve(self._address))
+        with _in_ode:
+            return int(self._shared.gz_solve(self._address))
 
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step."""
@@ -105,9 +124,9 @@ class NativeStep:
         rows: NDArray[np.int64],
     ) -> None:
         """Cast rays from a frame."""
-        self._scan(
-            self._address, frame.ctypes.data, rays.ctypes.data, len(rays), owner, ranges.ctypes.data, rows.ctypes.data
-        )
+        where, what = frame.ctypes.data, rays.ctypes.data
+        with _in_ode:
+            self._scan(self._address, where, what, len(rays), owner, ranges.ctypes.data, rows.ctypes.data)
 
     def scanner(
         self,
@@ -120,9 +139,15 @@ class NativeStep:
         """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
         frame_, rays_, ranges_, rows_ = (array.ctypes.data_as(c_void_p) for array in (frame, rays, ranges, rows))
         count, number = c_int64(len(rays)), c_int64(owner)
-        return functools.partial(
+        cast = functools.partial(
             self._quick_scan, c_void_p(self._address), frame_, rays_, count, number, ranges_, rows_
         )
+
+        def scan() -> None:
+            with _in_ode:
+                cast()
+
+        return scan
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

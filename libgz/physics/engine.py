@@ -19,6 +19,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
+from libgz.physics.check import not_negative
 from libgz.physics.runaway import mend, tell, tell_baffled, tell_gave_up
 from libgz.physics.settings import EngineSettings
 
@@ -158,6 +159,7 @@ class Engine(EngineSettings):
         )
         self.step_time = step_time
         self.solver = solver
+        not_negative(seed, "seed")
         self.seed = seed
         self.gravity = gravity
 

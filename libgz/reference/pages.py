@@ -7,6 +7,7 @@ from pathlib import Path
 
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries
 from libgz.simulation.factory import ModelFactory
+from libgz.worldfile.file import write_whole
 
 __all__ = ["INDEX", "pages", "write_changed", "write_pages"]
 
@@ -42,7 +43,7 @@ def write_changed(directory: Path, texts: dict[str, str]) -> list[Path]:
     for name, text in texts.items():
         path = directory / name
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            path.write_text(text, encoding="utf-8")
+            write_whole(path, text.encode())
             changed.append(path)
     return changed
 

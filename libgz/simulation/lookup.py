@@ -46,7 +46,9 @@ class Lookup:
             if model.GetId() == id:
                 return model
         ids = [model.GetId() for model in self.models]
-        raise NotFoundError(f"there is no model {id!r}; there are {', '.join(map(repr, ids))}{nearest(id, ids)}")
+        raise NotFoundError(
+            f"there is no model {id!r}; there are {', '.join(map(repr, ids)) or 'none'}{nearest(id, ids)}"
+        )
 
     def body(self, model: str, name: str = "canonical") -> Body:
         """A body by the id of its model and its own name.
@@ -74,6 +76,6 @@ class Lookup:
         if found is None:
             names = [f"{kind}.{name}" for kind, name in self.gz_server.interfaces]
             raise InterfaceError(
-                f"no model serves {type}.{id}; there are {', '.join(names)}" + nearest(f"{type}.{id}", names)
+                f"no model serves {type}.{id}; there are {', '.join(names) or 'none'}" + nearest(f"{type}.{id}", names)
             )
         return found

@@ -72,6 +72,7 @@ class Model:
         self.poses: list[GzPose] = []
         self._bodies: list[Body] = []
         self.failed: BaseException | None = None
+        self.initialized: bool | None = None  # by Init; None before it is called
         self._canonical: Body | None = None
         self._strays: list[Body] = []  # that Load made and told no AddBody of
         self._id = ""

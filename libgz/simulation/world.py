@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from libgz.errors import GazeboError, PluginError
+from libgz.errors import ClosedError, GazeboError, PluginError
 from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
@@ -58,7 +58,7 @@ class World(Lookup, Loader, Clock):
 
     Raises:
         LibraryError: ODE is absent or unfit.
-        ParameterError: there is no such solver or version.
+        ParameterError: there is no such solver or version, or the seed is negative.
     """
 
     _all: ClassVar[list[World]] = []
@@ -176,6 +176,7 @@ class World(Lookup, Loader, Clock):
         self.engine.quirks = read_quirks(file, values.legacyQuirks)
         self._apply(values, fog)
         self.visit(file.GetRootNode())
+        file.note_foreign(not self.models)
         file.GetRootNode().note_unused()
         for warning in file.faults.warnings:
             log.warning("%s", warning)
@@ -266,8 +267,10 @@ class World(Lookup, Loader, Clock):
         if model.node is None:
             return
         where = f"{file.label}:{model.node.line}: <{model.node.tag}>"
+        model.initialized = False
         try:
             model.MasterInit(file, model.node)
+            model.initialized = True
         except GazeboError as fault:
             raise PluginError(f"{where}: Init of model {model.GetId()!r}: {fault}") from fault
         except Exception as fault:
@@ -284,10 +287,13 @@ class World(Lookup, Loader, Clock):
         for companion in self.companions:
             companion.close()
         for model in self.models:
+            if model.node is not None and model.initialized is None:
+                continue  # the start failed before its Init
             try:
                 model.Fini()
             except Exception as fault:  # noqa: BLE001 - a plugin's; the others must still end
-                log.error("Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
+                level = logging.DEBUG if model.initialized is False else logging.ERROR
+                log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
         self.sim.destroy()
         self.gz_server.stop()
         return 0
@@ -324,7 +330,10 @@ class World(Lookup, Loader, Clock):
 
         Raises:
             GazeboError: it is called in a step, by a callback.
+            ClosedError: the world is closed, or `Initialize` was not called.
         """
+        if self._start is None:
+            raise ClosedError("the world is closed" if self._closed else "Initialize comes before the first step")
         if self._inside:
             raise GazeboError("a world cannot be stepped in a callback: its step is under way")
         self._inside = True

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import errno
 import fcntl
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["LocalServer", "Server", "alive", "free_server_id"]
 
 log = logging.getLogger("libgz.transport")
+
+_running: set[Server] = set()
 
 _FILE_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
 
@@ -94,6 +97,7 @@ class Server(LocalServer):
         self._lock: int | None = None
         self._semaphores: SemaphoreSet | None = None
         self._gone = False
+        self._pid = os.getpid()
 
     # Start -------------------------------------------------------------------------------------------------------
 
@@ -103,6 +107,7 @@ class Server(LocalServer):
         Raises:
             ServerError: the id is in use, or the directory cannot be used.
         """
+        self._pid = os.getpid()
         self._open_directory()
         try:
             self._take_lock()
@@ -110,9 +115,12 @@ class Server(LocalServer):
             # Old files go before new semaphores come: a client that finds the new set never opens an old file.
             self._remove_files()
             self._make_semaphores(left)
-        except BaseException:
+        except BaseException as fault:
             self._abandon()
+            if isinstance(fault, OSError):
+                raise self._unusable(fault) from None
             raise
+        _running.add(self)
         log.debug("creating %s", self.path)
 
     def _abandon(self) -> None:
@@ -132,16 +140,19 @@ class Server(LocalServer):
                 os.mkdir(self.path, 0o700)  # noqa: PTH102
             self._directory = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
         except OSError as fault:
-            raise ServerError(
-                f"cannot use {self.path} as the server's directory: {fault.strerror}; "
-                "set TMP to a directory you may write in, or use another server id: -s"
-            ) from None
+            raise self._unusable(fault) from None
         about = os.fstat(self._directory)
         if about.st_uid != os.geteuid():
             self._close_directory()
             raise ServerError(f"{self.path} belongs to another user (uid {about.st_uid}); use another server id: -s")
         if about.st_mode & 0o077:
             os.fchmod(self._directory, 0o700)
+
+    def _unusable(self, fault: OSError) -> ServerError:
+        return ServerError(
+            f"cannot use {self.path} as the server's directory: {fault.strerror}; "
+            "set TMP to a directory you may write in, or use another server id: -s"
+        )
 
     def _take_lock(self) -> None:
         """Hold a lock for as long as this process lives; whoever cannot have it knows that we are alive."""
@@ -152,9 +163,9 @@ class Server(LocalServer):
             owner = os.pread(lock, 32, 0).split() or [b"unknown"]
             os.close(lock)
             raise self._in_use(f"pid {owner[0].decode(errors='replace')}", "") from None
+        self._lock = lock
         os.ftruncate(lock, 0)
         os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
-        self._lock = lock
 
     def _in_use(self, who: str, advice: str) -> ServerError:
         return ServerError(
@@ -218,7 +229,13 @@ class Server(LocalServer):
                 os.close(self._directory)
             self._open_directory()
             descriptor = os.open(hidden, flags, 0o600, dir_fd=self._directory)
-        os.ftruncate(descriptor, size)
+        try:
+            # Not only its length: a page of shared memory that the disk has no room for kills who touches it.
+            os.posix_fallocate(descriptor, 0, size)
+        except OSError:
+            self.unlink_file(hidden, descriptor)
+            os.close(descriptor)
+            raise
         log.debug("creating %s/%s %d", self.path, name, size)
         return descriptor
 
@@ -231,7 +248,9 @@ class Server(LocalServer):
         os.rename(_hidden(name), name, src_dir_fd=self._directory, dst_dir_fd=self._directory)
 
     def unlink_file(self, name: str, descriptor: int) -> None:
-        """Remove a file, if it is still the one behind `descriptor`."""
+        """Remove a file if it is still the one behind `descriptor`; in a child that was forked, leave it."""
+        if not self._is_own():
+            return
         with contextlib.suppress(FileNotFoundError):
             there = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
             if os.path.samestat(there, os.fstat(descriptor)):
@@ -257,15 +276,22 @@ class Server(LocalServer):
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""
         super().stop()
+        _running.discard(self)
         if self._lock is not None:
-            self._remove_directory()
+            if self._is_own():
+                self._remove_directory()
             os.close(self._lock)
             self._lock = None
         if self._semaphores is not None:
-            with contextlib.suppress(OSError):
-                self._semaphores.remove()
+            if self._is_own():
+                with contextlib.suppress(OSError):
+                    self._semaphores.remove()
             self._semaphores = None
         self._close_directory()
+
+    def _is_own(self) -> bool:
+        """Whether this process started the server: a child that a program forks has a copy, and must not end it."""
+        return os.getpid() == self._pid
 
     def _remove_directory(self) -> None:
         if self._lock is not None:
@@ -287,6 +313,13 @@ class Server(LocalServer):
         if self._directory is not None:
             os.close(self._directory)
             self._directory = None
+
+
+@atexit.register
+def _stop_all() -> None:
+    """Leave nothing behind of servers whose program ended without closing their worlds."""
+    for server in list(_running):
+        server.stop()
 
 
 def free_server_id() -> int:

@@ -24,7 +24,12 @@ __all__ = ["WorldFile", "write_whole"]
 log = logging.getLogger("libgz.worldfile")
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes
-LATER_ROOTS = {"gazebo": "an SDF world of Gazebo 1.0", "sdf": "an SDF world of Gazebo classic"}
+LATER_ROOTS = {
+    "gazebo": "an SDF world of Gazebo 1.0",
+    "sdf": "an SDF world of Gazebo classic",
+    "robot": "a robot description (URDF)",
+    "html": "a web page",
+}
 
 
 class WorldFile:
@@ -141,6 +146,16 @@ class WorldFile:
                 "not a worldfile of 0.3 - 0.7, whose root is like <gz:world>"
             )
 
+    def note_foreign(self, empty: bool) -> None:
+        """Warn of a file that says by nothing that it is a worldfile; the old server's way was an empty world.
+
+        Args:
+            empty: whether there is no model in it.
+        """
+        root = self.GetRootNode()
+        if empty and root.prefix is None:
+            root.warn("there is no <model:...> element in this file, and its root is not like <gz:world>")
+
     def GetRootNode(self) -> WorldFileNode:
         """The root element.
 
@@ -252,12 +267,22 @@ def _encoding(root: etree._Element) -> str:
 
 
 def write_whole(target: Path, data: bytes) -> None:
-    """Replace a file in one step, so that nobody ever sees half of it.
+    """Replace a file in one step, so that nobody ever sees half of it. Pipes and devices are written to.
 
     Raises:
-        OSError: it cannot be written, or is protected: putting another file in its place would ask nobody.
+        OSError: it cannot be written, or is protected: putting another file in its place would ask nobody. `filename`
+            is the target.
     """
-    target = target.resolve()
+    try:
+        if target.exists() and not target.is_file():
+            target.write_bytes(data)
+        else:
+            _replace(target.resolve(), data)
+    except OSError as fault:
+        raise OSError(fault.errno, fault.strerror, str(target)) from None
+
+
+def _replace(target: Path, data: bytes) -> None:
     mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
     if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
         raise PermissionError(errno.EACCES, "it is write-protected", str(target))

@@ -143,5 +143,5 @@ class ConsoleHandler(logging.Handler):
             formatter = self._colored if stream.isatty() else self._plain
             stream.write(formatter.format(record) + "\n")
             stream.flush()
-        except (OSError, ValueError):  # a pipe whose reader has left, a stream that is closed
-            self.handleError(record)
+        except (OSError, ValueError):  # a pipe whose reader has left, a full disk, a stream that is closed
+            pass  # nobody is left to tell

@@ -1,0 +1,197 @@
+"""How commands end: by signals, without readers or streams, on full disks. Always in a sentence, or in silence."""
+
+import argparse
+import logging
+import os
+import re
+import signal
+import subprocess
+import sys
+import types
+
+import pytest
+
+import libgz
+from libgz.apps import gazebo as command
+from libgz.apps import libgz as toolbox
+from libgz.apps import model, record
+from libgz.apps.console import INTERRUPTED, LogFile, as_command
+from libgz.errors import GazeboError, ParameterError
+from libgz.worldfile.attributes import installed_worlds
+
+WORLD = installed_worlds() / "pioneer2at.world"
+FULL = "No space left on device"
+
+
+def words(module, *arguments):
+    return [sys.executable, "-m", f"libgz.apps.{module}", *map(str, arguments)]
+
+
+def by_shell(redirections, module, *arguments):
+    """Run a command with redirections that `subprocess` does not know, such as closed streams."""
+    line = ["sh", "-c", f'exec "$@" {redirections}', "sh", *words(module, *arguments)]
+    return subprocess.run(line, capture_output=True, text=True, timeout=60)
+
+
+@pytest.mark.parametrize("arguments", [["models"], ["schema", "--rng"], ["models", "SickLMS200"]])
+def test_without_a_reader_a_command_ends_in_silence(arguments):
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(words("libgz", *arguments), stdout=writing, stderr=subprocess.PIPE, text=True, timeout=60)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (128 + signal.SIGPIPE, "")
+
+
+@pytest.mark.parametrize("arguments", [["models"], ["schema", "--rng"], ["doctor"]])
+def test_a_full_disk_is_one_sentence(arguments):
+    done = by_shell(">/dev/full", "libgz", *arguments)
+    assert done.returncode == 1
+    assert done.stderr == f"libgz: its output: {FULL}\n"
+
+
+@pytest.mark.parametrize("redirections", [">&-", "2>&-", "<&-", ">&- 2>&- <&-", "2>/dev/full"])
+def test_servers_need_no_streams(wire, redirections):
+    done = by_shell(redirections, "gazebo", "-n", "-s", wire, "--steps", "3", WORLD)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert by_shell(redirections, "gzserver", "--verbose", "--iters", "3").returncode == 0
+
+
+def test_a_closed_stream_is_not_taken_for_a_file(wire):
+    """The next file that is opened gets the lowest free number: what is printed would go into it."""
+    look = "import os; from libgz.apps.console import as_command; as_command('x')(lambda _: 0)()"
+    look += "; print(os.open('/dev/null', os.O_RDONLY) > 2, file=open('/dev/fd/2', 'w'))"
+    done = subprocess.run(
+        ["sh", "-c", 'exec "$@" >&- <&-', "sh", sys.executable, "-c", look], capture_output=True, text=True, timeout=60
+    )
+    assert done.stderr == "True\n"
+
+
+def test_a_log_file_on_a_full_disk_is_told_once(wire):
+    done = subprocess.run(
+        words("gazebo", "-n", "-s", wire, "--steps", "3", "-l", "/dev/full", WORLD),
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0
+    assert done.stderr == f"error   : log file /dev/full ends here: {FULL}\n"
+
+
+def test_a_log_file_is_not_left_for_another_fault(tmp_path, capsys):
+    root = logging.getLogger("libgz")
+    file = LogFile(tmp_path / "log")
+    root.addHandler(file)
+    try:
+        raise TypeError("not a number")
+    except TypeError:
+        file.handleError(logging.makeLogRecord({"msg": "text"}))
+    assert file in root.handlers
+    file.close()
+    assert "TypeError: not a number" in capsys.readouterr().err
+
+
+def test_an_interrupt_is_an_exit_code():
+    def main(_arguments):
+        raise KeyboardInterrupt
+
+    assert as_command("libgz")(main)() == INTERRUPTED == 130
+    assert as_command("gazebo", interrupted=0)(main)() == 0
+
+
+def test_an_interrupt_while_a_world_loads(wire, tmp_path):
+    (tmp_path / "early.py").write_text(
+        "import os, signal, libgz\n"
+        "class Early(libgz.Model):\n"
+        "    def Load(self, file, node):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "libgz.GZ_REGISTER_PLUGIN('Early', Early)\n"
+    )
+    path = tmp_path / "early.world"
+    loaded = "<model:Early><plugin>early.py</plugin></model:Early>"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'>{loaded}</gz:world>")
+    done = subprocess.run(words("gazebo", "-d", "0", "-s", wire, path), capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_terminated_demonstration_ends_its_server(wire):
+    with subprocess.Popen(words("libgz", "demo", "--seconds", "1000"), stdout=subprocess.PIPE, text=True) as demo:
+        line = demo.stdout.readline()
+        assert re.match(r"server \d+ runs ", line)
+        demo.terminate()
+        assert demo.wait(30) == 128 + signal.SIGTERM
+    # The fixture looks for what the server left.
+
+
+def test_an_id_that_was_taken_while_the_world_loaded(gazebo, monkeypatch, capsys):
+    taken = gazebo(WORLD)
+    ids = iter([taken.id, taken.id + 1, taken.id + 1])
+    monkeypatch.setattr(command, "free_server_id", lambda: next(ids))
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    assert command.main(["-s", "auto", "-n", "--steps", "1", str(WORLD)]) == 0
+    assert capsys.readouterr().out == f"server id {taken.id + 1}\n"
+
+
+def test_no_free_directory_ends_the_search(wire, monkeypatch, capsys):
+    monkeypatch.setattr(signal, "signal", lambda *_: None)
+    monkeypatch.setenv("TMP", "/no/such/directory")
+    assert command.main(["-s", "auto", "-n", "--steps", "1", str(WORLD)]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith("error   : cannot use /no/such/directory/gazebo-tester-")
+    assert len(err.splitlines()) == 1
+
+
+def test_what_a_program_forgets_to_close(wire):
+    program = f"import libgz; world = libgz.World.from_file({str(WORLD)!r}, server_id={wire}); world.step(2)"
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
+    # The fixture looks for what the server left.
+
+
+def test_worlds_in_threads_of_their_own():
+    """In a process of its own: worlds that meet in ODE end the process."""
+    program = f"""
+import concurrent.futures, libgz
+def run(_):
+    with libgz.World.from_file({str(WORLD)!r}) as world:
+        world.interface("position", "robot1").command(vx=0.3, vyaw=0.2)
+        world.step(150)
+        return tuple(world.model("robot1").GetPose().pos)
+alone = run(0)
+with concurrent.futures.ThreadPoolExecutor(4) as threads:
+    print(all(pose == alone for pose in threads.map(run, range(8))))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert (done.stdout, done.returncode) == ("True\n", 0), done.stderr
+
+
+def test_a_video_on_a_full_disk(tmp_path):
+    def fail(*_):
+        raise EOFError("avcodec_send_frame()")
+
+    recorder = record.Recorder.__new__(record.Recorder)
+    recorder.path, recorder._file = tmp_path / "a.mp4", types.SimpleNamespace(close=fail)
+    with pytest.raises(GazeboError, match=r"a\.mp4 cannot be written: avcodec_send_frame"):
+        recorder.close()
+    recorder.close()
+
+
+def test_a_model_to_add_that_is_no_text(tmp_path):
+    path = tmp_path / "model.sdf"
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(ParameterError, match=r"cannot be read from .*model\.sdf"):
+        model._factory(argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
+
+
+def test_a_world_that_does_not_run_says_so():
+    world = libgz.World()
+    with pytest.raises(libgz.ClosedError, match="Initialize"):
+        world.step()
+    world.Initialize()
+    world.step()
+    world.close()
+    with pytest.raises(libgz.ClosedError, match="the world is closed"):
+        world.step()
+
+
+def test_a_place_that_is_no_number(capsys):
+    assert toolbox.main(["model", "-m", "box", "-x", "nan"]) == 1
+    assert capsys.readouterr().err == "libgz: --pose-x is nan; it must be a finite number\n"

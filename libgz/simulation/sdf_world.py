@@ -82,22 +82,31 @@ def load_sdf(world: World, file: SdfFile) -> None:
         WorldFileError: it has errors; the message lists them all. Warnings are logged.
     """
     root, faults = file.root, file.faults
-    element = next(root.named("world"), None)
-    if element is not None:
-        apply_settings(world, element, faults)
-    holder = element or root
-    add_entities(world, holder.children, faults)
-    _add_world_joints(world, holder, faults)
-    state = next(holder.named("state"), None)
+    if not any(child.name in ("world", "model", "light") for child in root.children):
+        raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
+    element = next(root.named("world"), None) or _world_around(root)
+    apply_settings(world, element, faults)
+    add_entities(world, element.children, faults)
+    _add_world_joints(world, element, faults)
+    state = next(element.named("state"), None)
     if state is not None:
         for insertions in state.named("insertions"):
             add_entities(world, insertions.children, faults)
         apply_state(world, state, faults)
-    if element is None and not world.models:
-        raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
     for warning in faults.warnings:
         log.warning("%s", warning)
     faults.raise_errors()
+
+
+def _world_around(root: Element) -> Element:
+    """Put what stands in `<sdf>` without a `<world>` into one, with the settings that SDF has by default."""
+    inside = list(root.children)
+    world = root.AddElement("world")
+    world.set_attribute("name", "default")
+    for child in inside:
+        root.RemoveChild(child)
+        world.InsertElement(child)
+    return world
 
 
 def insert_sdf(world: World, file: SdfFile) -> list[Model]:

@@ -14,6 +14,7 @@ from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
+from libgz.geometry import GzVector
 from libgz.sdf.element import Element
 from libgz.simulation.changes import delete_models
 from libgz.simulation.sdf_settings import settings_of
@@ -21,6 +22,10 @@ from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.base import Base
+    from libgz.classic.physics.joint import Joint
+    from libgz.classic.physics.joint_controller import JointController
+    from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
     from libgz.simulation.model import Model as CoreModel
@@ -28,8 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
-
-MAGNETIC_FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # [T], SDF's default
 
 system_plugins: list[LoadedPlugin] = []  # of this process
 
@@ -67,7 +70,6 @@ class WorldServer:
         self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
-        self._magnetic_field: tuple[float, ...] | None = None
         self._to_step, self._lent = 0, False  # iterations that a pause is lifted for, and whether it is lifted
         self._new: list[CoreModel] = list(core.models)
         self._started = False
@@ -80,14 +82,18 @@ class WorldServer:
     # Start -------------------------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Sensors and their plugins, then World plugins in the order of the file, then Model plugins."""
+        """Sensors and their plugins, then World plugins in the order of the file, then Model plugins.
+
+        What any of them inserts, removes or resets meanwhile comes when all are loaded.
+        """
         self._started = True
-        self.core.events["WorldCreated"](self.world.Name())
-        added, self._new = self._new, []
-        self._add_sensors(added)
-        for element in self._plugins_of(self.element):
-            self.load_world_plugin(*_names(element), element)
-        self._load_model_plugins(added)
+        with self.core.hold():
+            self.core.events["WorldCreated"](self.world.Name())
+            added, self._new = self._new, []
+            self._add_sensors(added)
+            for element in self._plugins_of(self.element):
+                self.load_world_plugin(*_names(element), element)
+            self._load_model_plugins(added)
 
     @staticmethod
     def _plugins_of(element: Element | None) -> Iterator[Element]:
@@ -107,15 +113,44 @@ class WorldServer:
         for core in added:
             for part in self._models([core]):
                 for link in part.GetLinks():
-                    for element in _named(link.GetSDF(), "sensor"):
-                        self.all_sensors().create(link, element)
+                    self._create_sensors(link)
                 for joint in part.GetJoints():
-                    for element in _named(joint.GetSDF(), "sensor"):
-                        self.all_sensors().create(joint, element)
+                    self._create_sensors(joint)
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
                 self.serve_visuals().add(added)
+
+    def _create_sensors(self, holder: Link | Joint) -> bool:
+        """Make the sensors that stand in a link's or joint's element; whether there are any."""
+        elements = list(_named(holder.GetSDF(), "sensor"))
+        for element in elements:
+            self.all_sensors().create(holder, element)
+        return bool(elements)
+
+    def joint_added(self, joint: Joint) -> None:
+        """A joint was made while the world runs: controllers take it in, and it gets its sensors."""
+        for controller in self._controllers_of(joint):
+            controller.AddJoint(joint)
+        if self._started and self._create_sensors(joint):
+            with self.core.hold():
+                self.all_sensors().start_new()
+
+    def joint_removed(self, joint: Joint) -> None:
+        """A joint is no more: controllers let it go, and its sensors go."""
+        for controller in self._controllers_of(joint):
+            controller.RemoveJoint(joint)
+        if self.sensors is not None:
+            self.sensors.remove_on(joint)
+
+    @staticmethod
+    def _controllers_of(joint: Joint) -> Iterator[JointController]:
+        """Those of its model and of the models around that."""
+        part: Base | None = joint.GetParentModel()
+        while isinstance(part, Model):
+            if part.controller is not None:
+                yield part.controller
+            part = part.GetParent()
 
     def all_sensors(self) -> WorldSensors:
         """The world's sensors, though there may be none yet."""
@@ -145,18 +180,20 @@ class WorldServer:
 
     def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a World plugin; whether it runs."""
-        plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
-        if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
-            self.world_plugins[name] = plugin
-            return True
+        with self.core.hold():
+            plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
+            if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
+                self.world_plugins[name] = plugin
+                return True
         return False
 
     def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a Model plugin; whether it runs."""
-        plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
-        if plugin is not None and plugin.start(model, sdf or Element("plugin")):
-            model.plugins.append(plugin)
-            return True
+        with self.core.hold():
+            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
+            if plugin is not None and plugin.start(model, sdf or Element("plugin")):
+                model.plugins.append(plugin)
+                return True
         return False
 
     def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
@@ -281,19 +318,16 @@ class WorldServer:
         return self.sensors.names() if self.sensors is not None else []
 
     def magnetic_field(self) -> Vector3d:
-        """The field [T]: what was set, the file's, or SDF's default."""
-        settings = settings_of(self.core)
-        of_file = settings.magnetic_field if settings is not None else MAGNETIC_FIELD
-        return Vector3d(*(self._magnetic_field or of_file))
+        """The field [T]."""
+        return Vector3d(*settings_of(self.core).magnetic_field)
 
     def set_magnetic_field(self, field: tuple[float, ...]) -> None:
         """Replace the field [T]."""
-        self._magnetic_field = field
+        settings_of(self.core).magnetic_field = GzVector(*field)
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""
-        settings = settings_of(self.core)
-        place = settings.spherical_coordinates if settings is not None else None
+        place = settings_of(self.core).spherical_coordinates
         if place is None:
             return SphericalCoordinates()
         latitude, longitude, heading = (

@@ -10,6 +10,7 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.joint import AXES, Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
+from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
@@ -132,8 +133,9 @@ class Model(Entity):
                 battery.ResetVoltage()
         if self.controller is not None:
             self.controller.Reset()
-        for plugin in list(self.plugins):
-            plugin.call("Reset")
+        with self._world.core.hold():
+            for plugin in list(self.plugins):
+                plugin.call("Reset")
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy of all links [J]."""
@@ -180,7 +182,13 @@ class Model(Entity):
             yield from model.GetLinks()
 
     def CreateLink(self, name: str) -> Link | None:
-        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken."""
+        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken.
+
+        Raises:
+            ClosedError: the model has left the world.
+        """
+        if self.core not in self._world.core.models:
+            raise ClosedError(f"model {self.GetScopedName()!r} has left the world; it can be given no link")
         if self.GetLink(name) is not None or not isinstance(self.core, SdfModel):
             return None
         return self.link(self.core.create_link(name))
@@ -237,7 +245,11 @@ class Model(Entity):
             axes = [GzVector(0.0, 0.0, 1.0)] * AXES.get(kind, 1)
             ends = [link.body if link is not None else None for link in (parent, child)]
             made = core.make_joint(text, kind, ends[0], ends[1], *axes)
-        return self.joint(made) if made is not None else None
+        if made is None:
+            return None
+        joint = self.joint(made)
+        self._world.server.joint_added(joint)
+        return joint
 
     def joint(self, core: SdfJoint) -> Joint:
         """The view on a joint of the engine."""

@@ -15,6 +15,7 @@ from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
+from libgz.simulation.event import owner
 
 __all__ = ["Node"]
 
@@ -34,10 +35,10 @@ class Node:
         """Choose the world that `~` means.
 
         Args:
-            space: The world's name; empty for the first one there is, or `default` if there is none in this process and
-                no server is connected.
+            space: The world's name; empty for that of the plugin that is running, elsewhere for the first one there is,
+                or `default` if there is none in this process and no server is connected.
         """
-        self._namespace = space.strip("/") or first_namespace()
+        self._namespace = space.strip("/") or _own_namespace() or first_namespace()
 
     def IsInitialized(self) -> bool:
         """Whether Init was called."""
@@ -110,8 +111,6 @@ class Node:
             ParameterError: the callback cannot be called, or the topic has no name.
             ClosedError: before Init.
         """
-        if not callable(callback):
-            raise ParameterError(f"the callback of {topic} cannot be called: {callback!r}")
         subscriber = Subscriber(TopicManager.Instance().topic(self.DecodeTopicName(topic)), callback, latching)
         self._ends.add(subscriber)
         return subscriber
@@ -119,6 +118,16 @@ class Node:
     def GetMsgType(self, topic: str) -> str:
         """The full name of the type published on a topic, or an empty string."""
         return TopicManager.Instance().TopicMsgType(self.DecodeTopicName(topic))
+
+
+def _own_namespace() -> str:
+    """The name of the world whose plugin is running; an empty string outside plugins."""
+    by = owner.get()
+    if by is None or by.events is None:
+        return ""
+    from libgz.simulation.world import World  # clients that only listen need no engine
+
+    return next((world.name for world in World.all_running() if world.events is by.events), "")
 
 
 def first_namespace() -> str:

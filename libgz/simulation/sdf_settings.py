@@ -5,7 +5,7 @@ from __future__ import annotations
 import weakref
 from dataclasses import dataclass, field
 
-from libgz.errors import NotFoundError, nearest
+from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.fault import Fault, Faults
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
@@ -56,7 +56,10 @@ def apply_settings(world: World, element: Element, faults: Faults) -> SdfSetting
         settings.spherical_coordinates = element.child("spherical_coordinates")
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
-    _apply_physics(world, chosen, faults)
+    try:
+        _apply_physics(world, chosen, faults)
+    except ParameterError as fault:
+        faults.add(Fault(chosen.file, chosen.line, chosen.name, str(fault), "error"))
     return settings
 
 

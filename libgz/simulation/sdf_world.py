@@ -83,8 +83,20 @@ def load_sdf(world: World, file: SdfFile) -> None:
     """
     root, faults = file.root, file.faults
     if not any(child.name in ("world", "model", "light") for child in root.children):
+        faults.raise_errors()
         raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
-    element = next(root.named("world"), None) or _world_around(root)
+    try:
+        _build(world, next(root.named("world"), None) or _world_around(root), faults)
+    except GazeboError as fault:
+        if not faults.errors:  # else it follows from what the reader has found
+            raise WorldFileError(str(fault)) from fault
+    for warning in faults.warnings:
+        log.warning("%s", warning)
+    faults.raise_errors()
+
+
+def _build(world: World, element: Element, faults: Faults) -> None:
+    """Settings, models, lights and joints of a `<world>`, put where its first `<state>` says."""
     apply_settings(world, element, faults)
     add_entities(world, element.children, faults)
     _add_world_joints(world, element, faults)
@@ -93,9 +105,6 @@ def load_sdf(world: World, file: SdfFile) -> None:
         for insertions in state.named("insertions"):
             add_entities(world, insertions.children, faults)
         apply_state(world, state, faults)
-    for warning in faults.warnings:
-        log.warning("%s", warning)
-    faults.raise_errors()
 
 
 def _world_around(root: Element) -> Element:
@@ -117,6 +126,7 @@ def insert_sdf(world: World, file: SdfFile) -> list[Model]:
     """
     before = len(world.models)
     root = next(file.root.named("world"), file.root)
+    file.faults.raise_errors()
     try:
         add_entities(world, root.children, file.faults)
         file.faults.raise_errors()

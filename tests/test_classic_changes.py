@@ -1,5 +1,6 @@
 """What comes and goes while plugins of Gazebo classic load, are reset, or run: models, joints, their sensors."""
 
+import math
 import sys
 
 import pytest
@@ -8,6 +9,7 @@ from plugin_worlds import body, collision, keep_to, worlds_of_elements
 import libgz
 from libgz.classic import physics, sensors
 from libgz.classic.common import PID
+from libgz.classic.math import Pose3d
 from libgz.classic.sdf import SDF
 from libgz.errors import ClosedError, ParameterError
 
@@ -120,6 +122,17 @@ def test_a_world_is_neither_stepped_nor_closed_while_plugins_load(load, plugin, 
     assert core.iterations == 1
 
 
+def test_a_new_place_to_begin_at_takes_nested_models_along(load):
+    inner = "<model name='inner'><pose>1 0 0 0 0 0</pose><link name='l'/></model>"
+    _, view = load(body("outer", "0 0 2 0 0 0", inside=inner))
+    outer, nested = view.ModelByName("outer"), view.ModelByName("outer::inner")
+    outer.SetInitialRelativePose(Pose3d(5, 5, 5, 0, 0, math.pi / 2))
+    view.Reset()
+    assert tuple(outer.WorldPose().Pos()) == pytest.approx((5, 5, 5))
+    assert tuple(nested.WorldPose().Pos()) == pytest.approx((5, 6, 5))
+    assert tuple(nested.InitialRelativePose().Pos()) == pytest.approx((1, 0, 0))
+
+
 # Things that are asked for after a step ------------------------------------------------------------------------------
 
 
@@ -196,6 +209,19 @@ def test_a_joint_that_holds_nothing_has_no_links(load):
     view.RemoveModel("b")
     core.step(1)
     assert (joint.GetParent(), joint.GetChild()) == (None, None)
+
+
+def test_a_joint_that_changes_its_model_leaves_the_first(load):
+    _, view = load(body("a"), body("b", "0 0 1 0 0 0"))
+    one, two = view.ModelByName("a"), view.ModelByName("b")
+    controller = one.GetJointController()
+    joint = view.Physics().CreateJoint("revolute", one)
+    joint.Load(one.GetLink(), two.GetLink())
+    assert list(controller.GetJoints()) == [joint.GetScopedName()]
+    joint.SetModel(two)
+    assert (one.GetJointCount(), two.GetJointCount(), controller.GetJoints()) == (0, 1, {})
+    view.RemoveModel(one)
+    assert two.GetJoints() == [joint]
 
 
 @pytest.mark.parametrize(

@@ -268,6 +268,10 @@ class Joint(Base):
         if self._parent is model or not isinstance(model.core, SdfModel):
             return
         joints, core = model.core.sdf_joints, self.core
+        before = self.GetParentModel()
+        if before is not None and isinstance(before.core, SdfModel):
+            self._world.server.joint_removed(self)
+            before.core.sdf_joints.pop(core.name, None)
         while joints.get(core.name, core) is not core:  # a name that the file gave to another
             core.name += "_"
         self._parent = model

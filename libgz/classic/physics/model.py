@@ -70,8 +70,10 @@ class Model(Entity):
         return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
 
     def SetInitialRelativePose(self, pose: GzPose) -> None:
-        """Set the pose that a reset goes back to [m]."""
-        self.core.initPose = GzCoordPoseAdd(pose, self._frame())
+        """Set the pose that a reset goes back to [m]; models inside keep their places in it."""
+        before, now = self.core.initPose, GzCoordPoseAdd(pose, self._frame())
+        for model in self.family():
+            model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
     def WorldLinearVel(self) -> Vector3d:
         """Velocity of the first link's origin [m/s], global."""

@@ -133,6 +133,21 @@ def test_a_new_place_to_begin_at_takes_nested_models_along(load):
     assert tuple(nested.InitialRelativePose().Pos()) == pytest.approx((1, 0, 0))
 
 
+def test_two_world_plugins_of_one_name_are_two(load, plugin):
+    text = """def Load(self, world, sdf):
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: told.append("update"))
+def Reset(self):
+    told.append("reset")"""
+    core, view = load(2 * plugin("twin", text))
+    core.step(1)
+    view.Reset()
+    view.RemovePlugin("twin")
+    core.step(1)
+    view.RemovePlugin("twin")
+    core.step(1)
+    assert told("twin") == ["update", "update", "reset", "reset", "update"]
+
+
 # Things that are asked for after a step ------------------------------------------------------------------------------
 
 

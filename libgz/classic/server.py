@@ -65,7 +65,7 @@ class WorldServer:
         root = core.sdf.root if core.sdf is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = World(core, self)
-        self.world_plugins: dict[str, LoadedPlugin] = {}
+        self._world_plugins: list[LoadedPlugin] = []
         self.sensors: WorldSensors | None = None
         self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
@@ -183,7 +183,7 @@ class WorldServer:
         with self.core.hold():
             plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
             if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
-                self.world_plugins[name] = plugin
+                self._world_plugins.append(plugin)
                 return True
         return False
 
@@ -201,16 +201,21 @@ class WorldServer:
         return new_plugin(kind, filename, name, holder, self.core.events, self.filename)
 
     def remove_world_plugin(self, name: str) -> None:
-        """Let a World plugin go.
+        """Let a World plugin go; of several of one name the first.
 
         Raises:
             NotFoundError: there is none of this name.
         """
-        plugin = self.world_plugins.pop(name, None)
-        if plugin is None:
-            known = self.world_plugins
+        known = self.world_plugins
+        if name not in known:
             raise NotFoundError(f"world {self.world.Name()!r} has no plugin {name!r}{nearest(name, known)}")
-        plugin.drop()
+        self._world_plugins.remove(known[name])
+        known[name].drop()
+
+    @property
+    def world_plugins(self) -> dict[str, LoadedPlugin]:
+        """World plugins by name; the first where several have one."""
+        return {plugin.name: plugin for plugin in reversed(self._world_plugins)}
 
     def plugins(self) -> Iterator[LoadedPlugin]:
         """All plugins of this world that run."""
@@ -220,7 +225,7 @@ class WorldServer:
 
     def _plugins_beside_models(self) -> Iterator[LoadedPlugin]:
         """Those of the world, of sensors and of visuals."""
-        yield from self.world_plugins.values()
+        yield from list(self._world_plugins)
         for part in (self.sensors, self.visuals):
             if part is not None:
                 yield from part.plugins()

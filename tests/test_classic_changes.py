@@ -7,7 +7,7 @@ import pytest
 from plugin_worlds import body, collision, keep_to, worlds_of_elements
 
 import libgz
-from libgz.classic import physics, sensors
+from libgz.classic import event, physics, sensors
 from libgz.classic.common import PID
 from libgz.classic.math import Pose3d
 from libgz.classic.sdf import SDF
@@ -173,6 +173,15 @@ def test_what_fails_after_a_step_does_not_end_it(load, plugin, caplog):
 def test_a_world_that_closes_at_once_warns_of_nothing(load, caplog):
     load(body("box"), "<plugin name='p' filename='libSimEventsPlugin.so'/>")[0].close()
     assert "ended right after it began" not in caplog.text
+
+
+def test_what_a_callback_is_told_stays_as_it_was(load):
+    core, _ = load(body("box"))
+    infos = []
+    kept = event.Events.ConnectWorldUpdateBegin(infos.append)
+    core.step(3)
+    assert kept.connected
+    assert [info.simTime.Double() for info in infos] == pytest.approx([0.001, 0.002, 0.003])
 
 
 # Joints --------------------------------------------------------------------------------------------------------------

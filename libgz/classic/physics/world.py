@@ -52,7 +52,6 @@ class World(Base):
         self.controllers: list[JointController] = []
         self._physics = PhysicsEngine(self)
         self._presets: PresetManager | None = None
-        self._info = UpdateInfo()
         self.joint_event = Event("JointUpdate")
         self._batteries: list[Battery] | None = None
         self._attached: list[tuple[Model, Model, GzPose]] = []
@@ -111,12 +110,8 @@ class World(Base):
     GetIterations = Iterations
 
     def update_info(self) -> UpdateInfo:
-        """What callbacks of an iteration are given."""
-        info = self._info
-        info.worldName = self.core.name
-        info.simTime = Time(self.core.GetSimTime())
-        info.realTime = Time(self.core.GetRealTime())
-        return info
+        """What callbacks of an iteration are given; each time anew, for some keep it."""
+        return UpdateInfo(self.core.name, Time(self.core.GetSimTime()), Time(self.core.GetRealTime()))
 
     # Run ---------------------------------------------------------------------------------------------------------
 

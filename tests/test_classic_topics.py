@@ -209,8 +209,21 @@ def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
     assert not core.engine.record_contacts
 
 
-def test_the_magnetic_field_is_told_as_it_was_set(core, view, node):
-    view.Physics().SetParam("magnetic_field", (0, 0, 0))
-    assert view.MagneticField() == Vector3d()
+def test_the_magnetic_field_has_one_truth(core, view, say):
     view.SetMagneticField((1e-5, 2e-5, 3e-5))
     assert settings_of(core).magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
+    message = msgs.Physics(real_time_factor=0.5)
+    msgs.Set(message.magnetic_field, Vector3d(0, 0, 1e-5))
+    say("~/physics", message)
+    assert view.Physics().GetParam("magnetic_field") == Vector3d(0, 0, 1e-5)
+    assert view.Physics().GetTargetRealTimeFactor() == 0.5
+
+
+def test_parameters_without_effect_are_those_of_the_file():
+    inside = "<real_time_factor>0.25</real_time_factor><ode><solver><precon_iters>3</precon_iters></solver></ode>"
+    text = f"<sdf version='1.6'><world name='w'><physics type='ode'>{inside}</physics></world></sdf>"
+    with libgz.World.from_string(text):
+        physics_engine = physics.get_world().Physics()
+        assert physics_engine.GetTargetRealTimeFactor() == physics_engine.GetParam("real_time_factor") == 0.25
+        assert physics_engine.GetParam("precon_iters") == 3
+        assert physics_engine.GetParam("contact_surface_layer") == 0.001

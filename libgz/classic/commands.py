@@ -27,6 +27,21 @@ __all__ = ["Commands"]
 
 log = logging.getLogger("libgz.classic")
 
+PHYSICS_KEYS = (
+    "max_step_size",
+    "real_time_update_rate",
+    "real_time_factor",
+    "solver_type",
+    "min_step_size",
+    "precon_iters",
+    "iters",
+    "sor",
+    "erp",
+    "cfm",
+    "contact_max_correcting_vel",
+    "contact_surface_layer",
+)
+
 
 class Commands:
     """Acts on messages, between iterations. What is wrong with one is logged, and nothing is done.
@@ -84,11 +99,11 @@ class Commands:
             self._world.SetGravity(msgs.ConvertIgn(message.gravity))
         if message.HasField("enable_physics"):
             self._world.SetPhysicsEnabled(message.enable_physics)
-        for key in ("max_step_size", "real_time_update_rate", "solver_type", "iters", "sor", "erp", "cfm"):
+        if message.HasField("magnetic_field"):
+            self._world.SetMagneticField(msgs.ConvertIgn(message.magnetic_field))
+        for key in PHYSICS_KEYS:
             if message.HasField(key):
                 self._world.Physics().SetParam(key, getattr(message, key))
-        if message.HasField("contact_max_correcting_vel"):
-            self._world.Physics().SetParam("contact_max_correcting_vel", message.contact_max_correcting_vel)
 
     def server_control(self, message: Any) -> None:
         """/gazebo/server/control: stop, or save the world."""

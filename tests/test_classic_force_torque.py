@@ -128,3 +128,14 @@ def test_an_effort_is_felt_in_its_own_step_only():
             assert get("felt").Torque().Z() == pytest.approx(torque, abs=1e-9)
         hinge.SetForce(0, 5.0)  # of the step to come
         assert hinge.GetForceTorque(0).body2Torque.Z() == pytest.approx(0.4, abs=1e-9)
+
+
+def test_the_first_question_begins_to_record_what_a_joint_carries():
+    joint = "<joint name='j' type='fixed'><parent>world</parent><child>link</child></joint>"
+    with world_of(model("m", "<inertial><mass>2</mass></inertial>", "0 0 0 0 0 0", False, joint)) as world:
+        hinge = physics.get_world().ModelByName("m").GetJoint("j")
+        world.step(1)
+        assert hinge.GetForceTorque(0).body1Force == Vector3d()
+        world.step(3)
+        assert tuple(hinge.GetForceTorque(0).body1Force) == pytest.approx((0, 0, 2 * G), rel=1e-5, abs=1e-9)
+        assert tuple(hinge.LinkForce(1)) == pytest.approx((0, 0, 2 * G), rel=1e-5, abs=1e-9)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.simulation.sdf_model import SdfModel
 
 if TYPE_CHECKING:
@@ -81,29 +81,32 @@ class Joint(Base):
     def GetForceTorque(self, index: int = 0) -> JointWrench:
         """What the links did to the joint in the last step: 1 the parent, 2 the child, in the links' axes.
 
-        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo.
+        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo. What SetForce did is in it.
+        The first question begins to record it, unless `<provide_feedback>` or SetProvideFeedback did.
         """
-        return self._wrench()
-
-    def SetProvideFeedback(self, enable: bool) -> None:
-        """Record what the joint does to the links."""
-        self.core.provide_feedback(enable)
-
-    def _wrench(self) -> JointWrench:
         values = []
-        force1, torque1, force2, torque2 = self.core.wrench
+        force1, torque1, force2, torque2 = self._wrench()
         for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
             values += [-Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
         return JointWrench(*values)
 
+    def SetProvideFeedback(self, enable: bool) -> None:
+        """Record what the joint does to the links."""
+        self.core.provide_feedback(enable)
+
+    def _wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
+        if not self.core.plan.feedback:
+            self.core.provide_feedback(True)
+        return self.core.wrench
+
     def LinkForce(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N], global."""
-        return Vector3d(*self.core.wrench[2 * index])
+        return Vector3d(*self._wrench()[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) about the anchor [N m], global."""
-        return Vector3d(*self.core.wrench[2 * index + 1])
+        return Vector3d(*self._wrench()[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 

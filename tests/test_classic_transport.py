@@ -280,6 +280,18 @@ GZ_REGISTER_WORLD_PLUGIN(P)
         assert [node.GetTopicNamespace() for node in nodes] == ["one", "two"]
 
 
+def test_a_world_without_plugins_speaks_as_soon_as_there_is_a_node():
+    model = "<model name='m'><link name='l'/></model>"
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='quiet'>{model}</world></sdf>") as world:
+        node, heard = Node(), []
+        node.Init()
+        assert node.GetTopicNamespace() == "quiet"
+        kept = node.Subscribe("~/pose/info", heard.append)
+        world.step(2)
+        assert [pose.name for pose in heard[0].pose] == ["m", "m::l"]
+        kept.Unsubscribe()
+
+
 def test_fini_of_a_node_ends_what_it_made(node):
     other = Node()
     other.Init("here")

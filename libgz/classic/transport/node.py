@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
+import sys
 import time as clock
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
@@ -16,6 +18,9 @@ from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
 from libgz.simulation.event import owner
+
+if TYPE_CHECKING:
+    from libgz.simulation.world import World
 
 __all__ = ["Node"]
 
@@ -38,6 +43,7 @@ class Node:
             space: The world's name; empty for that of the plugin that is running, elsewhere for the first one there is,
                 or `default` if there is none in this process and no server is connected.
         """
+        _open_topics()
         self._namespace = space.strip("/") or _own_namespace() or first_namespace()
 
     def IsInitialized(self) -> bool:
@@ -120,14 +126,24 @@ class Node:
         return TopicManager.Instance().TopicMsgType(self.DecodeTopicName(topic))
 
 
+def _worlds() -> list[World]:
+    """The SDF worlds that run in this process; clients that only listen have none, and need no engine."""
+    module = sys.modules.get("libgz.simulation.world")
+    return [world for world in module.World.all_running() if world.engine.classic] if module is not None else []
+
+
+def _open_topics() -> None:
+    """Let worlds speak that have had no reason to: those without plugins and sensors."""
+    names = TopicManager.Instance().GetTopicNamespaces()
+    for world in _worlds():
+        if world.name not in names:
+            importlib.import_module("libgz.classic.server").attach(world)  # by name: it stands on this
+
+
 def _own_namespace() -> str:
     """The name of the world whose plugin is running; an empty string outside plugins."""
     by = owner.get()
-    if by is None or by.events is None:
-        return ""
-    from libgz.simulation.world import World  # clients that only listen need no engine
-
-    return next((world.name for world in World.all_running() if world.events is by.events), "")
+    return next((world.name for world in _worlds() if by is not None and by.events is world.events), "")
 
 
 def first_namespace() -> str:

@@ -230,15 +230,14 @@ def test_the_grammar_is_written(tmp_path):
 
 
 @pytest.mark.parametrize("id", ["a/b", "robot.1"])
-def test_ids_that_no_interface_can_have(tmp_path, id):
-    """`gazebo` learns of them in Init, which checking does not call."""
+def test_the_command_tells_ids_that_no_interface_can_have(tmp_path, id):
     path = tmp_path / "a.world"
     models = (f"<model:{name}><id>{id}</id></model:{name}>" for name in ("Pioneer2AT", "SimpleSolid"))
     path.write_text(f"{HEAD}{''.join(models)}</gz:world>")
     done = libgz("check", path)
     assert done.returncode == 1
     assert len(done.stdout.splitlines()) == 1
-    assert f"{path}:2: <model:Pioneer2AT>: invalid id [{id}] (must not contain" in done.stdout
+    assert f"{path}:2: <id>: invalid id [{id}] (must not contain" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,10 @@ import logging
 import os
 from collections.abc import Iterator
 
-from libgz.errors import GazeboError, InterfaceError, WorldFileError
+from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault
 from libgz.simulation.model import Model
 from libgz.simulation.world import World
-from libgz.transport.paths import check_id
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]
@@ -49,7 +48,6 @@ def check(filename: str | os.PathLike[str]) -> list[Fault]:
     except WorldFileError:
         pass  # its lines are the file's faults
     else:
-        _find_bad_ids(world.models)
         _find_clashes(world.models)
         _find_unreadable(world.models)
     finally:
@@ -75,17 +73,6 @@ def _from_text(name: str, line: str) -> Fault:
     if separator and element.startswith("<"):
         return Fault(name, int(number), element[1:], what, "error")
     return Fault(name, int(number), "", message.strip(), "error")
-
-
-def _find_bad_ids(models: list[Model]) -> None:
-    """Note ids under which no interface can be served: Init, which is not called here, would fail."""
-    for model in models:
-        try:
-            for interface in model.interfaces:
-                check_id(interface, model.GetId())
-        except InterfaceError as fault:
-            if model.node is not None:
-                model.node.error(str(fault))
 
 
 def _find_clashes(models: list[Model]) -> None:

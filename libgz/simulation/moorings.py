@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, rotate
-from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint, UniversalJoint
+from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
+from libgz.physics.two_axes import UniversalJoint
 
 if TYPE_CHECKING:
     from libgz.simulation.model import Model

@@ -11,6 +11,7 @@ from libgz.classic.physics.joint import AXES, Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
+from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
@@ -70,8 +71,10 @@ class Model(Entity):
         return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
 
     def SetInitialRelativePose(self, pose: GzPose) -> None:
-        """Set the pose that a reset goes back to [m]."""
-        self.core.initPose = GzCoordPoseAdd(pose, self._frame())
+        """Set the pose that a reset goes back to [m]; models inside keep their places in it."""
+        before, now = self.core.initPose, GzCoordPoseAdd(pose, self._frame())
+        for model in self.family():
+            model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
     def WorldLinearVel(self) -> Vector3d:
         """Velocity of the first link's origin [m/s], global."""
@@ -133,8 +136,9 @@ class Model(Entity):
                 battery.ResetVoltage()
         if self.controller is not None:
             self.controller.Reset()
-        for plugin in list(self.plugins):
-            plugin.call("Reset")
+        with self._world.core.hold():
+            for plugin in list(self.plugins):
+                plugin.call("Reset")
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy of all links [J]."""
@@ -181,7 +185,13 @@ class Model(Entity):
             yield from model.GetLinks()
 
     def CreateLink(self, name: str) -> Link | None:
-        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken."""
+        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken.
+
+        Raises:
+            ClosedError: the model has left the world.
+        """
+        if self.core not in self._world.core.models:
+            raise ClosedError(f"model {self.GetScopedName()!r} has left the world; it can be given no link")
         if self.GetLink(name) is not None or not isinstance(self.core, SdfModel):
             return None
         return self.link(self.core.create_link(name))
@@ -238,7 +248,11 @@ class Model(Entity):
             axes = [GzVector(0.0, 0.0, 1.0)] * AXES.get(kind, 1)
             ends = [link.body if link is not None else None for link in (parent, child)]
             made = core.make_joint(text, kind, ends[0], ends[1], *axes)
-        return self.joint(made) if made is not None else None
+        if made is None:
+            return None
+        joint = self.joint(made)
+        self._world.server.joint_added(joint)
+        return joint
 
     def joint(self, core: SdfJoint) -> Joint:
         """The view on a joint of the engine."""

@@ -231,6 +231,13 @@ class World(Base):
     def BaseByName(self, name: str) -> Base | None:
         """Anything by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
+        scope = name
+        while scope:  # a scoped name is looked for in its model, not in all
+            model = self.ModelByName(scope)
+            found = next((part for part in model.tree() if part.GetScopedName() == name), None) if model else None
+            if found is not None:
+                return found
+            scope = scope.rpartition("::")[0]
         return find_named((part for top in self.children() for part in top.tree()), name)
 
     GetByName = BaseByName

@@ -128,6 +128,16 @@ def test_a_camera_stays_where_its_carrier_left_it(world_of):
         assert camera.TrackedVisual() is None
 
 
+def test_buffers_of_sizes_long_ago_are_let_go(world_of):
+    world = world_of(model(inside=red()))
+    with rendering.Camera(world, "eye", 64, 48) as camera:
+        for width in (*range(64, 104), 64):
+            camera.SetImageSize(width, 48)
+            rendering.draw_frame(world, [camera])
+            assert middle(camera.pixels) == (255, 0, 0)
+        assert len(camera.view._scene._renderer._buffers) <= 16
+
+
 # Materials -----------------------------------------------------------------------------------------------------------
 
 OWN = "material {} {{ technique {{ pass {{ ambient 0 0 1 1\n diffuse 0 0 1 1 }} }} }}\n"

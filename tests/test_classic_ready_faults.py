@@ -120,6 +120,25 @@ def test_a_wing_without_an_upper_side_is_told(run, caplog):
     assert "<forward> and <upward> must be two directions" in caplog.text
 
 
+@pytest.mark.parametrize(
+    ("said", "force", "words"),
+    [
+        ("<volume>-1</volume>", 0.5, "<volume> is -1 m^3; it must be above zero"),
+        ("<center_of_volume>0 0 1</center_of_volume>", 0.5, "<volume> is 0 m^3"),
+        ("<volume>2</volume>", 2.0, ""),
+    ],
+)
+def test_what_a_file_does_not_say_of_a_floating_link_its_collisions_do(said, force, words, run, caplog):
+    shape = collision("<box><size>1 1 0.5</size></box>", pose="0 0.2 0 0 0 0")
+    text = plugin("BuoyancyPlugin", fluid_density=10).replace("</plugin>", f"<link name='link'>{said}</link></plugin>")
+    core, world = run(body("raft", mass=1.0, link=shape, inside=text))
+    core.step()
+    assert world.ModelByName("raft").WorldLinearVel().Z() == pytest.approx((force * 10.0 - 1.0) * 9.8e-3, abs=1e-6)
+    assert words in caplog.text
+    if said == "<volume>2</volume>":  # at the middle of the box
+        assert world.ModelByName("raft").WorldAngularVel().X() == pytest.approx(0.2 * 20.0 * 9.8e-3, abs=1e-6)
+
+
 # Names and ends ------------------------------------------------------------------------------------------------------
 
 

@@ -25,6 +25,7 @@ from libgz.rendering.shot import Light, Shot, View
 __all__ = ["Renderer"]
 
 LIGHTS = 8
+MOST_SIZES = 16  # of pictures, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
 SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
 
@@ -50,6 +51,10 @@ class Renderer:
         """Draw into a buffer of this size."""
         gl, frame = self.gl, Constant.FRAMEBUFFER
         if (width, height) not in self._buffers:
+            if len(self._buffers) >= MOST_SIZES:
+                old, used = self._buffers.pop(next(iter(self._buffers)))
+                gl.glDeleteFramebuffers(1, ctypes.byref(old))
+                gl.glDeleteRenderbuffers(2, used)
             number, parts = ctypes.c_uint(), (ctypes.c_uint * 2)()
             gl.glGenFramebuffers(1, ctypes.byref(number))
             gl.glGenRenderbuffers(2, parts)

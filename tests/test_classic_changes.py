@@ -9,7 +9,7 @@ from plugin_worlds import body, collision, keep_to, worlds_of_elements
 import libgz
 from libgz.classic import event, physics, sensors
 from libgz.classic.common import PID
-from libgz.classic.math import Pose3d
+from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.sdf import SDF
 from libgz.errors import ClosedError, ParameterError
 
@@ -233,6 +233,51 @@ def test_a_joint_that_holds_nothing_has_no_links(load):
     view.RemoveModel("b")
     core.step(1)
     assert (joint.GetParent(), joint.GetChild()) == (None, None)
+
+
+ASKED = {
+    "position": lambda j: j.Position(0),
+    "velocity": lambda j: j.GetVelocity(0),
+    "force": lambda j: j.SetForce(0, 1.0),
+    "set position": lambda j: j.SetPosition(0, 1.0),
+    "set velocity": lambda j: j.SetVelocity(0, 1.0),
+    "parameters": lambda j: (j.SetParam("fmax", 0, 2.0), j.GetParam("fmax", 0), j.SetUpperLimit(0, 1.0)),
+    "spring": lambda j: j.SetStiffnessDamping(0, 2.0, 1.0),
+    "place": lambda j: (j.Anchor(), j.GlobalAxis(0), j.LocalAxis(0)),
+    "new place": lambda j: (j.SetAnchor(0, (1, 2, 3)), j.SetAxis(0, (0, 1, 0))),
+    "wrench": lambda j: (j.SetProvideFeedback(True), j.GetForceTorque(0), j.LinkForce(0)),
+    "sensor": lambda j: sensors.get_sensor("felt").Update(True),
+    "reset": lambda j: (j.Reset(), j.GetWorld().Reset()),
+    "detach": lambda j: j.Detach(),
+}
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what):
+    hook = "<joint name='hook' type='prismatic'><parent>link</parent><child>b::link</child>{}</joint>"
+    felt = AXIS + FELT.format("felt", "")
+    core, view = load(body("b", "0 0 1 0 0 0"), body("a", inside=hook.format(felt)))
+    joint = view.ModelByName("a").GetJoint("hook")
+    core.step(2)
+    view.RemoveModel("b")
+    ASKED[what](joint)
+    core.step(3)
+    assert joint.Position(0) == joint.GetVelocity(0) == 0.0
+    assert sensors.get_sensor("felt").Force() == Vector3d()
+
+
+def test_a_joint_that_cannot_be_attached_holds_nothing(load):
+    core, view = load(body("a"), body("b", "0 0 1 0 0 0"))
+    one, two = (view.ModelByName(name).GetLink() for name in "ab")
+    joint = view.ModelByName("a").CreateJoint("j", "prismatic", one, two)
+    with pytest.raises(ParameterError, match="with itself"):
+        joint.Attach(one, one)
+    view.Reset()  # ODE crashes on a slider without bodies
+    core.step(2)
+    assert joint.GetParent() is None
+    joint.Attach(one, two)
+    core.step(1)
+    assert joint.GetParent() is one
 
 
 def test_a_joint_that_changes_its_model_leaves_the_first(load):

@@ -252,13 +252,16 @@ ASKED = {
 }
 
 
+@pytest.mark.parametrize("detached", [False, True])
 @pytest.mark.parametrize("what", ASKED)
-def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what):
+def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what, detached):
     hook = "<joint name='hook' type='prismatic'><parent>link</parent><child>b::link</child>{}</joint>"
     felt = AXIS + FELT.format("felt", "")
     core, view = load(body("b", "0 0 1 0 0 0"), body("a", inside=hook.format(felt)))
     joint = view.ModelByName("a").GetJoint("hook")
     core.step(2)
+    if detached:
+        joint.Detach()
     view.RemoveModel("b")
     ASKED[what](joint)
     core.step(3)

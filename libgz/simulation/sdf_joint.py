@@ -220,9 +220,10 @@ class SdfJoint(JointLimits):
 
     def let_go_of_deleted(self) -> None:
         """Hold nothing any more if one of the links was deleted."""
-        if self.broken:
+        gone = [body for body in (self.parent, self.child) if body is not None and body.closed]
+        if gone or self.broken:
             self.detach()
-            self.parent, self.child = (None if b is None or b.closed else b for b in (self.parent, self.child))
+            self.parent, self.child = (None if body in gone else body for body in (self.parent, self.child))
 
     # Motion ------------------------------------------------------------------------------------------------------
 

@@ -269,6 +269,25 @@ def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what, detac
     assert sensors.get_sensor("felt").Force() == Vector3d()
 
 
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+def test_joints_with_two_axes_are_made_at_run_time(load, kind):
+    core, view = load(body("a", gravity="false"), body("b", "0 0 -1 0 0 0", gravity="false"))
+    model, one, two = view.ModelByName("a"), view.ModelByName("a").GetLink(), view.ModelByName("b").GetLink()
+    named = model.CreateJoint("named", kind, one, two)
+    assert [tuple(named.GlobalAxis(i)) for i in (0, 1)] == [(0, 0, 1), (1, 0, 0)]
+    model.RemoveJoint("named")
+    made = view.Physics().CreateJoint(kind, model)
+    made.SetAxis(0, (1, 0, 0))  # parallel to the other, as long as it holds nothing
+    with pytest.raises(ParameterError, match="must not be parallel"):
+        made.Load(one, two)
+    made.SetAxis(1, (0, 1, 0))
+    made.Load(one, two, Pose3d(0, 0, 1, 0, 0, 0))
+    made.Init()
+    made.SetVelocity(1, 0.5)
+    core.step(1)
+    assert [made.GetVelocity(i) for i in (0, 1)] == pytest.approx([0.0, 0.5], abs=1e-6)
+
+
 def test_a_joint_that_cannot_be_attached_holds_nothing(load):
     core, view = load(body("a"), body("b", "0 0 1 0 0 0"))
     one, two = (view.ModelByName(name).GetLink() for name in "ab")

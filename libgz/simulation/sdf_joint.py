@@ -189,6 +189,7 @@ class SdfJoint(JointLimits):
         anchor = GzCoordPoseAdd(self._in_child, frame)
         for axis, local in zip(self.axes, self._local, strict=True):
             axis.direction = rotate(anchor.rot, local)
+        self._check()
         self._attach(anchor)
 
     def detach(self) -> None:
@@ -410,8 +411,11 @@ class SdfJoint(JointLimits):
         self.detach()
         for axis, direction in zip(self.axes, directions, strict=True):
             axis.direction = direction
+        if not held:
+            self._place(frame)
+            return
         self._check()
-        (self._attach if held else self._place)(frame)
+        self._attach(frame)
 
     # Feedback ----------------------------------------------------------------------------------------------------
 

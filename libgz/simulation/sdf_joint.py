@@ -221,10 +221,12 @@ class SdfJoint(JointLimits):
 
     def let_go_of_deleted(self) -> None:
         """Hold nothing any more if one of the links was deleted."""
-        gone = [body for body in (self.parent, self.child) if body is not None and body.closed]
-        if gone or self.broken:
+        if self.joint is not None and not self.joint.closed:
+            return  # it would have been destroyed with either link
+        parent, child = self.parent, self.child
+        if (parent is not None and parent.closed) or (child is not None and child.closed) or self.broken:
             self.detach()
-            self.parent, self.child = (None if body in gone else body for body in (self.parent, self.child))
+            self.parent, self.child = (None if b is None or b.closed else b for b in (parent, child))
 
     # Motion ------------------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from plugin_worlds import body, collision, keep_to, worlds_of_elements
 
 import libgz
 from libgz.classic import event, physics, sensors
-from libgz.classic.common import PID
+from libgz.classic.common import PID, NumericAnimation
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.sdf import SDF
 from libgz.errors import ClosedError, ParameterError
@@ -267,6 +267,34 @@ def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what, detac
     core.step(3)
     assert joint.Position(0) == joint.GetVelocity(0) == 0.0
     assert sensors.get_sensor("felt").Force() == Vector3d()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda model: model.GetJointController().SetPositionPID("arm::hing", PID(1)),
+        lambda model: model.GetJointController().SetVelocityPID("arm::hing", PID(1)),
+        lambda model: model.SetJointPosition("arm::hing", 1.0),
+        lambda model: model.SetJointPositions({"arm::hing": 1.0}),
+    ],
+)
+def test_joints_that_a_controller_does_not_know_are_told_of(load, caplog, ask):
+    _, view = load(body("arm", inside=HINGE.format("")))
+    ask(view.ModelByName("arm"))
+    assert "Could not find joint with name[arm::hing] in model 'arm'; did you mean 'arm::hinge'?" in caplog.text
+
+
+def test_an_animation_of_a_joint_that_goes_ends(load, caplog):
+    core, view = load(body("arm", inside=HINGE.format("")))
+    arm, turn = view.ModelByName("arm"), NumericAnimation("turn", 1.0, True)
+    for time in (0.0, 1.0):
+        turn.CreateKeyFrame(time).SetValue(time)
+    arm.SetJointAnimation({"hinge": turn})
+    core.run(0.5)
+    assert arm.GetJoint("hinge").Position(0) == pytest.approx(0.5, abs=0.01)
+    arm.RemoveJoint("hinge")
+    core.step(3)
+    assert caplog.text.count("the animation of arm ends: there is no joint 'hinge'") == 1
 
 
 @pytest.mark.parametrize("kind", ["universal", "revolute2"])

@@ -8,8 +8,8 @@ from plugin_worlds import body, collision, keep_to, worlds_of_elements
 
 import libgz
 from libgz.classic import event, physics, sensors
-from libgz.classic.common import PID
-from libgz.classic.math import Pose3d
+from libgz.classic.common import PID, NumericAnimation
+from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.sdf import SDF
 from libgz.errors import ClosedError, ParameterError
 
@@ -233,6 +233,101 @@ def test_a_joint_that_holds_nothing_has_no_links(load):
     view.RemoveModel("b")
     core.step(1)
     assert (joint.GetParent(), joint.GetChild()) == (None, None)
+
+
+ASKED = {
+    "position": lambda j: j.Position(0),
+    "velocity": lambda j: j.GetVelocity(0),
+    "force": lambda j: j.SetForce(0, 1.0),
+    "set position": lambda j: j.SetPosition(0, 1.0),
+    "set velocity": lambda j: j.SetVelocity(0, 1.0),
+    "parameters": lambda j: (j.SetParam("fmax", 0, 2.0), j.GetParam("fmax", 0), j.SetUpperLimit(0, 1.0)),
+    "spring": lambda j: j.SetStiffnessDamping(0, 2.0, 1.0),
+    "place": lambda j: (j.Anchor(), j.GlobalAxis(0), j.LocalAxis(0)),
+    "new place": lambda j: (j.SetAnchor(0, (1, 2, 3)), j.SetAxis(0, (0, 1, 0))),
+    "wrench": lambda j: (j.SetProvideFeedback(True), j.GetForceTorque(0), j.LinkForce(0)),
+    "sensor": lambda j: sensors.get_sensor("felt").Update(True),
+    "reset": lambda j: (j.Reset(), j.GetWorld().Reset()),
+    "detach": lambda j: j.Detach(),
+}
+
+
+@pytest.mark.parametrize("detached", [False, True])
+@pytest.mark.parametrize("what", ASKED)
+def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(load, what, detached):
+    hook = "<joint name='hook' type='prismatic'><parent>link</parent><child>b::link</child>{}</joint>"
+    felt = AXIS + FELT.format("felt", "")
+    core, view = load(body("b", "0 0 1 0 0 0"), body("a", inside=hook.format(felt)))
+    joint = view.ModelByName("a").GetJoint("hook")
+    core.step(2)
+    if detached:
+        joint.Detach()
+    view.RemoveModel("b")
+    ASKED[what](joint)
+    core.step(3)
+    assert joint.Position(0) == joint.GetVelocity(0) == 0.0
+    assert sensors.get_sensor("felt").Force() == Vector3d()
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda model: model.GetJointController().SetPositionPID("arm::hing", PID(1)),
+        lambda model: model.GetJointController().SetVelocityPID("arm::hing", PID(1)),
+        lambda model: model.SetJointPosition("arm::hing", 1.0),
+        lambda model: model.SetJointPositions({"arm::hing": 1.0}),
+    ],
+)
+def test_joints_that_a_controller_does_not_know_are_told_of(load, caplog, ask):
+    _, view = load(body("arm", inside=HINGE.format("")))
+    ask(view.ModelByName("arm"))
+    assert "Could not find joint with name[arm::hing] in model 'arm'; did you mean 'arm::hinge'?" in caplog.text
+
+
+def test_an_animation_of_a_joint_that_goes_ends(load, caplog):
+    core, view = load(body("arm", inside=HINGE.format("")))
+    arm, turn = view.ModelByName("arm"), NumericAnimation("turn", 1.0, True)
+    for time in (0.0, 1.0):
+        turn.CreateKeyFrame(time).SetValue(time)
+    arm.SetJointAnimation({"hinge": turn})
+    core.run(0.5)
+    assert arm.GetJoint("hinge").Position(0) == pytest.approx(0.5, abs=0.01)
+    arm.RemoveJoint("hinge")
+    core.step(3)
+    assert caplog.text.count("the animation of arm ends: there is no joint 'hinge'") == 1
+
+
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+def test_joints_with_two_axes_are_made_at_run_time(load, kind):
+    core, view = load(body("a", gravity="false"), body("b", "0 0 -1 0 0 0", gravity="false"))
+    model, one, two = view.ModelByName("a"), view.ModelByName("a").GetLink(), view.ModelByName("b").GetLink()
+    named = model.CreateJoint("named", kind, one, two)
+    assert [tuple(named.GlobalAxis(i)) for i in (0, 1)] == [(0, 0, 1), (1, 0, 0)]
+    model.RemoveJoint("named")
+    made = view.Physics().CreateJoint(kind, model)
+    made.SetAxis(0, (1, 0, 0))  # parallel to the other, as long as it holds nothing
+    with pytest.raises(ParameterError, match="must not be parallel"):
+        made.Load(one, two)
+    made.SetAxis(1, (0, 1, 0))
+    made.Load(one, two, Pose3d(0, 0, 1, 0, 0, 0))
+    made.Init()
+    made.SetVelocity(1, 0.5)
+    core.step(1)
+    assert [made.GetVelocity(i) for i in (0, 1)] == pytest.approx([0.0, 0.5], abs=1e-6)
+
+
+def test_a_joint_that_cannot_be_attached_holds_nothing(load):
+    core, view = load(body("a"), body("b", "0 0 1 0 0 0"))
+    one, two = (view.ModelByName(name).GetLink() for name in "ab")
+    joint = view.ModelByName("a").CreateJoint("j", "prismatic", one, two)
+    with pytest.raises(ParameterError, match="with itself"):
+        joint.Attach(one, one)
+    view.Reset()  # ODE crashes on a slider without bodies
+    core.step(2)
+    assert joint.GetParent() is None
+    joint.Attach(one, two)
+    core.step(1)
+    assert joint.GetParent() is one
 
 
 def test_a_joint_that_changes_its_model_leaves_the_first(load):

@@ -1,5 +1,7 @@
 """What an SDF world says and hears on Gazebo's topics."""
 
+import math
+
 import pytest
 
 import libgz
@@ -197,6 +199,21 @@ def test_a_light_from_the_factory_is_as_the_message_says(core, view, say):
     assert (light.LightType(), light.Range(), light.Attenuation()[1]) == ("spot", 7.0, 0.5)
     assert light.WorldPose().Pos() == Vector3d(1, 2, 3)
     assert tuple(light.DiffuseColor())[:3] == (1, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "linear", "said"), [("", 0.0, "a light needs a name"), ("new", math.nan, "attenuation is")]
+)
+def test_a_light_that_cannot_be_is_not_made(view, say, caplog, name, linear, said):
+    say("~/factory/light", msgs.Light(name=name, attenuation_linear=linear))
+    assert said in caplog.text
+    assert [light.GetName() for light in view.Lights()] == ["lamp"]
+
+
+def test_a_model_is_not_offered_where_a_light_is_meant(say, caplog):
+    say("~/light/modify", msgs.Light(name="box", range=3.0))
+    assert "there is no light 'box'\n" in caplog.text + "\n"
+    assert "did you mean" not in caplog.text
 
 
 def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):

@@ -162,12 +162,18 @@ class Commands:
         self._between_steps("~/factory/light", self._make_light, message)
 
     def _make_light(self, message: Any) -> None:
+        if not message.name:
+            raise ParameterError("a light needs a name")
         file = SdfFile.from_string("<sdf version='1.6'><light name='' type='point'/></sdf>")
         element = file.root.child("light")
         element.set_attribute("name", message.name)
         element.set_attribute("type", LIGHT_KINDS[max(0, message.type - 1)])
         insert_now(self._world, file)
-        self.light_modify(message)
+        try:
+            self.light_modify(message)
+        except GazeboError:  # a whole light or none
+            self._world.RemoveModel(message.name)
+            raise
 
     def light_modify(self, message: Any) -> None:
         """~/light/modify: colours, place, reach of a light."""
@@ -234,7 +240,7 @@ class Commands:
     def _find(self, name: str, kind: type[Any]) -> Any:
         found = self._world.EntityByName(name)
         if not isinstance(found, kind):
-            names = [part.GetName() for part in self._world.children()]
+            names = [part.GetName() for part in self._world.children() if isinstance(part, kind)]
             raise NotFoundError(f"there is no {kind.__name__.lower()} {name!r}{nearest(name, names)}")
         return found
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from libgz.errors import ParameterError, nearest
+from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
@@ -110,19 +110,31 @@ class SdfJoint(JointLimits):
 
     def _attach(self, anchor: GzPose) -> None:
         """Make the joint between the links as they stand, with its frame at a global pose."""
+        self._place(anchor)
+        if not (_is_real(self.parent) or _is_real(self.child)):
+            return
+        try:
+            self._make(anchor.pos)
+        except GazeboError:  # a joint that holds nothing must not stay: ODE crashes on it
+            self.detach()
+            raise
+
+    def _place(self, anchor: GzPose) -> None:
+        """Note where the joint's frame lies in the child, and the axes in it."""
         frame = self.child.GetPose() if self.child is not None else GzPose()
         self._in_child = GzCoordPoseSub(anchor, frame)
         inverse = GzQuaternInverse(anchor.rot)
         self._local = [rotate(inverse, axis.direction) for axis in self.axes]
-        if not (_is_real(self.parent) or _is_real(self.child)):
-            return
+
+    def _make(self, anchor: GzVector) -> None:
+        """Make ODE's joint between the links, at a global point."""
         if self.kind == "gearbox":
             self._attach_gears()
             self._refresh()
             return
         kind = UniversalJoint if self.kind == "revolute2" and not self._needs_hinge2() else KINDS[self.kind]
         self.joint = kind(self.engine, name=self.name)
-        self._join(self.joint, anchor.pos)
+        self._join(self.joint, anchor)
         self._set_parameters()
         if isinstance(self.joint, PistonJoint):
             self._coupling = Thread(self.joint, self.plan.pitch)
@@ -178,6 +190,7 @@ class SdfJoint(JointLimits):
         anchor = GzCoordPoseAdd(self._in_child, frame)
         for axis, local in zip(self.axes, self._local, strict=True):
             axis.direction = rotate(anchor.rot, local)
+        self._check()
         self._attach(anchor)
 
     def detach(self) -> None:
@@ -196,7 +209,7 @@ class SdfJoint(JointLimits):
         """Count turns from zero again, after links were put back where they began."""
         self._held.clear()
         self._laid.clear()
-        if self.joint is not None:
+        if self.attached and self.joint is not None:
             self.engine.join(self.joint.row, self.joint.id)
         if isinstance(self._coupling, Gears):
             self._coupling.restore()
@@ -204,9 +217,17 @@ class SdfJoint(JointLimits):
     @property
     def attached(self) -> bool:
         """Whether it holds links together; not any more when one of them was deleted."""
-        if self.broken:
-            self.detach()
+        self.let_go_of_deleted()
         return self.joint is not None or self._coupling is not None
+
+    def let_go_of_deleted(self) -> None:
+        """Hold nothing any more if one of the links was deleted."""
+        if self.joint is not None and not self.joint.closed:
+            return  # it would have been destroyed with either link
+        parent, child = self.parent, self.child
+        if (parent is not None and parent.closed) or (child is not None and child.closed) or self.broken:
+            self.detach()
+            self.parent, self.child = (None if b is None or b.closed else b for b in (parent, child))
 
     # Motion ------------------------------------------------------------------------------------------------------
 
@@ -218,6 +239,7 @@ class SdfJoint(JointLimits):
 
     def position(self, index: int = 0) -> float:
         """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint."""
+        self.let_go_of_deleted()
         if isinstance(self._coupling, Gears):
             return self._coupling.angles[self._column(index)]
         if not self.axes:
@@ -230,6 +252,7 @@ class SdfJoint(JointLimits):
 
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
+        self.let_go_of_deleted()
         if isinstance(self._coupling, Gears):
             return self._coupling.rates()[self._column(index)]
         if not self.axes:
@@ -245,6 +268,7 @@ class SdfJoint(JointLimits):
             ParameterError: there is no such axis, or the effort is not finite.
         """
         effort = finite(effort, "effort [N m or N]")
+        self.let_go_of_deleted()
         self._column(index)
         axis = self.axes[min(index, len(self.axes) - 1)]
         if axis.effort >= 0.0:
@@ -345,6 +369,7 @@ class SdfJoint(JointLimits):
 
     def anchor(self, index: int = 0) -> GzVector:
         """Global anchor [m]; of index 1 that on the second link, which a suspension sets apart."""
+        self.let_go_of_deleted()
         if index == 1 and isinstance(self.joint, Hinge2Joint):
             return self.joint.GetAnchor2()
         return self.frame().pos
@@ -355,11 +380,13 @@ class SdfJoint(JointLimits):
 
     def set_anchor(self, anchor: Iterable[float]) -> None:
         """Move the anchor to a global point [m]; positions count from where the links stand now."""
+        self.let_go_of_deleted()
         frame = self.frame()
         self._again(GzPose(GzVector(*anchor), frame.rot), {})
 
     def axis(self, index: int = 0) -> GzVector:
         """An axis as it lies now, global."""
+        self.let_go_of_deleted()
         self.axis_at(index)
         joint = self.joint
         if isinstance(joint, HingeJoint | SliderJoint | PistonJoint):
@@ -381,11 +408,15 @@ class SdfJoint(JointLimits):
         self._again(self.frame(), {index: GzVector(*unit_axis(axis, "axis"))})
 
     def _again(self, frame: GzPose, new: dict[int, GzVector]) -> None:
-        """Attach anew with the frame at a global pose, and with new axes where there are any."""
+        """Attach anew, if it holds links, with the frame at a global pose, and with new axes where there are any."""
+        held = self.attached
         directions = [new.get(i) or self.axis(i) for i in range(len(self.axes))]
         self.detach()
         for axis, direction in zip(self.axes, directions, strict=True):
             axis.direction = direction
+        if not held:
+            self._place(frame)
+            return
         self._check()
         self._attach(frame)
 
@@ -393,6 +424,7 @@ class SdfJoint(JointLimits):
 
     def provide_feedback(self, on: bool) -> None:
         """Whether `wrench` is filled in each step."""
+        self.let_go_of_deleted()
         self.plan.feedback = on
         if self.joint is not None:
             self.joint.provide_feedback(on)
@@ -405,7 +437,7 @@ class SdfJoint(JointLimits):
 
         Forces [N]; torques about the anchor [N m]; global. Efforts of `add_force` are in it, explicit springs are not.
         """
-        if self.joint is None or not self.plan.feedback:
+        if not self.attached or not self.plan.feedback:
             return GzVector(), GzVector(), GzVector(), GzVector()
         force1, torque1, force2, torque2 = self._feedback()
         swap = isinstance(self.joint, Hinge2Joint)

@@ -68,6 +68,15 @@ class JointLimits:
         raise NotImplementedError
 
     @property
+    def attached(self) -> bool:
+        """Whether it holds links together."""
+        raise NotImplementedError
+
+    def let_go_of_deleted(self) -> None:
+        """Hold nothing any more if one of the links was deleted."""
+        raise NotImplementedError
+
+    @property
     def broken(self) -> bool:
         """Whether a link that it held was deleted."""
         gone = self._coupling is not None and self._coupling.broken
@@ -115,7 +124,7 @@ class JointLimits:
         if key in ("thread_pitch", "gearbox_ratio"):
             return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
         number = self._number(key, index)
-        return self.joint.GetParam(number) if self.joint is not None else 0.0
+        return self.joint.GetParam(number) if self.attached and self.joint is not None else 0.0
 
     def set_param(self, key: str, value: float, index: int = 0) -> None:
         """Set a parameter by its classic key.
@@ -130,6 +139,7 @@ class JointLimits:
         number = float(value)
         if math.isnan(number):
             raise ParameterError(f"joint {self.name!r}: {key} is NaN")
+        self.let_go_of_deleted()
         if key in ("hi_stop", "lo_stop"):
             setattr(self.axis_at(index), "upper" if key == "hi_stop" else "lower", number)
             self._set_stops(index)
@@ -211,6 +221,7 @@ class JointLimits:
         """Spring [N m/rad or N/m] and damper [N m s/rad or N s/m] about a reference [rad or m]."""
         axis = self.axis_at(index)
         axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
+        self.let_go_of_deleted()
         axis.reference = finite(reference, "reference")
         if self.joint is not None:
             self._set_stops(index)
@@ -245,8 +256,8 @@ class JointLimits:
 
     def update(self) -> None:
         """What the joint does by itself in the coming step: springs, dampers, threads, gears."""
-        if self.broken:
-            self.detach()
+        if not self.attached:
+            return
         if self.implicit and self.engine.step_time != self._step_time:
             self._refresh()
         if isinstance(self._coupling, Thread):

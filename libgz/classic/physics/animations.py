@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from libgz.classic.common import NumericAnimation, PoseAnimation
 from libgz.classic.math import Pose3d
-from libgz.errors import GazeboError, ParameterError
+from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.simulation.event import Callback
 
 if TYPE_CHECKING:
@@ -115,6 +115,10 @@ def _move(entity: Entity, animation: PoseAnimation, seconds: float) -> bool:
 
 
 def _move_joints(model: Model, animations: dict[str, NumericAnimation], seconds: float) -> bool:
+    controller = model.GetJointController()
+    for name in animations:
+        if controller.scoped_name(name) is None:
+            raise NotFoundError(f"there is no joint {name!r}{nearest(name, controller.GetJoints())}")
     over = [_advance(animation, seconds) for animation in animations.values()]
     model.SetJointPositions({name: one.GetInterpolatedKeyFrame().Value() for name, one in animations.items()})
     return all(over)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import view_of
 from libgz.classic.physics.contact import ContactManager
-from libgz.classic.physics.joint import AXES, Joint
+from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
@@ -202,10 +202,13 @@ class PhysicsEngine:
     # Making things -----------------------------------------------------------------------------------------------
 
     def CreateJoint(self, type: str, parent: Model | None = None) -> Joint:
-        """A joint of a kind that `Load(parent link, child link, pose)` and `Init` bring to life."""
+        """A joint of a kind that `Load(parent link, child link, pose)` and `Init` bring to life.
+
+        Its axes are z and, for a second one, x, until SetAxis gives it others.
+        """
         name = f"joint_{next(_numbers)}"
-        count = AXES.get(type, 1)
-        plan = JointPlan(name, type, None, None, GzPose(), [Axis(GzVector(0.0, 0.0, 1.0)) for _ in range(count)])
+        axes = [Axis(GzVector(*axis)) for axis in first_axes(type)]
+        plan = JointPlan(name, type, None, None, GzPose(), axes)
         core = SdfJoint(self.engine, plan)
         joint = view_of(core, lambda: Joint(self._world, None, core))
         if parent is not None:

@@ -19,9 +19,17 @@ if TYPE_CHECKING:
     from libgz.simulation.event import Connection
     from libgz.simulation.sdf_joint import SdfJoint
 
-__all__ = ["AXES", "Joint"]
+__all__ = ["Joint", "first_axes"]
 
-AXES = {"ball": 0, "fixed": 0, "universal": 2, "revolute2": 2, "gearbox": 2}  # of kinds that have not one
+
+def first_axes(kind: str) -> list[GzVector]:
+    """The axes that a joint of a kind has until it is given others, global: z, and for a second one x.
+
+    Both axes of a gearbox are z.
+    """
+    z, x = GzVector(0.0, 0.0, 1.0), GzVector(1.0, 0.0, 0.0)
+    pairs = {"ball": [], "fixed": [], "universal": [z, x], "revolute2": [z, x], "gearbox": [z, z]}
+    return pairs.get(kind, [z])
 
 
 class Joint(Base):

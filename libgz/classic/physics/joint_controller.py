@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING
 
 from libgz.classic.common import PID, Time
-from libgz.errors import GazeboError, ParameterError
+from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.physics.check import finite
 
 if TYPE_CHECKING:
@@ -51,14 +51,22 @@ class JointController:
         for targets in (self._forces, self._positions, self._velocities):
             targets.pop(name, None)
 
-    def _name(self, name: str) -> str | None:
+    def scoped_name(self, name: str) -> str | None:
         """The scoped name of a joint; None if there is none."""
         if name in self._joints:
             return name
         return next((full for full in self._joints if full.endswith(f"::{name}")), None)
 
+    def _known(self, name: str) -> str | None:
+        """The same; one that there is not is told of, for nobody is told by a result."""
+        found = self.scoped_name(name)
+        if found is None:
+            model = self._model.GetScopedName()
+            log.error("Could not find joint with name[%s] in model %r%s", name, model, nearest(name, self._joints))
+        return found
+
     def _set(self, targets: dict[str, float], name: str, value: float) -> bool:
-        found = self._name(name)
+        found = self.scoped_name(name)
         if found is not None:
             targets[found] = finite(value, f"target of joint {found!r}")
         return found is not None
@@ -76,14 +84,14 @@ class JointController:
         return self._set(self._velocities, jointName, target)
 
     def SetPositionPID(self, jointName: str, pid: PID) -> None:
-        """Set the gains that hold positions."""
-        name = self._name(jointName)
+        """Set the gains that hold positions; a joint that there is not is logged."""
+        name = self._known(jointName)
         if name is not None:
             self._position_pids[name] = _checked(pid)
 
     def SetVelocityPID(self, jointName: str, pid: PID) -> None:
-        """Set the gains that hold velocities."""
-        name = self._name(jointName)
+        """Set the gains that hold velocities; a joint that there is not is logged."""
+        name = self._known(jointName)
         if name is not None:
             self._velocity_pids[name] = _checked(pid)
 
@@ -112,9 +120,9 @@ class JointController:
         return dict(self._velocities)
 
     def SetJointPosition(self, joint: str | Joint, position: float, index: int = 0) -> None:
-        """Bring a joint to a position [rad] or [m] at once."""
-        name = self._name(joint) if isinstance(joint, str) else joint.GetScopedName()
-        if name in self._joints:
+        """Bring a joint to a position [rad] or [m] at once; one that there is not is logged."""
+        name = self._known(joint if isinstance(joint, str) else joint.GetScopedName())
+        if name is not None:
             self._joints[name].SetPosition(index, position)
 
     def SetJointPositions(self, jointPositions: dict[str, float]) -> None:

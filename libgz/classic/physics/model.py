@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
-from libgz.classic.physics.joint import AXES, Joint
+from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
 from libgz.errors import ClosedError
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
 from libgz.simulation.sdf_joint import SdfJoint
@@ -238,16 +238,18 @@ class Model(Entity):
     def CreateJoint(
         self, name: str | Element, kind: str = "", parent: Link | None = None, child: Link | None = None
     ) -> Joint | None:
-        """Add a joint from a `<joint>` element, or by name, kind, parent and child; None if the name is taken."""
+        """Add a joint from a `<joint>` element, or by name, kind, parent and child; None if the name is taken.
+
+        By name, its frame is the child's, and its axes are the world's z and, for a second one, x.
+        """
         core, text = self.core, name if isinstance(name, str) else name.Get(str, "name")
         if not isinstance(core, SdfModel) or text in core.sdf_joints:
             return None
         if not isinstance(name, str):
             made = core.add_joint(name)
         else:
-            axes = [GzVector(0.0, 0.0, 1.0)] * AXES.get(kind, 1)
             ends = [link.body if link is not None else None for link in (parent, child)]
-            made = core.make_joint(text, kind, ends[0], ends[1], *axes)
+            made = core.make_joint(text, kind, ends[0], ends[1], *first_axes(kind))
         if made is None:
             return None
         joint = self.joint(made)

@@ -165,10 +165,14 @@ class WorldSensors:
         for sensor in list(self._awake):
             if now < sensor.due or sensor not in self._awake:  # one sensor's listener may have removed another
                 continue
-            if sensor.IsActive():
-                sensor.Update(False)
-            else:
+            if not sensor.IsActive():
                 self._sleep(sensor)
+                continue
+            try:
+                sensor.Update(False)
+            except GazeboError as fault:
+                log.error("sensor %s is taken out, for it cannot measure: %s", sensor.ScopedName(), fault)
+                self.remove(sensor)
         self._next = min((sensor.due for sensor in self._awake), default=math.inf)
 
     def update_topics(self) -> None:

@@ -83,11 +83,6 @@ class Body:
         return self.row < 0
 
     @property
-    def closed(self) -> bool:
-        """Whether it was destroyed."""
-        return self._closed
-
-    @property
     def id(self) -> int:
         """The ODE handle; 0 for a dummy.
 

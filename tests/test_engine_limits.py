@@ -315,3 +315,32 @@ def test_what_sleeps_in_a_joint_wakes_when_it_lets_go(act):
     for _ in range(10):
         engine.step()
     assert body.GetPosition().z < 1.95
+
+
+@pytest.mark.parametrize("bad", [math.nan, INF])
+def test_times_that_are_none(bad):
+    with libgz.World.from_string("<gz:world xmlns:gz='g'/>") as world:
+        with pytest.raises(ParameterError, match=r"time to run \[s\] is"):
+            world.run(bad)
+        with pytest.raises(ParameterError, match=r"sim time \[s\] is"):
+            world.set_sim_time(bad)
+
+
+def test_bodies_that_go_between_contacts_and_motion(monkeypatch):
+    def run():
+        engine = Engine(step_time=0.01)
+        engine.record_contacts = True
+        bodies = [solid(engine, box(0.3, 0.3, 0.3), position=(0.1 * i, 0, 0.25 * i)) for i in range(12)]
+        table = libgz.BoxGeom(libgz.Body(engine, dummy=True), Space(engine), 9, 9, 0.2)
+        for k in range(40):
+            engine.collide()
+            if k % 4 == 1 and len(bodies) > 3:
+                bodies.pop(k % len(bodies)).close()
+            if k == 30:
+                table.close()
+            engine.solve()
+        assert len(engine.contacts) == 0 or engine.contact_count > 0
+        return engine.states[sorted(engine.bodies)].tobytes()
+
+    native, python = in_both_forms(run, monkeypatch)
+    assert native == python

@@ -34,7 +34,7 @@ __all__ = [
 MAX_CONTACTS = 10  # of a pair of geoms
 MOST_CONTACTS = 250  # of a pair of geoms in worlds of classic, which keep the deepest of them
 FASTEST, STRONGEST = 1e7, 1e12  # [m/s], [rad/s]; [N], [N m]: bodies beyond have run away
-FARTHEST, LOST_SPEED = 2e8, 2e9  # [m]; [m/s], [rad/s]: after a step, bodies beyond have run away
+LOST_SPEED = 2e9  # [m/s], [rad/s]: after a step, bodies beyond have run away
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
 _VECTOR = (np.float64, (3,))
 # A contact point of a step: rows of its geoms; where it is [m], the unit normal, which points into the first geom, how
@@ -94,6 +94,8 @@ class StepContext(ctypes.Structure):
         ("springs", c_void_p),
         ("halted", c_int64),
         ("gave_up", c_int64),
+        ("farthest", c_double),
+        ("careful", c_int64),
         ("lost", c_int64),
         ("baffled", c_int64),
         ("baffled_by", c_int64 * 2),
@@ -235,7 +237,7 @@ class Motions:
         self._places[body] = tuple(
             ((c_double * 3).from_address(ctypes.addressof(get(body).contents)), before, after)
             for get, before, after in (
-                (ode_.dBodyGetPosition, math.inf, FARTHEST),
+                (ode_.dBodyGetPosition, math.inf, math.inf),
                 (ode_.dBodyGetLinearVel, FASTEST, LOST_SPEED),
                 (ode_.dBodyGetAngularVel, FASTEST, LOST_SPEED),
                 (ode_.dBodyGetForce, STRONGEST, math.inf),
@@ -256,12 +258,14 @@ class Motions:
             put(body, 0.0, 0.0, 0.0)
         return True
 
-    def is_lost(self, body: int) -> bool:
-        """Whether a step brought a body where no robot comes; read_bodies in step.c."""
-        return any(
-            not (-most <= x <= most and -most <= y <= most and -most <= z <= most)
-            for (x, y, z), _, most in (self._places.get(body) or self._look(body))[:3]
-        )
+    def is_lost(self, body: int, farthest: float) -> bool:
+        """Whether a step brought a body where no robot comes [m]; read_bodies in step.c."""
+        for (x, y, z), _, most in (self._places.get(body) or self._look(body))[:3]:
+            limit = min(most, farthest)
+            if not (-limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit):
+                return True
+            farthest = math.inf  # for the first three are the place
+        return False
 
 
 def push_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool) -> None:

@@ -96,6 +96,7 @@ int dMassCheck(data)
 
 id dSimpleSpaceCreate(id)
 id dHashSpaceCreate(id)
+void dHashSpaceSetLevels(id, int, int)
 void dSpaceDestroy(id)
 void dSpaceSetCleanup(id, int)
 int dSpaceGetNumGeoms(id)

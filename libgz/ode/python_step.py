@@ -201,7 +201,7 @@ class PythonStep:
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        context.lost = sum(self._motions.is_lost(body) for _, body in bodies)
+        context.lost = sum(self._motions.is_lost(body, context.farthest) for _, body in bodies)
         return NOT_ALL_WELL if done and (context.halted or context.lost) else int(done != 0)
 
     def _raise_fault(self) -> None:

@@ -39,6 +39,14 @@ typedef struct {
     double f1[4], t1[4], f2[4], t2[4];
 } feedback;
 
+/* Where a world gets the memory that it steps in. */
+typedef struct {
+    unsigned size; /* of this struct */
+    void *(*get)(size_t size);
+    void *(*shrink)(void *block, size_t size, size_t smaller);
+    void (*drop)(void *block, size_t size);
+} memory_functions;
+
 #define ODE_FUNCTIONS(X)                                                        \
     X(void, dSpaceCollide, (void *, void *, near_callback *))                   \
     X(void, dSpaceCollide2, (void *, void *, void *, near_callback *))          \
@@ -67,6 +75,8 @@ typedef struct {
     X(void, dJointGroupEmpty, (void *))                                         \
     X(int, dWorldStep, (void *, double))                                        \
     X(int, dWorldQuickStep, (void *, double))                                   \
+    X(void, dWorldCleanupWorkingMemory, (void *))                               \
+    X(int, dWorldSetStepMemoryManager, (void *, const memory_functions *))      \
     X(void, dRandSetSeed, (unsigned long))                                      \
     X(unsigned long, dRandGetSeed, (void))                                      \
     X(message_handler *, dGetDebugHandler, (void))                              \
@@ -180,6 +190,8 @@ typedef struct {
     const double *springs; /* 3 a row, for hinges and sliders: stiffness, damping, reference */
     int64_t halted;        /* 1 + the row of a body that ran away and was halted; 0: none */
     int64_t gave_up;       /* 1: the last step was given up */
+    double farthest;       /* [m] from the origin to where bodies are lost */
+    int64_t careful;       /* 1: a step was given up before, and no memory is kept from one to the next */
     int64_t lost;          /* bodies whose numbers ran away */
     int64_t baffled;       /* 1: an assertion ended the search for the contacts of a pair, or for what a ray hits */
     int64_t baffled_by[2]; /* rows of the geoms of the last such pair; -1: a ray */
@@ -216,7 +228,6 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
-#define FARTHEST 2e8   /* [m], of a centre of mass */
 #define LOST_SPEED 2e9 /* [m/s] and [rad/s], after a step */
 #define FASTEST 1e7    /* [m/s] and [rad/s] */
 #define STRONGEST 1e12 /* [N] and [N m] */
@@ -619,7 +630,7 @@ static void read_bodies(context *c)
             row[7 + k] = p[k];
             row[10 + k] = v[k];
             row[13 + k] = w[k];
-            lost |= is_lost(p[k], FARTHEST) | is_lost(v[k], LOST_SPEED) | is_lost(w[k], LOST_SPEED);
+            lost |= is_lost(p[k], c->farthest) | is_lost(v[k], LOST_SPEED) | is_lost(w[k], LOST_SPEED);
         }
         for (k = 0; k < 4; k++)
             row[3 + k] = q[k];
@@ -779,6 +790,48 @@ static void halt_runaways(context *c)
     }
 }
 
+/* A step that is given up loses sight of the memory it works in. So from the first such step on a world keeps none from
+ * one step to the next: what is still there when a step is over was lost, and is given back here. */
+enum { MOST_BLOCKS = 64 };
+static __thread void *blocks[MOST_BLOCKS];
+static __thread int block_count;
+
+static void *get_block(size_t size)
+{
+    void *block = malloc(size);
+    if (block && block_count < MOST_BLOCKS)
+        blocks[block_count++] = block;
+    return block;
+}
+
+static void *shrink_block(void *block, size_t size, size_t smaller)
+{
+    (void)size;
+    (void)smaller;
+    return block;
+}
+
+static void drop_block(void *block, size_t size)
+{
+    int i;
+    (void)size;
+    for (i = 0; i < block_count; i++)
+        if (blocks[i] == block)
+            blocks[i] = blocks[--block_count];
+    free(block);
+}
+
+static void give_memory_back(context *c)
+{
+    static const memory_functions own = {sizeof own, get_block, shrink_block, drop_block};
+    dWorldCleanupWorkingMemory(c->world);
+    while (block_count > 0)
+        free(blocks[--block_count]);
+    if (!c->careful)
+        dWorldSetStepMemoryManager(c->world, &own);
+    c->careful = 1;
+}
+
 enum { NOT_ALL_WELL = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
@@ -800,6 +853,8 @@ int gz_solve(context *c)
     else
         done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
     guarded = 0;
+    if (c->gave_up || c->careful)
+        give_memory_back(c);
     read_contacts(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();

@@ -24,7 +24,7 @@ from libgz.geometry import (
 )
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
-from libgz.physics.check import FARTHEST, LARGEST, REACH, finite_tuple, not_negative, rotation_tuple
+from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotation_tuple
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -156,8 +156,10 @@ class Body:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", FARTHEST))
+        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
+        if max(map(abs, position)) > FAR:
+            self.engine.look_far()
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             for geom in self.geoms:
@@ -428,7 +430,7 @@ class Body:
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        near = max(map(abs, total.c[:3])) <= REACH
+        near = max(map(abs, total.c[:3])) <= LARGEST
         if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "

@@ -13,9 +13,9 @@ from libgz.errors import ParameterError
 from libgz.ode.types import JOINT_PARAMETERS
 
 __all__ = [
-    "FARTHEST",
+    "FAR",
     "LARGEST",
-    "REACH",
+    "WIDE",
     "are_parallel",
     "finite",
     "finite_tuple",
@@ -32,9 +32,9 @@ __all__ = [
 # ODE ends the process where inertia overflows. In metres, kilograms and metres per second this is far inside of that,
 # and far outside of any robot's world.
 LARGEST = 1e9
-# It does so, too, where a small geom lies beyond 2^28 m, for its cells of 1/8 m are counted in 32 bits.
-FARTHEST = 1e8  # from the origin of the world to a body [m]
-REACH = 1e7  # from a body to its geoms and their corners, and to its centre of mass [m]
+# It does so, too, where a small geom lies beyond 2^28 m, for cells of 1/8 m are counted in 32 bits; `Engine.look_far`.
+FAR = 1e8  # from the origin to a body [m]
+WIDE = 1e7  # from a body to its geoms and their corners [m]
 
 # What ODE can reckon with; a stop that cannot be met, and a motor without bounds, are infinite.
 _RANGES = {

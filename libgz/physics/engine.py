@@ -19,7 +19,7 @@ from libgz.ode.context import Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
-from libgz.physics.check import not_negative
+from libgz.physics.check import FAR, LARGEST, not_negative
 from libgz.physics.runaway import mend, tell, tell_baffled, tell_gave_up
 from libgz.physics.settings import EngineSettings
 
@@ -147,6 +147,7 @@ class Engine(EngineSettings):
         stand_in = lib.dCreateBox(None, 1.0, 1.0, 1.0)
         self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
         self._context.max_contacts = 20
+        self._context.farthest = 2.0 * FAR
         self._context.no_cylinder_pairs = "libccd" not in lib.configuration
         self.step_form: Step = choose_step(self._context, self)
         self._step = self.step_form.step
@@ -330,8 +331,17 @@ class Engine(EngineSettings):
 
     def wake(self) -> None:
         """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
-        for body in self.sleepers:
-            body.Enable(True)
+        if self.steps:  # nothing sleeps before
+            for body in self.sleepers:
+                body.Enable(True)
+
+    def look_far(self) -> None:
+        """Let ODE's cells be 4 m wide, and not 1/8 m: those it cannot count beyond 2^28 m, and ends the process.
+
+        The order in which contacts are found may change with it: so only worlds that must have it.
+        """
+        self._ode.dHashSpaceSetLevels(self.top.id, 2, 10)
+        self._context.farthest = 2.0 * LARGEST
 
     def sort_geoms(self) -> None:
         """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
@@ -387,6 +397,8 @@ class Engine(EngineSettings):
             tell(self.bodies[context.halted - 1])
         if context.gave_up:
             tell_gave_up(self)
+        if context.lost:
+            self.look_far()
         if context.lost or context.gave_up:
             mend(self.bodies.values(), bool(context.gave_up))
         if context.baffled:
@@ -435,6 +447,7 @@ class Engine(EngineSettings):
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""
         if not self._destroy.alive:
             return
+        self.sleepers.clear()  # or each part that goes would wake them all
         parts: list[Joint | Geom | Body | Space] = [*self.joints.values(), *self.bodies.values()]
         parts += [*self.geoms.values(), *self.spaces]
         for part in parts:

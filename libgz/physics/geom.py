@@ -13,7 +13,7 @@ from libgz.ode.lib import ode
 from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
-from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
 from libgz.physics.engine import Space
 
 if TYPE_CHECKING:
@@ -103,6 +103,7 @@ class Geom:
         if self._closed:
             return
         self.body.engine.remove_geom(self.row, self._id or 0)
+        self.body.engine.wake()
         self.body.geoms.remove(self)
         self._destroy_handle()
         self._closed = True
@@ -137,10 +138,12 @@ class Geom:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = finite_tuple(pose.pos, 3, "relative position [m]", REACH)
+        position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
         rotation = rotation_tuple(pose.rot, "relative rotation")
+        if max(map(abs, position)) > WIDE:
+            self.body.engine.look_far()
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
-        self.appearance.version += 1
+        self._reshaped()
         self.place()
         if updateCoM and self.placeableGeom:
             self.body.UpdateCoM()
@@ -199,6 +202,11 @@ class Geom:
         ode().dGeomGetAABB(self.id, box)
         return (box[0], box[2], box[4]), (box[1], box[3], box[5])
 
+    def _reshaped(self) -> None:
+        """Note that it looks otherwise, and that what sleeps on it may lie on it no more."""
+        self.appearance.version += 1
+        self.body.engine.wake()
+
     # Contact -----------------------------------------------------------------------------------------------------
 
     def SetHardness(self, kp: float, kd: float) -> None:
@@ -248,11 +256,13 @@ class Geom:
         """What this geom is, for collision."""
         if self.id:
             ode().dGeomSetCategoryBits(self.id, bits)
+            self.body.engine.wake()
 
     def SetCollideBits(self, bits: int) -> None:
         """What this geom collides with."""
         if self.id:
             ode().dGeomSetCollideBits(self.id, bits)
+            self.body.engine.wake()
 
     # Appearance --------------------------------------------------------------------------------------------------
 

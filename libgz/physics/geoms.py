@@ -14,7 +14,7 @@ from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
-from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, table, unit_axis
+from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
@@ -55,8 +55,7 @@ class BoxGeom(Geom):
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
-            self.body.engine.wake()  # what lies on it may fall
-        self.appearance.version += 1
+        self._reshaped()
 
 
 class SphereGeom(Geom):
@@ -71,8 +70,7 @@ class SphereGeom(Geom):
         self.radius = positive(radius, "sphere radius [m]")
         if self.id:
             ode().dGeomSphereSetRadius(self.id, self.radius)
-            self.body.engine.wake()  # what lies on it may fall
-        self.appearance.version += 1
+        self._reshaped()
 
 
 class CylinderGeom(Geom):
@@ -91,8 +89,7 @@ class CylinderGeom(Geom):
         self.length = positive(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
-            self.body.engine.wake()  # what lies on it may fall
-        self.appearance.version += 1
+        self._reshaped()
 
 
 class CapsuleGeom(Geom):
@@ -151,14 +148,17 @@ class TriMeshGeom(Geom):
         numbers = table(triangles, 3, "triangles")
         if not len(numbers) or not np.isfinite(points).all():
             raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
-        if np.abs(points).max() > REACH:
-            raise ParameterError(f"a vertex lies at {np.abs(points).max():g} m; allowed is {REACH:g} m at most")
+        reach = np.abs(points).max()
+        if reach > LARGEST:
+            raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
+        if reach > WIDE:
+            self.body.engine.look_far()
         for number in (numbers.min(), numbers.max()):
             if not 0 <= number < len(points):
                 raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
         corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
-        self.appearance.version += 1
+        self._reshaped()
         if self.space is None:
             return  # it is only drawn
         if len(corners) == 1:
@@ -202,8 +202,8 @@ class HeightfieldGeom(Geom):
         self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float, thickness: float = 1.0
     ) -> None:
         self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64)
-        if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not (np.abs(self.heights) <= REACH).all():
-            raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{REACH:g} m")
+        if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not (np.abs(self.heights) <= WIDE).all():
+            raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{WIDE:g} m")
         self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
         depth = finite(not_negative(thickness, "thickness [m]"), "thickness [m]")
         samples = np.ascontiguousarray(self.heights[::-1])

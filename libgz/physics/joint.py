@@ -24,7 +24,7 @@ from libgz.ode.types import (
     dParamHiStop,
     dParamLoStop,
 )
-from libgz.physics.check import FARTHEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
+from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -128,6 +128,8 @@ class Joint:
         for body in self.bodies:
             if body is not None:
                 body.joints.pop(self, None)
+                if body.sleepy:
+                    body.Enable(True)
         self.bodies = (None, None)
 
     def _call(self, verb: str, what: str, *arguments: object) -> float:
@@ -135,7 +137,7 @@ class Joint:
         return getattr(ode(), f"dJoint{verb}{self.ode_name}{what}")(self.id, *arguments)  # type: ignore[no-any-return]
 
     def _set_vector(self, what: str, values: VectorLike) -> None:
-        numbers = finite_tuple(values, 3, what, FARTHEST) if "Anchor" in what else unit_axis(values, what)
+        numbers = finite_tuple(values, 3, what, LARGEST) if "Anchor" in what else unit_axis(values, what)
         self._call("Set", what, *numbers)
         self.engine.joint_moved(self.row)
 

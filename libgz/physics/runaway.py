@@ -7,7 +7,7 @@ import math
 from typing import TYPE_CHECKING
 
 from libgz.geometry import GzPose, GzQuaternIdent, GzVector
-from libgz.physics.check import FARTHEST, LARGEST
+from libgz.physics.check import LARGEST
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -35,7 +35,7 @@ def mend(bodies: Iterable[Body], gave_up: bool) -> None:
         pose = body.GetPose()
         place, turn = pose.pos, pose.rot
         speeds = *body.GetLinearVel(), *body.GetAngularRate()
-        if _are_within(2.0 * FARTHEST, (*place, *body.GetCoMPose().pos)) and _are_within(2.0 * LARGEST, speeds, turn):
+        if all(abs(number) <= 2.0 * LARGEST for number in (*place, *body.GetCoMPose().pos, *turn, *speeds)):
             continue
         tell(body)
         _drop_forces(body)
@@ -46,12 +46,8 @@ def mend(bodies: Iterable[Body], gave_up: bool) -> None:
         body.SetPose(GzPose(edge, turn if sane else GzQuaternIdent()))
 
 
-def _are_within(most: float, *groups: Iterable[float]) -> bool:
-    return all(abs(number) <= most for group in groups for number in group)
-
-
 def _inside(number: float) -> float:
-    return max(-FARTHEST, min(FARTHEST, number)) if math.isfinite(number) else 0.0
+    return max(-LARGEST, min(LARGEST, number)) if math.isfinite(number) else 0.0
 
 
 def _drop_forces(body: Body) -> None:

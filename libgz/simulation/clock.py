@@ -6,6 +6,7 @@ import importlib
 import time
 from collections.abc import Callable
 
+from libgz.physics.check import finite
 from libgz.simulation.settings import GlobalAttributes
 
 __all__ = ["Clock"]
@@ -50,8 +51,12 @@ class Clock:
         self.iterations = 0
 
     def set_sim_time(self, seconds: float) -> None:
-        """Set the sim time [s]."""
-        self._simTime = float(seconds)
+        """Set the sim time [s].
+
+        Raises:
+            ParameterError: it is NaN or infinite.
+        """
+        self._simTime = finite(seconds, "sim time [s]")
 
     def GetDayTime(self) -> float:
         """Time since midnight [s]: the world's dayTime plus real time, or the local clock's."""

@@ -16,6 +16,7 @@ from libgz.errors import ClosedError, GazeboError, PluginError
 from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
+from libgz.physics.check import finite
 from libgz.physics.engine import Engine
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation.agenda import Agenda
@@ -322,8 +323,12 @@ class World(Lookup, Loader, Clock, Agenda):
             self.Step()
 
     def run(self, seconds: float) -> None:
-        """Run until that much more sim time [s] has passed, as fast as it goes."""
-        self.step(round(seconds / self.engine.step_time))
+        """Run until that much more sim time [s] has passed, as fast as it goes.
+
+        Raises:
+            ParameterError: it is NaN or infinite.
+        """
+        self.step(round(finite(seconds, "time to run [s]") / self.engine.step_time))
 
     def Step(self) -> int:
         """One step: buttons, models, physics, followers, clock, news to clients; 0.

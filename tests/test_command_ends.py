@@ -192,6 +192,16 @@ def test_a_world_that_does_not_run_says_so():
         world.step()
 
 
+@pytest.mark.parametrize(
+    "words", [["--size", "99999x99999"], ["--size", "0x1"], ["--pose", "nan 0 1 0 0 0"], ["--pose", "0 0 inf 0 0 0"]]
+)
+def test_views_that_cannot_be_drawn(capsys, words):
+    with pytest.raises(SystemExit) as end:
+        toolbox.main(["picture", str(WORLD), *words])
+    assert end.value.code == 2
+    assert capsys.readouterr().err.startswith(f"libgz picture: argument {words[0]}: invalid ")
+
+
 def test_a_place_that_is_no_number(capsys):
     assert toolbox.main(["model", "-m", "box", "-x", "nan"]) == 1
     assert capsys.readouterr().err == "libgz: --pose-x is nan; it must be a finite number\n"

@@ -1,6 +1,7 @@
 """How commands end: by signals, without readers or streams, on full disks. Always in a sentence, or in silence."""
 
 import argparse
+import errno
 import logging
 import os
 import re
@@ -96,6 +97,23 @@ def test_an_interrupt_is_an_exit_code():
 
     assert as_command("libgz")(main)() == INTERRUPTED == 130
     assert as_command("gazebo", interrupted=0)(main)() == 0
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (OSError(errno.ENOSPC, FULL), f"gz: its output: {FULL}\n"),
+        (OSError(errno.EACCES, "Permission denied", "a.txt"), "gz: a.txt: Permission denied\n"),
+        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), f"gz: [Errno {errno.ECONNREFUSED}] refused\n"),
+        (TimeoutError("too late"), "gz: too late\n"),
+    ],
+)
+def test_what_the_system_refuses_is_one_sentence(capsys, fault, told):
+    def main(_arguments):
+        raise fault
+
+    assert as_command("gz", failed=255)(main)() == 255
+    assert capsys.readouterr().err == told
 
 
 def test_an_interrupt_while_a_world_loads(wire, tmp_path):

@@ -66,11 +66,13 @@ class Client(WireClient):
     def open(self, interface: I, id: str) -> I:
         """Open an interface object, or give the one of this kind and id that is open already.
 
+        One whose model was removed and made anew is opened anew, too; the old object keeps what was last known.
+
         Raises:
             InterfaceError: the server serves none of this type and id.
         """
         for opened in self.opened:
-            if type(opened) is type(interface) and opened.id == id:
+            if type(opened) is type(interface) and opened.id == id and not opened.replaced:
                 return opened
         interface.open(self, id)
         return interface

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from libgz.transport.interface import Interface
+import ctypes
+
+from libgz.transport.interface import DataClass, Interface
 from libgz.transport.layout import CLIENT, SERVER, Data, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
@@ -90,11 +92,25 @@ class GripperDataCvs(Data):
 
 
 class Gripper(Interface[GripperData]):
-    """A gripper's state and command. A command holds until the next one."""
+    """A gripper's state and command. A command holds until the next one.
+
+    Args:
+        later: to be created with the struct of November 2006; a client sees that in the file.
+    """
 
     type = "gripper"
     data_class = GripperData
     has_post = False
+
+    def __init__(self, later: bool = False) -> None:
+        super().__init__()
+        self.later = later
+
+    def layout_for(self, version: int, length: int | None) -> DataClass:
+        """The struct of the release, or the smaller one that came after it."""
+        if length is None:
+            return GripperDataCvs if self.later else super().layout_for(version, length)
+        return GripperDataCvs if length == ctypes.sizeof(GripperDataCvs) else super().layout_for(version, length)
 
     @property
     def time(self) -> float:
@@ -109,12 +125,17 @@ class Gripper(Interface[GripperData]):
     @property
     def opened(self) -> bool:
         """Whether both paddles are open."""
-        return bool(self.data.paddles_opened)
+        return self._is("paddles_opened", GAZEBO_GRIPPER_STATE_OPEN)
 
     @property
     def closed(self) -> bool:
         """Whether the paddles are closed, or hold something."""
-        return bool(self.data.paddles_closed)
+        return self._is("paddles_closed", GAZEBO_GRIPPER_STATE_CLOSED)
+
+    def _is(self, flag: str, state: int) -> bool:
+        """What either struct says of the paddles."""
+        data = self.data
+        return data.state == state if isinstance(data, GripperDataCvs) else bool(getattr(data, flag))
 
 
 _functions = LegacyFunctions(Gripper)

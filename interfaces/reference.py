@@ -54,7 +54,8 @@ the C header are names of `libgz`, and structs are at `.data`.
 
 compiles against the `gazebo.h` that libgz ships, version 0x060, and links a library made from its sources when it is
 first asked for. Programs linked with the old library work, too. `-DGAZEBO_GRIPPER_CVS` picks the gripper struct of
-late 2006. Servers can be written as well: `gz_server_init`, `gz_<type>_create`.
+late 2006, which a Pioneer2Gripper with `<laterInterface>true</laterInterface>` serves. Servers can be written as well:
+`gz_server_init`, `gz_<type>_create`.
 
 ## From the shell
 

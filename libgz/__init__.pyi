@@ -983,9 +983,6 @@ from libgz.physics.joint import (
     FixedJoint as FixedJoint,
 )
 from libgz.physics.joint import (
-    Hinge2Joint as Hinge2Joint,
-)
-from libgz.physics.joint import (
     HingeJoint as HingeJoint,
 )
 from libgz.physics.joint import (
@@ -997,9 +994,6 @@ from libgz.physics.joint import (
 from libgz.physics.joint import (
     SliderJoint as SliderJoint,
 )
-from libgz.physics.joint import (
-    UniversalJoint as UniversalJoint,
-)
 from libgz.physics.surfaces import (
     PointSetGeom as PointSetGeom,
 )
@@ -1008,6 +1002,12 @@ from libgz.physics.surfaces import (
 )
 from libgz.physics.surfaces import (
     TerrainGeom as TerrainGeom,
+)
+from libgz.physics.two_axes import (
+    Hinge2Joint as Hinge2Joint,
+)
+from libgz.physics.two_axes import (
+    UniversalJoint as UniversalJoint,
 )
 from libgz.sensors.rays import RayProximity as RayProximity
 from libgz.simulation.factory import (

@@ -14,7 +14,8 @@ from libgz.models.wheels import add_hinge
 from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
-from libgz.physics.joint import FixedJoint, HingeJoint, UniversalJoint
+from libgz.physics.joint import FixedJoint, HingeJoint
+from libgz.physics.two_axes import UniversalJoint
 from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard

@@ -34,8 +34,8 @@ class Battery:
     def drain(self, step: float, left: float, right: float) -> None:
         """Lose the charge of a step [s] in which the wheels of both sides travelled so far [m]."""
         with_time, with_travel = self.curve
-        drain = with_time * step + with_travel * (left * left + right * right)
-        self.level = max(0.0, self.level - drain)
+        level = self.level - (with_time * step + with_travel * (left * left + right * right))
+        self.level = level if level > 0.0 else 0.0
 
     def Update(self, now: float) -> None:
         """Publish, at sim time `now` [s]."""

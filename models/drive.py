@@ -63,12 +63,13 @@ class DifferentialRobot(MobileRobot):
 
     def wheel_rates(self) -> tuple[float, float]:
         """How fast the wheels of the left and the right side roll [rad/s]: the mean of each side."""
-        left, right = self.left, self.right
-        return sum([w.rate() for w in left]) / len(left), sum([w.rate() for w in right]) / len(right)
+        return _mean_rate(self.left), _mean_rate(self.right)
 
     def measure(self, step: float) -> None:
         """Odometry and battery from the wheels' rates."""
-        left, right = (step * self.wheelDiam / 2.0 * rate for rate in self.wheel_rates())
+        left_rate, right_rate = self.wheel_rates()
+        way = step * self.wheelDiam / 2.0  # per [rad/s]
+        left, right = way * left_rate, way * right_rate
         self.advance((left + right) / 2.0, (right - left) / self.wheelSep, step)
         if self.normaliseYaw:
             self.odometry[2] = NORMALIZE(self.odometry[2])
@@ -88,3 +89,10 @@ class DifferentialRobot(MobileRobot):
         for wheels, rate in ((self.left, speed - half), (self.right, speed + half)):
             for wheel in wheels:
                 wheel.run(2.0 * rate / self.wheelDiam, self.maxTorque)
+
+
+def _mean_rate(wheels: list[Wheel]) -> float:
+    total = 0.0
+    for wheel in wheels:
+        total += wheel.rate()
+    return total / len(wheels)

@@ -12,6 +12,8 @@ from libgz.worldfile.attributes import color, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
+MOST = 8  # that OpenGL shines at a time
+
 
 @dataclass(frozen=True)
 class LightSourceAttributes:
@@ -24,12 +26,14 @@ class LightSourceAttributes:
 
 
 class LightSource(Model):
-    """A point light at the model's position; it moves with its parent."""
+    """A point light at the model's position; it moves with its parent. Only the first eight of a world shine."""
 
     attributes = LightSourceAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(LightSourceAttributes, node)
+        if sum(isinstance(model, LightSource) for model in self.world.models) >= MOST:
+            node.warn(f"stays dark: a world shines with its first {MOST} lights")
         body = Body(self.world, dummy=True)
         self.AddBody(body, True)
         self.light = LightGeom(body, self.modelSpaceId)

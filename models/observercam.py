@@ -158,7 +158,7 @@ class ObserverCam(Model):
         self.spot = spot
 
     def _look_at(self, eye: Eye, spot: Spot) -> float:
-        """Distance along the line of sight of what is under the beginning of a drag [m]; the far clip for the sky."""
+        """Distance ahead of what is under the beginning of a drag [m]; the far clip for the sky."""
         column = min(max(int(spot.a[0]), 0), eye.width - 1)
         row = min(max(int(spot.a[1]), 0), eye.height - 1)
         return min(float(eye.depth[row, column]), eye.far)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 from libgz.geometry import GzColor, GzVector
 from libgz.interfaces import gripper as codes
 from libgz.interfaces.gripper import Gripper
@@ -12,6 +14,7 @@ from libgz.physics.joint import SliderJoint
 from libgz.sensors.rays import RayProximity
 from libgz.simulation.model import Model
 from libgz.simulation.world import World
+from libgz.worldfile.attributes import boolean, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -38,6 +41,15 @@ COMMANDS: dict[int, tuple[int | None, int | None]] = {
 }
 
 
+@dataclass(frozen=True)
+class GripperAttributes:
+    """What `<model:Pioneer2Gripper>` may hold."""
+
+    laterInterface: bool = boolean(
+        False, help="serve the struct of November 2006, with `state`: for programs compiled with GAZEBO_GRIPPER_CVS"
+    )
+
+
 class _Slide:
     """A driven slider that goes from 0 to the end of its way [m] and back.
 
@@ -57,6 +69,7 @@ class _Slide:
     ) -> None:
         self.travel = travel
         self.direction = 0  # 1 to the end, -1 back, 0 stop
+        self.rate = self._before = 0.0  # its speed [m/s]; where it was a step ago [m]
         self._speed = 0.0  # [m/s], as last set
         self.joint = SliderJoint(world, name=name)
         self.joint.Attach(moving, carrier)
@@ -72,10 +85,13 @@ class _Slide:
         """How far it has gone [m]."""
         return self.joint.GetPosition()
 
-    @property
-    def rate(self) -> float:
-        """Its speed [m/s]."""
-        return self.joint.GetPositionRate()
+    def measure(self, step: float) -> None:
+        """Bring `rate` up to date after a step [s].
+
+        ODE's own rate is the difference of two bodies' velocities, and not zero while both turn with the robot.
+        """
+        self.rate = (self.position - self._before) / step
+        self._before = self.position
 
     @property
     def at_start(self) -> bool:
@@ -111,6 +127,7 @@ class Pioneer2Gripper(Model):
     inner beam never tells anything, and limits are never reached.
     """
 
+    attributes = GripperAttributes
     interfaces = ("gripper",)
     example = """
         <model:Pioneer2DX>
@@ -140,7 +157,7 @@ class Pioneer2Gripper(Model):
         self.beams = RayProximity(self.world, left, len(BEAMS))
         self.told = (0, 0)  # what paddles and lift were last told, but for stops
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
-        self.gripper = Gripper()
+        self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
     def _box(
         self,
@@ -190,6 +207,8 @@ class Pioneer2Gripper(Model):
 
     def _watch_grip(self, step: float) -> None:
         """How long the paddles have been slow while closing; a grip that is stopped still holds."""
+        for paddle in (self.left, self.right):
+            paddle.measure(step)
         slow = max(abs(self.left.rate), abs(self.right.rate)) < STILL
         if slow and self.left.direction > 0:
             self.slow_for += step
@@ -243,11 +262,21 @@ class Pioneer2Gripper(Model):
         state |= {"grip_limit_reach": False, "lift_limit_reach": False, "inner_beam_obstruct": False}
         return state
 
+    def _code(self, state: dict[str, bool]) -> int:
+        """The state of the paddles as the later struct has it: by the header's names, or by the old server's own."""
+        old = "gripperState" in self.world.engine.quirks
+        if state["paddles_opened"]:
+            return 0 if old else codes.GAZEBO_GRIPPER_STATE_OPEN
+        if state["paddles_closed"]:
+            return 1 if old else codes.GAZEBO_GRIPPER_STATE_CLOSED
+        return 4 if old else codes.GAZEBO_GRIPPER_STATE_MOVING
+
     def _publish(self) -> None:
         state = self._old_state() if "gripperState" in self.world.engine.quirks else self.state()
         if self.gripper.lock():
             data = self.gripper.data
             data.time = self.world.GetSimTime()
-            for name, value in state.items():
-                setattr(data, name, int(value))
+            for name, value in {**state, "state": self._code(state)}.items():
+                if hasattr(data, name):
+                    setattr(data, name, int(value))
             self.gripper.unlock()

@@ -115,24 +115,26 @@ class MobileRobot(Model):
 
     def publish(self, data: PositionData) -> None:
         """Fill in what is known of pose and velocity."""
-        data.pos[0], data.pos[1], data.rot[2] = self.odometry
-        data.vel_pos[0], data.vel_rot[2] = self.velocity
+        pos, vel_pos = data.pos, data.vel_pos
+        pos[0], pos[1], data.rot[2] = self.odometry
+        vel_pos[0], data.vel_rot[2] = self.velocity
 
     def _exchange(self, now: float) -> None:
         """Publish the position, and take the client's command if its numbers are sane."""
         if not self.position.lock():
             return
         data = self.position.data
-        enabled, wishes = data.cmd_enable_motors, [getattr(data, name)[i] for name, i in self.commands]
+        enabled, wishes = data.cmd_enable_motors, tuple([getattr(data, name)[i] for name, i in self.commands])
         data.time = now
         data.stall = 0
         self.publish(data)
         self.position.unlock()
         self.enabled = bool(enabled)
-        self.command = tuple(
-            self.guard.number(f"{name}[{i}]", wish, old, LARGEST_COMMAND)
-            for (name, i), wish, old in zip(self.commands, wishes, self.command, strict=True)
-        )
+        if wishes != self.command:  # which was checked
+            self.command = tuple(
+                self.guard.number(f"{name}[{i}]", wish, old, LARGEST_COMMAND)
+                for (name, i), wish, old in zip(self.commands, wishes, self.command, strict=True)
+            )
 
 
 def clamp(value: float, limit: float) -> float:

@@ -24,7 +24,10 @@ class SkinAttributes:
 
 
 def clothe(model: Model, geom: Geom, values: SkinAttributes) -> None:
-    """Put the skin on a geom of the canonical body, counted from the model's origin; nothing else is drawn then."""
+    """Put the skin on a geom of the canonical body, counted from the model's origin; nothing else is drawn then.
+
+    If it cannot be read, all shapes are drawn.
+    """
     if values.skinFile is None:
         return
     geom.SetSkinFile(values.skinFile)
@@ -33,4 +36,4 @@ def clothe(model: Model, geom: Geom, values: SkinAttributes) -> None:
     for body in model.bodies:
         for other in body.geoms:
             if other is not geom:
-                other.SetSkinNull(True)
+                other.SetSkinNull(True, values.skinFile)

@@ -43,6 +43,7 @@ class SonarRing:
     def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
         self.model = model
         self.poses = np.array(poses)
+        self._own_places, self._own_yaws = self.poses[:, :3].copy(), self.poses[:, 3].copy()
         self.rays = RayProximity(model.world, body, len(poses))
         for i, (x, y, z, direction) in enumerate(poses):
             end = (x + MAX_RANGE * math.cos(direction), y + MAX_RANGE * math.sin(direction), z)
@@ -55,16 +56,19 @@ class SonarRing:
         self.interface.create(
             model.world.gz_server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId()
         )
-        with self.interface.locked() as data:
+        sonar, count = self.interface, len(self.poses)
+        self._places, self._yaws = sonar.sonar_pos[:count], sonar.sonar_rot[:count, 2]
+        self._ranges = sonar.sonar_ranges[:count]
+        with sonar.locked() as data:
             self._describe(data)
-            self.interface.sonar_ranges[: len(self.poses)] = MAX_RANGE
+            self._ranges[:] = MAX_RANGE
 
     def _describe(self, data: SonarData) -> None:
         """Write what never changes, under the lock."""
-        count = data.sonar_count = len(self.poses)
+        data.sonar_count = len(self.poses)
         data.max_range = MAX_RANGE
-        self.interface.sonar_pos[:count] = self.poses[:, :3]
-        self.interface.sonar_rot[:count, 2] = self.poses[:, 3]
+        self._places[:] = self._own_places
+        self._yaws[:] = self._own_yaws
 
     def Update(self, now: float) -> None:
         """Cast the rays and publish, at sim time `now` [s]."""
@@ -73,7 +77,7 @@ class SonarRing:
             data = self.interface.data
             data.time = now
             self._describe(data)  # a client may have written over it
-            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.sonar_ranges[: len(self.poses)])
+            np.minimum(self.rays.ranges, MAX_RANGE, out=self._ranges)
             self.interface.unlock()
 
     def Fini(self) -> None:

@@ -23,7 +23,8 @@ from libgz.ode.types import (
 )
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, SphereGeom, WheelGeom
-from libgz.physics.joint import BallJoint, Hinge2Joint, HingeJoint
+from libgz.physics.joint import BallJoint, HingeJoint
+from libgz.physics.two_axes import Hinge2Joint
 from libgz.simulation.model import Model
 
 __all__ = [

@@ -125,6 +125,7 @@ def test_steps_time_and_speed(wire):
     assert run("gazebo", "-s", wire, "--steps", "500", "-n", WORLD).returncode == 0
     assert time.monotonic() - began < 9.0  # ten simulated seconds
     assert run("gazebo", "-s", wire, "-t", "0.3", WORLD).returncode == 0
+    assert run("gazebo", "-s", wire, "-t", "-1", "--steps", "3", WORLD).returncode == 0  # -1 was "never"
 
 
 def test_a_free_id_is_taken_and_printed(wire):

@@ -123,6 +123,56 @@ def test_two_models_that_want_one_interface(tmp_path):
     assert "<model:Pioneer2AT>, line 2, does" in fault.message
 
 
+def test_ids_that_no_interface_can_have(tmp_path):
+    path = tmp_path / "ids.world"
+    path.write_text(
+        HEAD + "<model:SimpleSolid><id>a.b</id></model:SimpleSolid>\n<model:Pioneer2AT>\n<id>a.b</id>"
+        "</model:Pioneer2AT></gz:world>"
+    )
+    (fault,) = check(path)
+    assert (fault.line, fault.element, fault.severity) == (4, "id", "error")
+    assert "invalid id [a.b] (must not contain '.')" in fault.message
+
+
+def test_elements_that_are_almost_models_or_settings(tmp_path):
+    path = tmp_path / "slips.world"
+    path.write_text(
+        HEAD + "<param:global><stepTime>1</stepTime></param:global>\n<SimpleSolid><id>a</id></SimpleSolid>\n"
+        "<model:SimpleSolid><param:xyz>1 2 3</param:xyz><MonoCam/></model:SimpleSolid>\n"
+        "<Group><model:GroundPlane/></Group></gz:world>"
+    )
+    settings, solid, camera, group = check(path)
+    assert settings.line == 2
+    assert "only <param:Global> does" in settings.message
+    assert (solid.line, camera.line) == (3, 4)
+    assert "a model needs the prefix: <model:SimpleSolid>" in solid.message
+    assert "<model:MonoCam>" in camera.message
+    assert (group.line, group.message) == (5, "is not used by <gz:world>")
+
+
+def test_pictures_and_skins_that_cannot_be_read(tmp_path):
+    for name in ("bad.png", "bad.3ds"):
+        (tmp_path / name).write_bytes(b"junk")
+    path = tmp_path / "looks.world"
+    path.write_text(
+        HEAD + "<model:GroundPlane><textureFile>bad.png</textureFile></model:GroundPlane>\n"
+        "<model:CarChassis><skinFile>bad.3ds</skinFile></model:CarChassis>\n"
+        "<model:SimpleSolid><skinFile>bad.3ds</skinFile></model:SimpleSolid></gz:world>"
+    )
+    picture, skin = check(path)
+    assert (picture.line, picture.severity, skin.line) == (2, "warning", 3)
+    assert "bad.png cannot be read" in picture.message
+    assert "bad.3ds cannot be read" in skin.message
+
+
+def test_the_ninth_light_stays_dark(tmp_path):
+    path = tmp_path / "lights.world"
+    path.write_text(HEAD + "<model:LightSource/>\n" * 9 + "</gz:world>")
+    (fault,) = check(path)
+    assert fault.line == 10
+    assert "first 8 lights" in fault.message
+
+
 PLUGIN = """
 from libgz import Body, BoxGeom, GZ_REGISTER_PLUGIN, Model
 class Cup(Model):
@@ -180,15 +230,14 @@ def test_the_grammar_is_written(tmp_path):
 
 
 @pytest.mark.parametrize("id", ["a/b", "robot.1"])
-def test_ids_that_no_interface_can_have(tmp_path, id):
-    """`gazebo` learns of them in Init, which checking does not call."""
+def test_the_command_tells_ids_that_no_interface_can_have(tmp_path, id):
     path = tmp_path / "a.world"
     models = (f"<model:{name}><id>{id}</id></model:{name}>" for name in ("Pioneer2AT", "SimpleSolid"))
     path.write_text(f"{HEAD}{''.join(models)}</gz:world>")
     done = libgz("check", path)
     assert done.returncode == 1
     assert len(done.stdout.splitlines()) == 1
-    assert f"{path}:2: <model:Pioneer2AT>: invalid id [{id}] (must not contain" in done.stdout
+    assert f"{path}:2: <id>: invalid id [{id}] (must not contain" in done.stdout
 
 
 @pytest.mark.parametrize(

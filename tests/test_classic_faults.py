@@ -185,6 +185,31 @@ def test_an_animation_that_leads_nowhere_ends(core, view, caplog):
     assert "the animation of box ends: animation 'way' has no key frames" in caplog.text
 
 
+def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
+    node = transport.Node()
+    node.Init("faults")
+    publisher = node.Advertise(msgs.Vector3d, "~/x")
+    way = common.PoseAnimation("way", 0.002, False)
+    for time in (0, 0.002):
+        way.CreateKeyFrame(time).Translation(Vector3d(0, 0, 0.5))
+
+    def fail(*values):
+        raise ValueError("oh")
+
+    kept = [event.Events.ConnectWorldUpdateEnd(fail), node.Subscribe("~/x", fail)]
+    view.ModelByName("box").SetAnimation(way, fail)
+    core.after_step(lambda: publisher.Publish(msgs.Vector3d()))
+    core.step(6)
+    assert kept
+    told = [record.getMessage().partition("\n")[0] for record in caplog.records if "ValueError" in record.getMessage()]
+    name = fail.__qualname__
+    assert sorted(told) == [
+        "a callback of event WorldUpdateEnd failed and is called no more:",
+        f"the callback {name} of topic /gazebo/faults/x failed and is called no more:",
+        "the end of the animation of box failed and is called no more:",
+    ]
+
+
 @pytest.mark.parametrize("call", ["world.Step(1)", "world.core.close()"])
 def test_a_callback_can_neither_step_nor_close_its_world(plugin, caplog, call):
     body = f"""def Load(self, world, sdf):

@@ -166,3 +166,22 @@ def test_a_sensor_plugin_that_raises_is_named_and_stopped(tmp_path, monkeypatch,
         assert "not today" in caplog.text
         assert "Failed to load plugin libnowhere.so" in caplog.text
         assert get("missing").IsActive()
+
+
+def test_a_plugin_gets_the_sensors_of_its_own_world(tmp_path, monkeypatch, caplog):
+    text = """from libgz.classic import *
+class P(ModelPlugin):
+    def Load(self, model, sdf):
+        self.found = [sensors.get_sensor(name) for name in ("s", "m::link::s")]
+GZ_REGISTER_MODEL_PLUGIN(P)
+"""
+    (tmp_path / "finds.py").write_text(text)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    content = model("m", imu(), more="<plugin name='p' filename='libfinds.so'/>")
+    with world_of(content), world_of(content):
+        for view in physics.worlds():
+            (loaded,) = view.ModelByName("m").plugins
+            (own,) = view.server.sensors.sensors.values()
+            assert loaded.plugin.found == [own, own]
+        assert "multiple sensors" not in caplog.text
+        assert sensors.get_sensor("s") is None  # outside plugins there are two

@@ -4,7 +4,8 @@ import pytest
 
 import libgz
 from libgz.classic import msgs, physics, transport
-from libgz.classic.math import Pose3d, Vector3d
+from libgz.classic.math import Color, Pose3d, Vector3d
+from libgz.simulation.sdf_settings import settings_of
 
 BOX = """
 <model name='{name}'><pose>{pose}</pose>
@@ -88,7 +89,7 @@ def test_a_factory_makes_models_from_text_file_and_copy(view, say):
 def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, say, caplog):
     text = f"<sdf version='1.6'>{BOX.format(name='box', pose='5 0 9 0 0 0')}</sdf>"
     say("~/factory", msgs.Factory(sdf=text))
-    assert "the world has a 'box' already" in caplog.text
+    assert "A model named [box] already exists and allow_renaming is false. Model won't be inserted." in caplog.text
     say("~/factory", msgs.Factory(sdf=text, allow_renaming=True))
     assert view.ModelByName("box_0").WorldPose().Pos().X() == pytest.approx(5.0)
 
@@ -173,3 +174,56 @@ def test_the_world_saves_what_it_is(view, core, tmp_path):
     pose = again.model("box").GetPose()
     assert (pose.pos.x, pose.pos.y) == pytest.approx((1.0, 2.0))
     again.close()
+
+
+def test_messages_to_the_factory_of_one_iteration_all_make_something(core, view, node):
+    factory = node.Advertise(msgs.Factory, "~/factory")
+    text = f"<sdf version='1.6'>{BOX.format(name='box', pose='5 0 9 0 0 0')}</sdf>"
+    for _ in range(3):
+        factory.Publish(msgs.Factory(sdf=text, allow_renaming=True))
+        factory.Publish(msgs.Factory(clone_model_name="arm"))
+    factory.Publish(msgs.Factory(clone_model_name="box_1"))
+    core.step(1)
+    made = {model.GetName() for model in view.Models()} - {"box", "arm", "ground_plane"}
+    assert made == {"box_0", "box_1", "box_2", "arm_clone", "arm_clone_0", "arm_clone_1", "box_1_clone"}
+
+
+def test_a_light_from_the_factory_is_as_the_message_says(core, view, say):
+    lamp = msgs.Light(name="new", type=msgs.Light.SPOT, range=7.0, attenuation_linear=0.5)
+    msgs.Set(lamp.pose, Pose3d(1, 2, 3, 0, 0, 0))
+    msgs.Set(lamp.diffuse, Color(1, 0, 0, 1))
+    say("~/factory/light", lamp)
+    light = view.LightByName("new")
+    assert (light.LightType(), light.Range(), light.Attenuation()[1]) == ("spot", 7.0, 0.5)
+    assert light.WorldPose().Pos() == Vector3d(1, 2, 3)
+    assert tuple(light.DiffuseColor())[:3] == (1, 0, 0)
+
+
+def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
+    heard = []
+    listening = node.Subscribe("~/physics/contacts", heard.append)
+    core.step(4)
+    assert [contact.collision1 for contact in heard[-1].contact]
+    listening.Unsubscribe()
+    core.step(1)
+    assert not core.engine.record_contacts
+
+
+def test_the_magnetic_field_has_one_truth(core, view, say):
+    view.SetMagneticField((1e-5, 2e-5, 3e-5))
+    assert settings_of(core).magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
+    message = msgs.Physics(real_time_factor=0.5)
+    msgs.Set(message.magnetic_field, Vector3d(0, 0, 1e-5))
+    say("~/physics", message)
+    assert view.Physics().GetParam("magnetic_field") == Vector3d(0, 0, 1e-5)
+    assert view.Physics().GetTargetRealTimeFactor() == 0.5
+
+
+def test_parameters_without_effect_are_those_of_the_file():
+    inside = "<real_time_factor>0.25</real_time_factor><ode><solver><precon_iters>3</precon_iters></solver></ode>"
+    text = f"<sdf version='1.6'><world name='w'><physics type='ode'>{inside}</physics></world></sdf>"
+    with libgz.World.from_string(text):
+        physics_engine = physics.get_world().Physics()
+        assert physics_engine.GetTargetRealTimeFactor() == physics_engine.GetParam("real_time_factor") == 0.25
+        assert physics_engine.GetParam("precon_iters") == 3
+        assert physics_engine.GetParam("contact_surface_layer") == 0.001

@@ -6,6 +6,7 @@ import threading
 
 import pytest
 
+import libgz
 from libgz.classic import msgs
 from libgz.classic.transport import Node, TopicManager, getAdvertisedTopics, getTopicMsgType, request, requestNoReply
 from libgz.errors import ClosedError, GazeboError, NotFoundError, ParameterError
@@ -260,6 +261,35 @@ def test_worlds_have_their_own_topics():
     node = Node()
     node.Init()
     assert node.GetTopicNamespace() == "default"
+
+
+def test_a_node_that_is_told_no_world_takes_that_of_its_plugin(tmp_path, monkeypatch):
+    text = """from libgz.classic import *
+class P(WorldPlugin):
+    def Load(self, world, sdf):
+        self.node = transport.Node()
+        self.node.Init()
+GZ_REGISTER_WORLD_PLUGIN(P)
+"""
+    (tmp_path / "named.py").write_text(text)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    sdf = "<sdf version='1.6'><world name='{}'><plugin name='p' filename='libnamed.so'/></world></sdf>"
+    with libgz.World.from_string(sdf.format("one")) as one, libgz.World.from_string(sdf.format("two")) as two:
+        servers = [companion for world in (one, two) for companion in world.companions]
+        nodes = [server.world_plugins["p"].plugin.node for server in servers]
+        assert [node.GetTopicNamespace() for node in nodes] == ["one", "two"]
+
+
+def test_a_world_without_plugins_speaks_as_soon_as_there_is_a_node():
+    model = "<model name='m'><link name='l'/></model>"
+    with libgz.World.from_string(f"<sdf version='1.6'><world name='quiet'>{model}</world></sdf>") as world:
+        node, heard = Node(), []
+        node.Init()
+        assert node.GetTopicNamespace() == "quiet"
+        kept = node.Subscribe("~/pose/info", heard.append)
+        world.step(2)
+        assert [pose.name for pose in heard[0].pose] == ["m", "m::l"]
+        kept.Unsubscribe()
 
 
 def test_fini_of_a_node_ends_what_it_made(node):

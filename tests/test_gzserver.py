@@ -84,7 +84,12 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
         (["-h"], 255, "stderr", "gzserver -- Run the Gazebo server."),
         (["--seed", "many"], 255, "stderr", "Error. Invalid arguments"),
         (["nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
-        (["--iters", "1", "--record", "--lockstep"], 0, "stderr", "--record has no effect: log files are not recorded"),
+        (
+            ["--iters", "1", "--record_resources", "--lockstep"],
+            0,
+            "stderr",
+            "--record_resources has no effect: models and meshes stay where they are",
+        ),
         (["--iters", "1", "-e", "bullet"], 0, "stderr", "Unregistered physics engine [bullet], the default will be"),
         (["--iters", "1", "-o", "fast"], 0, "stderr", "Specified profile [fast] was not found"),
         (["--iters", "1", "--my-own=5"], 0, "stdout", ""),

@@ -40,7 +40,7 @@ CLASSIC_LEVELS = [
     {"rendering"},
     {"sensors"},
     {"describe", "commands", "topics", "server"},
-    {"gui", "plugins"},
+    {"gui", "plugins", "log"},
 ]
 CLASSIC_LEVEL = {name: i for i, row in enumerate(CLASSIC_LEVELS) for name in row}
 

@@ -1,6 +1,7 @@
 """Finding, loading and failing plugins."""
 
 import logging
+import math
 import textwrap
 
 import pytest
@@ -187,6 +188,17 @@ def test_an_exception_in_update_stops_that_model_only(tmp_path, caplog):
         assert world.model("robot1").GetPose().pos.x > 0.5
 
 
+def test_what_a_plugin_asks_for_after_a_step_may_fail(tmp_path, caplog):
+    update = "[self.world.after_step(act) for act in (lambda: 1 / 0, lambda: done.append(1))]"
+    write(tmp_path, "Late", update=f"done = self.world.done; {update}")
+    with run(tmp_path, "Late", "Late.py") as world:
+        world.done = []
+        world.step(2)
+        assert world.done == [1, 1]
+    assert "ZeroDivisionError" in caplog.text
+    assert "in <lambda>" in caplog.text
+
+
 def test_a_stopped_robot_goes_slack(caplog):
     text = """<gz:world xmlns:gz='g' xmlns:model='m'>
     <model:GroundPlane/><model:Pioneer2AT><id>r</id></model:Pioneer2AT></gz:world>"""
@@ -228,3 +240,159 @@ def test_static_registration():
     libgz.GZ_REGISTER_STATIC("StillModel", Still)
     with libgz.World.from_string("<gz:world xmlns:gz='g' xmlns:model='m'><model:StillModel/></gz:world>") as world:
         assert isinstance(world.model("StillModel"), Still)
+
+
+STRAY = """
+from libgz import *
+class Stray(Model):
+    def Load(self, file, node):
+        SphereGeom(Body(self.world), self.modelSpaceId, 0.1)
+        if node.GetBool("fail"):
+            raise RuntimeError("half made")
+        self.AddBody(Body(self.world), True)
+GZ_REGISTER_PLUGIN("Stray", Stray)
+"""
+
+
+def test_bodies_that_were_not_added_are_told_and_go_with_their_model(tmp_path, caplog):
+    (tmp_path / "Stray.py").write_text(STRAY)
+    with run(tmp_path, "Stray", "Stray.py") as world:
+        assert "<model:Stray>: has a body that no AddBody was told of" in caplog.text
+        world.step()
+        world.DeleteModel("m1")
+        assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
+        with pytest.raises(WorldFileError, match="half made"):
+            world.InsertModel(WORLD.format(model="Stray", plugin="Stray.py</plugin><fail>1</fail><plugin>"))
+        assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
+
+
+def test_what_init_and_load_fail_with_is_said_once(tmp_path):
+    write(tmp_path, "Bad", init="return -1")
+    with pytest.raises(PluginError, match=r"<model:Bad>: Init of model 'm1': it returned -1, which is not 0$"):
+        run(tmp_path, "Bad", "Bad.py")
+    (tmp_path / "Empty.py").write_text(
+        "import libgz\nclass Empty(libgz.Model): pass\nlibgz.GZ_REGISTER_PLUGIN('Empty', Empty)"
+    )
+    with pytest.raises(WorldFileError, match=r"<model:Empty>: Empty has no Load\(file, node\)$"):
+        run(tmp_path, "Empty", "Empty.py")
+
+
+HINGED = """
+from libgz import *
+class Hinged(Model):
+    def Load(self, file, node):
+        base, arm = Body(self.world), Body(self.world, "arm")
+        self.AddBody(base, True)
+        self.AddBody(arm)
+        for body, x in ((base, 0.0), (arm, 0.3)):
+            BoxGeom(body, self.modelSpaceId, 0.1, 0.1, 0.1).SetMass(0.1)
+            body.SetPosition((x, 0, 0))
+        self.failed = False
+        self.joint = HingeJoint(self.world)
+        self.joint.Attach(arm, base)
+        self.joint.SetAnchor((0.2, 0, 0))
+        self.joint.SetAxis((0, 0, 1))
+        self.joint.SetParam(dParamVel, 1.0)
+        self.joint.SetParam(dParamFMax, 5.0)
+GZ_REGISTER_PLUGIN("Hinged", Hinged)
+"""
+
+
+def test_a_nested_model_may_call_a_joint_of_its_own_joint(tmp_path):
+    (tmp_path / "Hinged.py").write_text(HINGED)
+    path = tmp_path / "w.world"
+    inner = "<model:Hinged><id>m1</id><plugin>Hinged.py</plugin><xyz>0 0 0.7</xyz></model:Hinged>"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'><model:SimpleSolid>{inner}</model:SimpleSolid></gz:world>")
+    with libgz.World.from_file(path) as world:
+        model = world.model("m1")
+        world.run(1.0)
+        assert model.joint.GetAngle() == pytest.approx(1.0, abs=0.01)
+        assert model.welded.GetJointBody(1) is world.body("SimpleSolid")
+        model.Update = lambda step: 1 / 0
+        world.step(2)
+        assert isinstance(model.failed, ZeroDivisionError)
+        world.DeleteModel("SimpleSolid")
+        assert not world.engine.joints
+
+
+def test_the_list_of_bodies_is_the_models(tmp_path):
+    write(tmp_path, "Lister", load="self.bodies = []")
+    with pytest.raises(WorldFileError, match=r"property 'bodies' of 'Lister' object has no setter"):
+        run(tmp_path, "Lister", "Lister.py")
+
+
+MOORED = """
+from libgz import *
+class Moored(Model):
+    def Load(self, file, node):
+        body = Body(self.world)
+        self.AddBody(body, True)
+        BoxGeom(body, self.modelSpaceId, 1.0, 0.1, 0.1).SetMass(1.0)
+        body.SetPosition((0.1, 0.2, 0.3))
+        body.SetRotation(GzQuaternFromEuler(0.1, 0.2, 0.3))
+        self.joint = globals()[node.GetString("kind")](self.world)
+        self.joint.Attach(*((body, None) if node.GetBool("first") else (None, body)))
+        if hasattr(self.joint, "SetFixed"):
+            self.joint.SetFixed()
+        self.joint.SetAnchor((0.1, 0.2, 0.3))
+        if hasattr(self.joint, "SetAxis1"):
+            self.joint.SetAxis1((1, 0, 0))
+            self.joint.SetAxis2((0, 1, 0))
+        elif hasattr(self.joint, "GetPosition"):
+            self.joint.SetAxis(0, 1, 0)
+        elif hasattr(self.joint, "SetAxis"):
+            self.joint.SetAxis((0, 1, 0))
+GZ_REGISTER_PLUGIN("Moored", Moored)
+"""
+
+
+@pytest.mark.parametrize("first", ["true", "false"])
+@pytest.mark.parametrize("kind", ["HingeJoint", "SliderJoint", "BallJoint", "UniversalJoint", "FixedJoint"])
+def test_joints_to_the_world_go_where_the_worldfile_puts_their_model(tmp_path, kind, first):
+    (tmp_path / "Moored.py").write_text(MOORED)
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:Moored><plugin>Moored.py</plugin><gravity>false</gravity>"
+        f"<kind>{kind}</kind><first>{first}</first><xyz>2 1 0.5</xyz><rpy>20 30 90</rpy></model:Moored></gz:world>"
+    )
+    with libgz.World.from_file(path) as world:
+        (model,) = world.models
+        if kind in ("HingeJoint", "BallJoint", "UniversalJoint"):
+            assert tuple(model.joint.GetAnchor()) == pytest.approx((2.0, 1.0, 0.5))
+        world.step(50)
+        pose = model.GetPose()
+        assert tuple(pose.pos) == pytest.approx((2.0, 1.0, 0.5))
+        turned = libgz.GzQuaternToEuler(pose.rot)
+        assert tuple(turned) == pytest.approx(tuple(map(math.radians, (20, 30, 90))))
+
+
+def test_a_body_is_added_once(tmp_path):
+    write(tmp_path, "Twice", load="self.AddBody(self.GetBody())")
+    with pytest.raises(WorldFileError, match=r"<Body canonical dummy> was added to a model already, <Twice 'm1'>"):
+        run(tmp_path, "Twice", "Twice.py")
+
+
+@pytest.mark.parametrize("base", ["object", "libgz.Model"])
+def test_classes_that_are_no_models_are_told_what_to_be(tmp_path, base):
+    (tmp_path / "Plain.py").write_text(
+        f"import libgz\nclass Plain({base}):\n    def __init__(self, world): self.world = world\n"
+        "libgz.GZ_REGISTER_PLUGIN('Plain', Plain)"
+    )
+    with pytest.raises(WorldFileError, match=r"<model:Plain>: Plain must be a subclass of Model; .* super\(\)"):
+        run(tmp_path, "Plain", "Plain.py")
+
+
+def test_models_come_and_go_in_init(tmp_path):
+    new = "<model:Pioneer2AT><id>new</id></model:Pioneer2AT>"
+    write(tmp_path, "Spawner", init=f"self.world.InsertModel({new!r}); self.world.DeleteModel('old')")
+    plugin = "<plugin>Spawner.py</plugin>"
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:Pioneer2AT><id>old</id></model:Pioneer2AT>"
+        f"<model:Spawner>{plugin}</model:Spawner><model:TruthWidget><id>after</id></model:TruthWidget></gz:world>"
+    )
+    with libgz.World.from_file(path) as world:
+        world.step()
+        assert [model.GetId() for model in world.models] == ["Spawner", "after", "new"]
+        assert {("truth", "after"), ("position", "new")} < set(world.gz_server.interfaces)
+        assert ("position", "old") not in world.gz_server.interfaces

@@ -457,3 +457,12 @@ def test_a_skin_that_cannot_be_read_is_one_warning(tmp_path, caplog):
         image = look(world)
         assert image[60, 80].tolist() != image[0, 0].tolist()  # the box itself
     assert caplog.text.count("s.3ds cannot be read") == 1
+
+
+def test_a_model_whose_skin_cannot_be_read_is_drawn_whole(tmp_path):
+    (tmp_path / "s.3ds").write_bytes(b"no mesh")
+    pictures = []
+    for skin in (f"<skinFile>{tmp_path}/s.3ds</skinFile>", ""):
+        with world_of(f"{LIGHT}<model:CarChassis><xyz>5 0 -.4</xyz>{skin}</model:CarChassis>") as world:
+            pictures.append(look(world))
+    assert (pictures[0] == pictures[1]).all()

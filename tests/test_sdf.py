@@ -322,3 +322,19 @@ def test_the_command(tmp_path):
     assert f"error   : {bad}:1: <model>: attribute 'name' is missing" in done.stderr
     assert '<model name="m">' in run("--print", good).stdout
     assert run("--check", tmp_path / "none.sdf").returncode == 1
+
+
+def test_things_of_one_kind_and_name_in_one_place_are_told():
+    shape = "<geometry><sphere><radius>1</radius></sphere></geometry>"
+    parts = "".join(f"<{kind} name='v'>{shape}</{kind}>" for kind in ("visual", "visual", "collision"))
+    link = f"<link name='l'>{parts}</link>"
+    told = texts(world(f"<model name='m'>{link}</model>\n<model name='m'/>\n<light name='m' type='point'/>"))
+    assert told == [
+        "<string>:2: <model>: 'm' is the name of another <model>, at <string>:1; names must differ",
+        "<string>:1: <visual>: 'v' is the name of another <visual>, at <string>:1; names must differ",
+    ]
+
+
+def test_actors_are_said_not_to_be_simulated():
+    file = world("<actor name='a'><skin><filename>a.dae</filename></skin></actor>")
+    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it is kept without effect"]

@@ -394,3 +394,15 @@ def test_stops_about_half_a_turn_hold(load, limit):
             hinge.add_force(push)
             made.step()
         assert hinge.position() == pytest.approx(math.copysign(limit, push), abs=0.02)
+
+
+@pytest.mark.parametrize("lower", [1.0, 4.0, 10.0])
+def test_a_joint_that_begins_below_its_limits_turns_towards_them(load, lower):
+    """However many half turns away they are; the other way round, too."""
+    hinges = [joint("j", "revolute", "world", "l", inside=limits(*ends)) for ends in ((lower, 12), (-12, -lower))]
+    parts = [model(name, link("l", inertial(1.0, (1.0,) * 3)), hinge) for name, hinge in zip("ab", hinges, strict=True)]
+    made = load(world(*parts, gravity="0 0 0"))
+    made.run(1.0)
+    low, high = (made.model(name).sdf_joints["j"].position() for name in "ab")
+    assert low == pytest.approx(-high)
+    assert lower < low < 12.0

@@ -1,9 +1,12 @@
 """Older SDF in the words of 1.6: it means what it meant."""
 
 import pytest
+from sdf_worlds import collision, link, model, world
+from test_sdf_shapes import mesh, write_stl
 
 import libgz
 from libgz.classic import physics
+from libgz.classic.log import LogPlay, LogRecord
 from libgz.geometry import GzVector
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import upgraded
@@ -49,10 +52,10 @@ def test_an_axis_keeps_its_direction(tmp_path):
     view = physics.get_world("w")
     view.Save(str(tmp_path / "w.world"))
     after = libgz.World.from_file(tmp_path / "w.world")
-    for world in (before, after):
-        axis = world.model("door").sdf_joints["hinge"].axis()
+    for core in (before, after):
+        axis = core.model("door").sdf_joints["hinge"].axis()
         assert tuple(axis) == pytest.approx((0, 0, 1), abs=1e-6)
-        world.close()
+        core.close()
 
 
 def test_models_of_several_versions_stand_in_one_saved_world(tmp_path):
@@ -63,3 +66,36 @@ def test_models_of_several_versions_stand_in_one_saved_world(tmp_path):
     view.Save(str(tmp_path / "w.world"))
     again((tmp_path / "w.world").read_text())
     old.close()
+
+
+@pytest.fixture
+def with_mesh(tmp_path):
+    """A world whose mesh lies beside it."""
+    home = tmp_path / "home"
+    home.mkdir()
+    write_stl(home / "cube.stl", binary=True)
+    solid = model("m", link("l", collision(mesh("cube.stl"))), pose="0 0 3 0 0 0")
+    (home / "w.world").write_text(f"<sdf version='1.5'>{world(solid)}</sdf>")
+    return home / "w.world"
+
+
+def triangles_of(core):
+    return len(core.model("m").GetBody("l").geoms[0].triangles)
+
+
+def test_meshes_beside_a_file_are_found_from_elsewhere(with_mesh, tmp_path):
+    core = libgz.World.from_file(with_mesh)
+    view = physics.get_world("default")
+    for folder, short in ((tmp_path, False), (with_mesh.parent, True)):
+        view.Save(str(folder / "saved.world"))
+        assert (">cube.stl<" in (folder / "saved.world").read_text()) == short
+        with libgz.World.from_file(folder / "saved.world") as saved:
+            assert triangles_of(saved) == 12
+    with LogRecord(core, tmp_path / "logs" / "state.log"):
+        core.step(10)
+    with LogPlay(tmp_path / "logs" / "state.log") as play:
+        assert triangles_of(play.core) == 12
+    view.RemoveModel("m")
+    view.InsertModelSDF(SdfFile.load(with_mesh))
+    assert triangles_of(core) == 12
+    core.close()

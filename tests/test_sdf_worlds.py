@@ -269,6 +269,26 @@ def test_all_faults_at_once(load):
     assert all("w0.world:1: <" in line for line in text.splitlines())
 
 
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ("<model name='m'><pose>0 0 1</pose><link name='l'/></model>", r"<pose>: '0 0 1' .* must be 6 numbers: x y z"),
+        ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<physics>: .* must be above zero"),
+        ("<state world_name='w'><sim_time>soon</sim_time></state>", r"<sim_time>: 'soon' .* must be seconds"),
+    ],
+)
+def test_a_wrong_number_is_told_with_its_place(load, inside, said):
+    with pytest.raises(WorldFileError, match=r"w0\.world:1: " + said):
+        load(f"<world name='w'>{inside}</world>")
+
+
+def test_a_wrong_number_does_not_hide_what_else_is_wrong(load):
+    with pytest.raises(WorldFileError) as caught:
+        load("<world name='w'><model name='a'><pose>0 0 1</pose><link name='l'/></model><model name='b'/></world>")
+    assert "must be 6 numbers" in str(caught.value)
+    assert "GzPose" not in str(caught.value)
+
+
 def test_unknown_shapes_and_engines_are_warnings(load, caplog):
     shape = "<geometry><image><uri>x.png</uri></image></geometry>"
     body = f"<model name='m'><link name='l'><collision name='c'>{shape}</collision></link></model>"

@@ -206,6 +206,23 @@ def test_a_file_whose_models_ended_with_0_4_is_marked():
     assert upgraded(new)[1] == []
 
 
+def test_an_older_mark_is_replaced():
+    head = """<gz:world xmlns:gz='g' xmlns:model='m' note=' version="1"' version='0.4'>"""
+    new, _ = upgraded(f"{head}<model:SimpleSolid><xyz>0 0 1</xyz></model:SimpleSolid></gz:world>")
+    assert new.startswith(head.replace("0.4", "0.5"))
+    assert "<xyz>0 0 0.75</xyz>" in new
+    assert not file_of(new).is_old
+
+
+def test_a_place_is_added_before_what_is_removed_beside_it():
+    text = (
+        f"{HEAD}<model:SickLMS200 xyz='0 0 1'><updatePeriod>1</updatePeriod>"
+        "<model:GroundPlane><cfm>.01</cfm></model:GroundPlane></model:SickLMS200></gz:world>"
+    )
+    new, _ = upgraded(text)
+    assert "<model:GroundPlane><xyz>0 0 0.1</xyz></model:GroundPlane>" in new
+
+
 def test_models_of_plugins_are_left_alone():
     text = (
         f"{HEAD}<model:Ball><plugin>Ball.py</plugin><lens><hfov>3</hfov></lens><xyz>0 0 1</xyz></model:Ball></gz:world>"

@@ -203,6 +203,29 @@ def test_the_pythonic_client(server):
     assert kept[0] == 1.5  # memory lives as long as a view of it does
 
 
+def test_an_interface_that_was_made_anew_is_opened_anew(server):
+    first = serve(server)
+    serve(server, Sim, "default")
+    with libgz.Client(server.server_id) as client:
+        old = client.position("robot1")
+        first.destroy()
+        assert client.position("robot1") is old  # nothing better is there
+        second = serve(server)
+        new = client.position("robot1")
+        new.command(vx=1.0)
+        assert second.data.cmd_vel_pos[0] == 1.0
+        assert old.cmd_vel_pos[0] == 0.0
+        assert client.position("robot1") is new
+
+
+def test_an_id_too_long_for_c_programs_is_told(server, caplog):
+    room = 127 - len(f"{server.path}/position.")
+    serve(server, name="a" * room)
+    assert not caplog.records
+    serve(server, name="b" * (room + 1))
+    assert "C programs cannot open" in caplog.text
+
+
 def test_a_client_without_a_server(wire):
     with pytest.raises(libgz.ServerError, match=f"server {wire} does not appear to be running"):
         libgz.Client(wire, timeout=0.05)

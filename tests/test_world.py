@@ -143,6 +143,22 @@ def test_a_dummy_child_follows_without_a_joint():
         assert world.model("lamp").GetPose().pos.z == pytest.approx(world.model("s").GetPose().pos.z + 1)
 
 
+def test_a_dummy_attached_at_run_time_follows():
+    widget = "<model:TruthWidget><id>t</id><xyz>0 0 1</xyz></model:TruthWidget>"
+    with world_of(widget + SOLID.format("s", "0 0 0", "<gravity>0</gravity>")) as world:
+        truth, solid = world.model("t"), world.model("s")
+        solid.GetBody().SetLinearVel((1.0, 0.0, 0.0))
+        for steps in (5, 10):
+            truth.SetParent(solid, solid.GetBody())
+            truth.Attach()
+            world.step(5)
+            assert solid.GetPose().pos.x == pytest.approx(0.02 * steps)
+            assert truth.GetPose().pos.x == pytest.approx(0.02 * steps)
+            truth.Detach()
+        world.step(5)
+        assert truth.GetPose().pos.x == pytest.approx(0.2)
+
+
 def test_parent_bodies_by_name():
     laser = "<model:SickLMS200><id>l</id><xyz>0 0 0.1</xyz><parentBody>head</parentBody></model:SickLMS200>"
     with world_of(f"<model:SonyVID30><id>c</id><xyz>0 0 1</xyz>{laser}</model:SonyVID30>") as world:

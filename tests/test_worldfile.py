@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from libgz.errors import WorldFileError
-from libgz.geometry import GzColor, GzQuaternFromEuler, GzVector
+from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.number import atof, atoi, rubbish
@@ -376,9 +376,81 @@ def test_other_encodings_survive(tmp_path):
     assert path.read_bytes().decode("iso-8859-1") == text.replace("<a>1", "<a>2\u00b0")
 
 
+def test_a_protected_file_is_left_alone(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text(SAVED)
+    path.chmod(0o444)
+    file = WorldFile.from_file(path)
+    file.GetRootNode().children[0].SetPosition("xyz", (1, 2, 3))
+    with pytest.raises(WorldFileError, match=r"unable to save .*: it is write-protected"):
+        file.Save()
+    assert path.read_text() == SAVED
+    file.Save(tmp_path / "copy.world")
+    assert "1.000 2.000 3.000" in (tmp_path / "copy.world").read_text()
+
+
 def test_saving_fails_in_words(tmp_path):
     file = load("<a>1</a>")
     with pytest.raises(WorldFileError, match="name a file"):
         file.Save()
     with pytest.raises(WorldFileError, match="unable to save"):
         file.Save(tmp_path / "no" / "such" / "folder.world")
+
+
+POSED = {
+    "attributes": "<model:A t='x>y' xyz = \"1 2 3\"  rpy='0 0 90'/>",
+    "the tags of 0.3": "<model:A><pos>1 2 3</pos><rot>0 0 90</rot></model:A>",
+    "a model of that name": "<model:A><model:xyz>5 5 5</model:xyz></model:A>",
+}
+
+
+@pytest.mark.parametrize("element", POSED.values(), ids=POSED)
+@pytest.mark.parametrize("place", [(4.0, 5.0, 6.0), (0.0, 0.0, 0.0)])
+def test_what_was_saved_is_what_is_read_again(tmp_path, element, place):
+    path = tmp_path / "w.world"
+    path.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'>{element}</gz:world>")
+    file = WorldFile.from_file(path)
+    (node,) = file.GetRootNode().children
+    node.SetPosition("xyz", (9, 9, 9), add=True)
+    node.SetPosition("xyz", place, add=True)
+    node.SetRotation("rpy", GzQuaternFromEuler(0, 0, math.pi), add=True)
+    file.Save()
+    (again,) = WorldFile.from_file(path).GetRootNode().children
+    for some in (node, again):
+        assert tuple(some.GetPosition("xyz")) == place
+        assert GzQuaternToEuler(some.GetRotation("rpy")).z == pytest.approx(math.pi)
+    assert "5 5 5" in path.read_text() or "model:xyz" not in element
+
+
+def test_attributes_are_quoted_where_they_are_saved(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text("<gz:world xmlns:gz='g'><a b='1' c=\"b='2'\"/></gz:world>")
+    file = WorldFile.from_file(path)
+    file.GetRootNode().children[0].SetString("b", "it's <\"&>")
+    file.Save()
+    (again,) = WorldFile.from_file(path).GetRootNode().children
+    assert again.attributes == {"b": "it's <\"&>", "c": "b='2'"}
+
+
+def test_files_of_wide_characters_are_read_and_left_alone(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_bytes("<gz:world xmlns:gz='g'><a>1</a></gz:world>".encode("utf-16"))
+    before, file = path.read_bytes(), WorldFile.from_file(path)
+    assert file.GetRootNode().GetInt("a") == 1
+    file.GetRootNode().SetString("a", "2")
+    with pytest.raises(WorldFileError, match=r"unable to save .*UTF-8"):
+        file.Save()
+    assert path.read_bytes() == before
+
+
+def test_a_second_value_is_told_to_be_one():
+    for body, message in (
+        ("<m><a>1</a>\n<a>2</a></m>", "is not used: the first one counts, line 3"),
+        ("<m a='1'><a>2</a></m>", "is not used: the attribute a= counts"),
+    ):
+        file = load(body)
+        (node,) = file.GetRootNode().children
+        assert node.GetInt("a") == 1
+        node.used = True
+        node.note_unused()
+        assert [fault.message for fault in file.faults.warnings] == [message]

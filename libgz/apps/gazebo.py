@@ -51,8 +51,11 @@ def _rate(text: str) -> float:
 _rate.__name__ = "rate"
 
 
-def _seconds(text: str) -> float:
-    return _rate(text)
+def _seconds(text: str) -> float | None:
+    number = float(text)
+    if not abs(number) < float("inf"):
+        raise ValueError
+    return number if number >= 0.0 else None
 
 
 _seconds.__name__ = "number of seconds"
@@ -98,7 +101,14 @@ def make_parser() -> argparse.ArgumentParser:
         default=1,
         help="message level, -1 none to 9 all (default 1); errors and warnings are always told",
     )
-    add("-t", dest="seconds", metavar="SEC", type=_seconds, default=None, help="quit after so much real time")
+    add(
+        "-t",
+        dest="seconds",
+        metavar="SEC",
+        type=_seconds,
+        default=None,
+        help="quit after so many seconds of real time; negative: never (default)",
+    )
     add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
     add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")

@@ -15,8 +15,10 @@ from typing import NoReturn
 
 from libgz._version import __version__
 from libgz.apps.console import LogFile, as_command, set_up_classic_console
+from libgz.apps.server_log import add_log_options, keep_log
 from libgz.classic.common import LogFormatter, gzlog
 from libgz.classic.loading import new_plugin
+from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach, system_plugins
 from libgz.classic.transport import Link, publicized_address, serve
@@ -50,19 +52,13 @@ Released under the Apache 2 License
 # Options of Gazebo's that have nothing to act on here: they are taken, and one warning says so.
 WITHOUT_EFFECT = {
     "--lockstep": "physics and sensors always keep step",
-    "--play": "log files are not played",
-    "--record": "log files are not recorded",
-    "--record_encoding": "log files are not recorded",
-    "--record_path": "log files are not recorded",
-    "--record_period": "log files are not recorded",
-    "--record_filter": "log files are not recorded",
-    "--record_resources": "log files are not recorded",
+    "--record_resources": "models and meshes stay where they are",
     "--minimal_comms": "nothing is published that nobody listens to",
     "--gui-plugin": "the server has no window; gzclient has",
     "--gui-client-plugin": "the server has no window; gzclient has",
 }
-FLAGS = ("--lockstep", "--record", "--record_resources", "--minimal_comms")
-SHORT = {"--play": "-p", "--record": "-r", "--gui-plugin": "-g"}
+FLAGS = ("--lockstep", "--record_resources", "--minimal_comms")
+SHORT = {"--gui-plugin": "-g"}
 
 
 class Parser(argparse.ArgumentParser):
@@ -114,8 +110,9 @@ def make_parser() -> argparse.ArgumentParser:
     add("-o", "--profile", help="name of the <physics> element to use")
     add("-s", "--server-plugin", action="append", default=[], help="System plugin to load; may be given several times")
     add("--seed", type=_count, help="seed of everything random (default: the process's number)")
-    add("--iters", type=_count, help="end after so many iterations")
+    add("--iters", type=_count, help="end after so many iterations, or with the log")
     add("--server-id", type=_count, help="serve the interfaces of old client programs under this id")
+    add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]
         if option in FLAGS:
@@ -169,6 +166,7 @@ class Server:
     def __init__(self, options: argparse.Namespace, words: Sequence[str]) -> None:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
+        self._play: LogPlay | None = None
 
     def run(self) -> int:
         """Everything, in classic's order; the exit code."""
@@ -182,8 +180,8 @@ class Server:
                 log.info("Waiting for master.")
                 tell_link(link)
                 call_system_plugins("Init")
-                with self._open_world() as core:
-                    self._loop(core)
+                with self._open_world() as core, keep_log(self.options, core, self._play) as control:
+                    self._loop(core, control)
             return 0
         finally:
             drop_system_plugins()
@@ -193,6 +191,8 @@ class Server:
 
     def _open_world(self) -> World:
         options = self.options
+        if options.play is not None:
+            return self._open_log(options.play)
         path = _find_world(options.world)
         if options.physics != "ode":
             log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
@@ -211,6 +211,12 @@ class Server:
             raise
         return core
 
+    def _open_log(self, path: str) -> World:
+        self._play = LogPlay(path, World(self.options.server_id))
+        log.info("playing [%s], recorded by %s", path, self._play.reader.header.gazebo_version)
+        self._play.core.paused = self.options.pause
+        return self._play.core
+
     def _choose_profile(self, world: WorldView) -> None:
         name = self.options.profile
         if name is None:
@@ -221,13 +227,12 @@ class Server:
         except NotFoundError as fault:
             log.error("%s", fault)
 
-    def _loop(self, core: World) -> None:
+    def _loop(self, core: World, control: PlaybackControl | None) -> None:
         """Step until a signal, World.Stop, or the number of iterations ends it."""
         server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
-            core.Step()
-            done += 0 if core.paused else 1
+            done += self._step(core, control)
             if pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
@@ -236,9 +241,19 @@ class Server:
         if self._stopped:
             core.events["SigInt"]()
 
+    def _step(self, core: World, control: PlaybackControl | None) -> int:
+        """One step; how many iterations it was: none of a paused world."""
+        if control is not None:
+            control.update()
+        if self._play is not None and not core.paused:
+            return int(self._play.Step())
+        core.Step()
+        return 0 if core.paused else 1
+
     def _over(self, server: WorldServer | None, done: int) -> bool:
         limit = self.options.iters
-        return self._stopped or (server is not None and server.stopped) or (limit is not None and done >= limit)
+        enough = limit is not None and (done >= limit or (self._play is not None and self._play.at_end))
+        return self._stopped or (server is not None and server.stopped) or enough
 
 
 def open_log(kind: str, port: int) -> None:

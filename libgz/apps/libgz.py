@@ -26,6 +26,7 @@ COMMANDS = {
     "echo": "print what an interface of a running server says, live",
     "interfaces": "list what a running server offers",
     "joint": "push and steer joints of a running SDF world",
+    "log": "read a log file of an SDF world, or switch recording on and off in a running server",
     "model": "look at, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
     "picture": "save what a camera of a world sees",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -10,11 +11,11 @@ from libgz.classic import msgs
 from libgz.classic.common import PID
 from libgz.classic.describe import LIGHT_KINDS, entity_message, physics_message, scene_message
 from libgz.classic.physics.base import Base
+from libgz.classic.physics.insertion import insert_now
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
@@ -25,6 +26,21 @@ if TYPE_CHECKING:
 __all__ = ["Commands"]
 
 log = logging.getLogger("libgz.classic")
+
+PHYSICS_KEYS = (
+    "max_step_size",
+    "real_time_update_rate",
+    "real_time_factor",
+    "solver_type",
+    "min_step_size",
+    "precon_iters",
+    "iters",
+    "sor",
+    "erp",
+    "cfm",
+    "contact_max_correcting_vel",
+    "contact_surface_layer",
+)
 
 
 class Commands:
@@ -83,11 +99,11 @@ class Commands:
             self._world.SetGravity(msgs.ConvertIgn(message.gravity))
         if message.HasField("enable_physics"):
             self._world.SetPhysicsEnabled(message.enable_physics)
-        for key in ("max_step_size", "real_time_update_rate", "solver_type", "iters", "sor", "erp", "cfm"):
+        if message.HasField("magnetic_field"):
+            self._world.SetMagneticField(msgs.ConvertIgn(message.magnetic_field))
+        for key in PHYSICS_KEYS:
             if message.HasField(key):
                 self._world.Physics().SetParam(key, getattr(message, key))
-        if message.HasField("contact_max_correcting_vel"):
-            self._world.Physics().SetParam("contact_max_correcting_vel", message.contact_max_correcting_vel)
 
     def server_control(self, message: Any) -> None:
         """/gazebo/server/control: stop, or save the world."""
@@ -100,25 +116,32 @@ class Commands:
 
     def factory(self, message: Any) -> None:
         """~/factory: a new model, from SDF, from a file, or as a copy."""
-        root = self._factory_sdf(message)
-        entities = [child for child in (next(root.named("world"), root)).children if child.name in ("model", "light")]
+        self._between_steps("~/factory", self._make, message)
+
+    def _between_steps(self, topic: str, handler: Callable[[Any], None], message: Any) -> None:
+        """Handle a message when models may come: each sees what those before it have made."""
+        self._world.core.after_step(functools.partial(self.guarded(topic, handler), message))
+
+    def _make(self, message: Any) -> None:
+        file = self._factory_sdf(message)
+        root = next(file.root.named("world"), file.root)
+        entities = [child for child in root.children if child.name in ("model", "light")]
         if not entities:
             raise ParameterError("there is no model or light in the message")
         for entity in entities:
             if message.HasField("pose"):
                 place = next(entity.named("pose"), None) or entity.AddElement("pose")
                 place.Set(msgs.ConvertIgn(message.pose))
-            self._name(entity, message)
-        self._world.InsertModelString(root.ToString())
+            name = message.edit_name or entity.Get(str, "name")
+            entity.set_attribute("name", self._unique(name) if message.allow_renaming else name)
+        insert_now(self._world, file)
 
-    def _name(self, entity: Element, message: Any) -> None:
-        name = message.edit_name or entity.Get(str, "name")
-        if self._world.BaseByName(name) is not None and message.allow_renaming:
-            taken = {part.GetName() for part in self._world.children()}
-            name = next(f"{name}_{i}" for i in range(len(taken) + 1) if f"{name}_{i}" not in taken)
-        entity.set_attribute("name", name)
+    def _unique(self, name: str) -> str:
+        """A name that nothing has: itself, or with a number."""
+        taken = {part.GetName() for part in self._world.children()}
+        return next(one for one in (name, *(f"{name}_{i}" for i in range(len(taken)))) if one not in taken)
 
-    def _factory_sdf(self, message: Any) -> Element:
+    def _factory_sdf(self, message: Any) -> SdfFile:
         if message.sdf:
             file = SdfFile.from_string(message.sdf)
         elif message.sdf_filename:
@@ -128,22 +151,22 @@ class Commands:
             text = upgraded(sdf).ToString() if sdf is not None else ""
             file = SdfFile.from_string(f"<sdf version='{NEWEST}'>{text}</sdf>")
             for entity in file.root.children:
-                entity.set_attribute("name", f"{message.clone_model_name}_clone")
+                entity.set_attribute("name", self._unique(f"{message.clone_model_name}_clone"))
         else:
             raise ParameterError("it names neither sdf, sdf_filename nor clone_model_name")
         file.faults.raise_errors()
-        return file.root
+        return file
 
     def factory_light(self, message: Any) -> None:
         """~/factory/light: a new light."""
-        kind = LIGHT_KINDS[max(0, message.type - 1)]
-        element = SdfFile.from_string("<sdf version='1.6'><light name='' type='point'/></sdf>").root.child("light")
+        self._between_steps("~/factory/light", self._make_light, message)
+
+    def _make_light(self, message: Any) -> None:
+        file = SdfFile.from_string("<sdf version='1.6'><light name='' type='point'/></sdf>")
+        element = file.root.child("light")
         element.set_attribute("name", message.name)
-        element.set_attribute("type", kind)
-        root = Element("sdf")
-        root.set_attribute("version", "1.6")
-        root.InsertElement(element)
-        self._world.InsertModelString(root.ToString())
+        element.set_attribute("type", LIGHT_KINDS[max(0, message.type - 1)])
+        insert_now(self._world, file)
         self.light_modify(message)
 
     def light_modify(self, message: Any) -> None:

@@ -85,8 +85,8 @@ def physics_message(world: World) -> Any:
 
 
 def contacts_of(world: World) -> Any:
-    """~/physics/contacts: the contacts of the last step."""
-    return contacts_message(world.Physics().GetContactManager().GetContacts(), world.SimTime())
+    """~/physics/contacts: the contacts of the last step, where somebody has them recorded."""
+    return contacts_message(world.Physics().GetContactManager().read(), world.SimTime())
 
 
 def model_message(model: Model) -> Any:

@@ -14,6 +14,7 @@ from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
+from libgz.geometry import GzVector
 from libgz.sdf.element import Element
 from libgz.simulation.changes import delete_models
 from libgz.simulation.sdf_settings import settings_of
@@ -21,6 +22,10 @@ from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.base import Base
+    from libgz.classic.physics.joint import Joint
+    from libgz.classic.physics.joint_controller import JointController
+    from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
     from libgz.simulation.model import Model as CoreModel
@@ -28,8 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
-
-MAGNETIC_FIELD = (5.5645e-6, 22.8758e-6, -42.3884e-6)  # [T], SDF's default
 
 system_plugins: list[LoadedPlugin] = []  # of this process
 
@@ -62,12 +65,11 @@ class WorldServer:
         root = core.sdf.root if core.sdf is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = World(core, self)
-        self.world_plugins: dict[str, LoadedPlugin] = {}
+        self._world_plugins: list[LoadedPlugin] = []
         self.sensors: WorldSensors | None = None
         self.topics = None if quiet else WorldTopics(self)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
-        self._magnetic_field: tuple[float, ...] | None = None
         self._to_step, self._lent = 0, False  # iterations that a pause is lifted for, and whether it is lifted
         self._new: list[CoreModel] = list(core.models)
         self._started = False
@@ -80,14 +82,18 @@ class WorldServer:
     # Start -------------------------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Sensors and their plugins, then World plugins in the order of the file, then Model plugins."""
+        """Sensors and their plugins, then World plugins in the order of the file, then Model plugins.
+
+        What any of them inserts, removes or resets meanwhile comes when all are loaded.
+        """
         self._started = True
-        self.core.events["WorldCreated"](self.world.Name())
-        added, self._new = self._new, []
-        self._add_sensors(added)
-        for element in self._plugins_of(self.element):
-            self.load_world_plugin(*_names(element), element)
-        self._load_model_plugins(added)
+        with self.core.hold():
+            self.core.events["WorldCreated"](self.world.Name())
+            added, self._new = self._new, []
+            self._add_sensors(added)
+            for element in self._plugins_of(self.element):
+                self.load_world_plugin(*_names(element), element)
+            self._load_model_plugins(added)
 
     @staticmethod
     def _plugins_of(element: Element | None) -> Iterator[Element]:
@@ -107,15 +113,44 @@ class WorldServer:
         for core in added:
             for part in self._models([core]):
                 for link in part.GetLinks():
-                    for element in _named(link.GetSDF(), "sensor"):
-                        self.all_sensors().create(link, element)
+                    self._create_sensors(link)
                 for joint in part.GetJoints():
-                    for element in _named(joint.GetSDF(), "sensor"):
-                        self.all_sensors().create(joint, element)
+                    self._create_sensors(joint)
         if self.sensors is not None:
             self.sensors.start_new()
             if self.sensors.draws:
                 self.serve_visuals().add(added)
+
+    def _create_sensors(self, holder: Link | Joint) -> bool:
+        """Make the sensors that stand in a link's or joint's element; whether there are any."""
+        elements = list(_named(holder.GetSDF(), "sensor"))
+        for element in elements:
+            self.all_sensors().create(holder, element)
+        return bool(elements)
+
+    def joint_added(self, joint: Joint) -> None:
+        """A joint was made while the world runs: controllers take it in, and it gets its sensors."""
+        for controller in self._controllers_of(joint):
+            controller.AddJoint(joint)
+        if self._started and self._create_sensors(joint):
+            with self.core.hold():
+                self.all_sensors().start_new()
+
+    def joint_removed(self, joint: Joint) -> None:
+        """A joint is no more: controllers let it go, and its sensors go."""
+        for controller in self._controllers_of(joint):
+            controller.RemoveJoint(joint)
+        if self.sensors is not None:
+            self.sensors.remove_on(joint)
+
+    @staticmethod
+    def _controllers_of(joint: Joint) -> Iterator[JointController]:
+        """Those of its model and of the models around that."""
+        part: Base | None = joint.GetParentModel()
+        while isinstance(part, Model):
+            if part.controller is not None:
+                yield part.controller
+            part = part.GetParent()
 
     def all_sensors(self) -> WorldSensors:
         """The world's sensors, though there may be none yet."""
@@ -145,18 +180,20 @@ class WorldServer:
 
     def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a World plugin; whether it runs."""
-        plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
-        if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
-            self.world_plugins[name] = plugin
-            return True
+        with self.core.hold():
+            plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
+            if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
+                self._world_plugins.append(plugin)
+                return True
         return False
 
     def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a Model plugin; whether it runs."""
-        plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
-        if plugin is not None and plugin.start(model, sdf or Element("plugin")):
-            model.plugins.append(plugin)
-            return True
+        with self.core.hold():
+            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
+            if plugin is not None and plugin.start(model, sdf or Element("plugin")):
+                model.plugins.append(plugin)
+                return True
         return False
 
     def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
@@ -164,16 +201,21 @@ class WorldServer:
         return new_plugin(kind, filename, name, holder, self.core.events, self.filename)
 
     def remove_world_plugin(self, name: str) -> None:
-        """Let a World plugin go.
+        """Let a World plugin go; of several of one name the first.
 
         Raises:
             NotFoundError: there is none of this name.
         """
-        plugin = self.world_plugins.pop(name, None)
-        if plugin is None:
-            known = self.world_plugins
+        known = self.world_plugins
+        if name not in known:
             raise NotFoundError(f"world {self.world.Name()!r} has no plugin {name!r}{nearest(name, known)}")
-        plugin.drop()
+        self._world_plugins.remove(known[name])
+        known[name].drop()
+
+    @property
+    def world_plugins(self) -> dict[str, LoadedPlugin]:
+        """World plugins by name; the first where several have one."""
+        return {plugin.name: plugin for plugin in reversed(self._world_plugins)}
 
     def plugins(self) -> Iterator[LoadedPlugin]:
         """All plugins of this world that run."""
@@ -183,7 +225,7 @@ class WorldServer:
 
     def _plugins_beside_models(self) -> Iterator[LoadedPlugin]:
         """Those of the world, of sensors and of visuals."""
-        yield from self.world_plugins.values()
+        yield from list(self._world_plugins)
         for part in (self.sensors, self.visuals):
             if part is not None:
                 yield from part.plugins()
@@ -281,19 +323,16 @@ class WorldServer:
         return self.sensors.names() if self.sensors is not None else []
 
     def magnetic_field(self) -> Vector3d:
-        """The field [T]: what was set, the file's, or SDF's default."""
-        settings = settings_of(self.core)
-        of_file = settings.magnetic_field if settings is not None else MAGNETIC_FIELD
-        return Vector3d(*(self._magnetic_field or of_file))
+        """The field [T]."""
+        return Vector3d(*settings_of(self.core).magnetic_field)
 
     def set_magnetic_field(self, field: tuple[float, ...]) -> None:
         """Replace the field [T]."""
-        self._magnetic_field = field
+        settings_of(self.core).magnetic_field = GzVector(*field)
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""
-        settings = settings_of(self.core)
-        place = settings.spherical_coordinates if settings is not None else None
+        place = settings_of(self.core).spherical_coordinates
         if place is None:
             return SphericalCoordinates()
         latitude, longitude, heading = (

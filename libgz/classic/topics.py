@@ -46,15 +46,17 @@ class WorldTopics:
         self._node = Node()
         self._node.Init(self._world.Name())
         world = self._world
+        self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
+        self._records = False  # whether contacts are recorded for that topic
         self._response = self._node.Advertise(msgs.Response, "~/response")
         self._models = self._node.Advertise(msgs.Model, "~/model/info")
         self._news = [
-            _News(self._node.Advertise(kind, topic), period, functools.partial(make, world))
-            for kind, topic, period, make in (
-                (msgs.WorldStatistics, "~/world_stats", STATISTICS_PERIOD, statistics_message),
-                (msgs.PosesStamped, "~/pose/info", POSES_PERIOD, poses_message),
-                (msgs.PosesStamped, "~/pose/local/info", POSES_PERIOD, poses_message),
-                (msgs.Contacts, "~/physics/contacts", 0.0, contacts_of),
+            _News(publisher, period, functools.partial(make, world))
+            for publisher, period, make in (
+                (self._node.Advertise(msgs.WorldStatistics, "~/world_stats"), STATISTICS_PERIOD, statistics_message),
+                (self._node.Advertise(msgs.PosesStamped, "~/pose/info"), POSES_PERIOD, poses_message),
+                (self._node.Advertise(msgs.PosesStamped, "~/pose/local/info"), POSES_PERIOD, poses_message),
+                (self._contacts, 0.0, contacts_of),
             )
         ]
         self._subscribers = self._listen(Commands(server, self._response.Publish))
@@ -83,13 +85,17 @@ class WorldTopics:
         now = time.monotonic()
         for news in self._news:
             news.update(now)
-        self._world.Physics().GetContactManager().PublishContacts()
+        manager = self._world.Physics().GetContactManager()
+        if self._contacts.HasConnections() != self._records:
+            self._records = not self._records
+            (manager.hold if self._records else manager.release)(self)
+        manager.PublishContacts()
         self._manager.ProcessNodes()
 
     def close(self) -> None:
         """The world ends; so do its topics, unless another world of this process has the same name."""
         name = self._world.Name()
-        self._subscribers.clear()
         self._node.Fini()
+        self._subscribers.clear()
         if not any(world.Name() == name for world in live_worlds() if world is not self._world):
             self._manager.RemoveTopicNamespace(name)

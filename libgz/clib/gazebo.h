@@ -321,6 +321,13 @@ extern int gz_gripper_close(gz_gripper_t *self);
 extern int gz_gripper_lock(gz_gripper_t *self, int blocking);
 extern void gz_gripper_unlock(gz_gripper_t *self);
 
+#ifdef GAZEBO_GRIPPER_CVS
+#define gz_gripper_open(self, client, id) \
+    (gz_iface_open((self)->iface, client, "gripper", id, sizeof(gz_gripper_data_t)) != 0 \
+         ? -1 \
+         : ((self)->data = (gz_gripper_data_t *) (self)->iface->mmap, 0))
+#endif
+
 /* guicam: a camera that people steer with the mouse. */
 #define GAZEBO_GUICAM_MAX_IMAGE_SIZE 2359296
 

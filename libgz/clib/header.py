@@ -128,6 +128,17 @@ extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 """
 
 
+# The library's own function asks for the size of the release's struct.
+LATER_GRIPPER_OPEN = f"""
+#ifdef {LATER_GRIPPER}
+#define gz_gripper_open(self, client, id) \\
+    (gz_iface_open((self)->iface, client, "gripper", id, sizeof(gz_gripper_data_t)) != 0 \\
+         ? -1 \\
+         : ((self)->data = (gz_gripper_data_t *) (self)->iface->mmap, 0))
+#endif
+"""
+
+
 def header() -> str:
     """The text of gazebo.h."""
     parts = [PREAMBLE, _macros(), CORE.replace("{head}", _head())]
@@ -195,8 +206,7 @@ def _interface(kind: type[Interface[Any]]) -> str:
     else:
         lines += ["", *_struct(data, headed=True)]
     lines += ["", *_handle(name, c_name(data)), "", *_functions(kind)]
-    text = "\n".join(lines) + "\n"
-    return text + TRUTH_FUNCTIONS if name == "truth" else text
+    return "\n".join(lines) + "\n" + {"truth": TRUTH_FUNCTIONS, "gripper": LATER_GRIPPER_OPEN}.get(name, "")
 
 
 def _struct(struct: type[ctypes.Structure], headed: bool) -> list[str]:

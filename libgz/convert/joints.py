@@ -18,7 +18,8 @@ from libgz.ode.types import (
     dParamLoStop2,
 )
 from libgz.physics.body import Body
-from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, HingeJoint, Joint, SliderJoint, UniversalJoint
+from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
+from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 
 __all__ = ["add_joint", "ends_of"]
 

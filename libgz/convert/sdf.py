@@ -179,7 +179,7 @@ class _Conversion:
             if child in held:
                 self.notes.add(_owner(owner), f"link {link_name(child)} hangs on two joints, which gz-sim cannot do")
             held.add(child)
-            if joint is owner.joint:
+            if joint is owner.welded:
                 name = f"{link_name(child)}_weld"
             else:
                 name = f"{'' if owner is top else owner.GetId() + '_'}{joint.name or link_name(child)}_joint"

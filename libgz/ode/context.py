@@ -7,7 +7,7 @@ import math
 import sys
 from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +21,10 @@ __all__ = [
     "MAX_CONTACTS",
     "MOST_CONTACTS",
     "NO_HIT",
+    "Motions",
     "Step",
     "StepContext",
     "Tables",
-    "halt_runaway",
     "push_joint",
     "read_body",
     "read_joint",
@@ -34,6 +34,7 @@ __all__ = [
 MAX_CONTACTS = 10  # of a pair of geoms
 MOST_CONTACTS = 250  # of a pair of geoms in worlds of classic, which keep the deepest of them
 FASTEST, STRONGEST = 1e7, 1e12  # [m/s], [rad/s]; [N], [N m]: bodies beyond have run away
+FARTHEST, LOST_SPEED = 2e8, 2e9  # [m]; [m/s], [rad/s]: after a step, bodies beyond have run away
 NO_HIT = sys.float_info.max  # [m], the range of a ray that hits nothing
 _VECTOR = (np.float64, (3,))
 # A contact point of a step: rows of its geoms; where it is [m], the unit normal, which points into the first geom, how
@@ -94,6 +95,8 @@ class StepContext(ctypes.Structure):
         ("halted", c_int64),
         ("gave_up", c_int64),
         ("lost", c_int64),
+        ("baffled", c_int64),
+        ("baffled_by", c_int64 * 2),
     ]
 
 
@@ -124,7 +127,7 @@ class Step(Protocol):
     reads_all: bool  # whether step() leaves all states copied out
 
     def step(self) -> int:
-        """Both halves; 1: all is well, 0: out of memory, NOT_ALL_WELL: a body ran away, or the step was given up."""
+        """Both halves; 1: all is well, 0: out of memory, NOT_ALL_WELL: see `Engine._mend`."""
 
     def collide(self) -> None:
         """The first half: find contacts and make joints of them."""
@@ -154,6 +157,16 @@ class Step(Protocol):
         rows: NDArray[np.int64],
     ) -> None:
         """Cast rays from a frame; see gz_scan in step.c."""
+
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """`scan` with these arguments, to be called again and again."""
 
 
 def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:
@@ -209,21 +222,46 @@ def read_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool = Fal
             state[1] = _unwind(before[1], state[1])
 
 
-def halt_runaway(ode_: OdeLibrary, body: int) -> bool:
-    """Halt a body if it runs away; halt_runaways in step.c."""
-    for get, most in (
-        (ode_.dBodyGetLinearVel, FASTEST),
-        (ode_.dBodyGetAngularVel, FASTEST),
-        (ode_.dBodyGetForce, STRONGEST),
-        (ode_.dBodyGetTorque, STRONGEST),
-    ):
-        if not all(abs(v) <= most for v in get(body).contents[:3]):
-            break
-    else:
-        return False
-    for put in (ode_.dBodySetLinearVel, ode_.dBodySetAngularVel, ode_.dBodySetForce, ode_.dBodySetTorque):
-        put(body, 0.0, 0.0, 0.0)
-    return True
+class Motions:
+    """What ODE keeps of bodies, looked at in place: a call for each number would take as long as the step."""
+
+    def __init__(self, ode_: OdeLibrary) -> None:
+        self._ode = ode_
+        self._places: dict[int, tuple[tuple[Any, float, float], ...]] = {}  # of a body; another at its address fits
+
+    def _look(self, body: int) -> tuple[tuple[Any, float, float], ...]:
+        """Three numbers each, how large they may be before a step, and after it."""
+        ode_ = self._ode
+        self._places[body] = tuple(
+            ((c_double * 3).from_address(ctypes.addressof(get(body).contents)), before, after)
+            for get, before, after in (
+                (ode_.dBodyGetPosition, math.inf, FARTHEST),
+                (ode_.dBodyGetLinearVel, FASTEST, LOST_SPEED),
+                (ode_.dBodyGetAngularVel, FASTEST, LOST_SPEED),
+                (ode_.dBodyGetForce, STRONGEST, math.inf),
+                (ode_.dBodyGetTorque, STRONGEST, math.inf),
+            )
+        )
+        return self._places[body]
+
+    def halt(self, body: int) -> bool:
+        """Halt a body if it runs away; halt_runaways in step.c."""
+        for (x, y, z), most, _ in self._places.get(body) or self._look(body):
+            if not (-most <= x <= most and -most <= y <= most and -most <= z <= most):
+                break
+        else:
+            return False
+        ode_ = self._ode
+        for put in (ode_.dBodySetLinearVel, ode_.dBodySetAngularVel, ode_.dBodySetForce, ode_.dBodySetTorque):
+            put(body, 0.0, 0.0, 0.0)
+        return True
+
+    def is_lost(self, body: int) -> bool:
+        """Whether a step brought a body where no robot comes; read_bodies in step.c."""
+        return any(
+            not (-most <= x <= most and -most <= y <= most and -most <= z <= most)
+            for (x, y, z), _, most in (self._places.get(body) or self._look(body))[:3]
+        )
 
 
 def push_joint(ode_: OdeLibrary, tables: Tables, row: int, *, unwind: bool) -> None:

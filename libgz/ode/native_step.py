@@ -6,6 +6,7 @@ import ctypes
 import functools
 import os
 import threading
+from collections.abc import Callable
 from ctypes import c_int64, c_void_p
 from pathlib import Path
 
@@ -51,6 +52,8 @@ class NativeStep:
         self._address = ctypes.addressof(context)
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
         self._scan = self._shared.gz_scan
+        self._quick_scan = self._shared["gz_scan"]  # as above
+        self._quick_scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
 
     @classmethod
@@ -128,6 +131,27 @@ class NativeStep:
         where, what = frame.ctypes.data, rays.ctypes.data
         with _in_ode:
             self._scan(self._address, where, what, len(rays), owner, ranges.ctypes.data, rows.ctypes.data)
+
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
+        frame_, rays_, ranges_, rows_ = (array.ctypes.data_as(c_void_p) for array in (frame, rays, ranges, rows))
+        count, number = c_int64(len(rays)), c_int64(owner)
+        cast = functools.partial(
+            self._quick_scan, c_void_p(self._address), frame_, rays_, count, number, ranges_, rows_
+        )
+
+        def scan() -> None:
+            with _in_ode:
+                cast()
+
+        return scan
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

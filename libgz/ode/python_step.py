@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from ctypes import c_void_p
 from typing import Any, TypeAlias
 
@@ -15,9 +16,9 @@ from libgz.ode.context import (
     MAX_CONTACTS,
     NO_HIT,
     NOT_ALL_WELL,
+    Motions,
     StepContext,
     Tables,
-    halt_runaway,
     push_joint,
     read_body,
     read_joint,
@@ -64,6 +65,7 @@ class PythonStep:
         self._pairs_valid_for: tuple[int, float, int] = (-1, 0.0, 0)
         self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
         self._careful = CarefulContacts(context, tables)
+        self._motions = Motions(self._ode)
         self._contact_count = 0
         self._near = self._make_near()
 
@@ -183,13 +185,13 @@ class PythonStep:
         for row in sorted(self._tables.pushing):
             if self._tables.joint_ids[row]:
                 push_joint(ode_, self._tables, row, unwind=bool(context.classic))
-        halted = 0
-        if context.classic:
-            for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
-                if halt_runaway(ode_, int(self._tables.body_ids[row])):
-                    halted = context.halted = row + 1
+        bodies = [(row, body) for row, body in enumerate(self._tables.body_ids[: context.body_count].tolist()) if body]
+        context.halted = 0
+        for row, body in bodies:
+            if self._motions.halt(body):
+                context.halted = row + 1
         if context.watch:
-            for row in self._tables.body_ids[: context.body_count].nonzero()[0].tolist():
+            for row, _ in bodies:
                 watch_body(ode_, self._tables, row)
         done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
         if recording:
@@ -199,7 +201,8 @@ class PythonStep:
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        return NOT_ALL_WELL if done and halted else int(done != 0)
+        context.lost = sum(self._motions.is_lost(body) for _, body in bodies)
+        return NOT_ALL_WELL if done and (context.halted or context.lost) else int(done != 0)
 
     def _raise_fault(self) -> None:
         fault, self._fault = self._fault, None
@@ -249,14 +252,28 @@ class PythonStep:
         for i, (first, along, length) in enumerate(zip(starts, directions, lengths, strict=True)):
             ode_.dGeomRaySetLength(context.ray, length)
             ode_.dGeomRaySet(context.ray, *first, *along)
-            for geom, row in seen:
+            for geom, row, box in seen:
+                if not _may_hit(first, along, length, box):
+                    continue
                 if ode_.dCollide(context.ray, geom, 1, hit_address, hit_size) and hit.depth < ranges[i]:
                     ranges[i], rows[i] = hit.depth, row
 
-    def _gather(self, owner: int) -> list[tuple[int, int]]:
-        """(geom, row) of all geoms whose bounding box meets the probe's, without those of body `owner`."""
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], object]:
+        """A scan ready to be made."""
+        return functools.partial(self.scan, frame, rays, owner, ranges, rows)
+
+    def _gather(self, owner: int) -> list[tuple[int, int, list[float]]]:
+        """(geom, row, bounding box) of all geoms whose box meets the probe's, without those of body `owner`."""
         ode_, context = self._ode, self._context
-        seen: list[tuple[int, int]] = []
+        seen: list[tuple[int, int, list[float]]] = []
+        box = (ctypes.c_double * 6)()
         probe = context.probe
 
         def near(_data: int, geom1: int, geom2: int) -> None:
@@ -267,7 +284,8 @@ class PythonStep:
                     return
                 row = ode_.dGeomGetData(geom) or 0
                 if not owner or self._tables.owner[row] != owner:
-                    seen.append((geom, row))
+                    ode_.dGeomGetAABB(geom, box)
+                    seen.append((geom, row, box[:]))
             except BaseException as fault:  # noqa: BLE001 - as in _make_near
                 self._fault = fault
 
@@ -276,3 +294,21 @@ class PythonStep:
         ode_.dSpaceCollide2(probe, context.space, None, address)
         self._raise_fault()
         return seen
+
+
+def _may_hit(start: Sequence[float], direction: Sequence[float], length: float, box: Sequence[float]) -> bool:
+    """may_hit in step.c: whether a ray meets a box grown by a hair."""
+    first, last = 0.0, length
+    for k in range(3):
+        low, high, along = box[2 * k] - 1e-9 - start[k], box[2 * k + 1] + 1e-9 - start[k], direction[k]
+        if -1e-12 < along < 1e-12:
+            if low > 0.0 or high < 0.0:
+                return False
+            continue
+        a, b = low / along, high / along
+        if a > b:
+            a, b = b, a
+        first, last = max(first, a - 1e-9), min(last, b + 1e-9)
+        if first > last:
+            return False
+    return True

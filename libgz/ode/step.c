@@ -112,14 +112,15 @@ const char *const *gz_step_needs(void)
 }
 
 /* ODE's assertions end the process. In the middle of solving they mean that numbers ran away, and then the step is
- * given up: what is left behind is mended by who called (Engine). */
+ * given up: what is left behind is mended by who called (Engine). Where the contacts of a pair are looked for, the pair
+ * is given up. */
 static __thread jmp_buf given_up;
-static __thread int solving;
+static __thread int guarded;
 static message_handler *other_handler;
 
 static void on_assertion(int number, const char *text, va_list arguments)
 {
-    if (solving)
+    if (guarded)
         longjmp(given_up, 1);
     if (other_handler)
         other_handler(number, text, arguments);
@@ -180,6 +181,8 @@ typedef struct {
     int64_t halted;        /* 1 + the row of a body that ran away and was halted; 0: none */
     int64_t gave_up;       /* 1: the last step was given up */
     int64_t lost;          /* bodies whose numbers ran away */
+    int64_t baffled;       /* 1: an assertion ended the search for the contacts of a pair, or for what a ray hits */
+    int64_t baffled_by[2]; /* rows of the geoms of the last such pair; -1: a ray */
 } context;
 
 size_t gz_step_context_size(void) { return sizeof(context); }
@@ -187,7 +190,7 @@ size_t gz_step_context_size(void) { return sizeof(context); }
 enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; what classic chooses the deepest from */
 enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
 enum { JOINT_PISTON = 14 };
-enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3 };
+enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
 enum { ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
@@ -213,6 +216,8 @@ enum {
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
+#define FARTHEST 2e8   /* [m], of a centre of mass */
+#define LOST_SPEED 2e9 /* [m/s] and [rad/s], after a step */
 #define FASTEST 1e7    /* [m/s] and [rad/s] */
 #define STRONGEST 1e12 /* [N] and [N m] */
 #define TURN 6.2831853071795862 /* 2 pi */
@@ -249,6 +254,37 @@ static void make_surface(const context *c, const double *a, const double *b, sur
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
+/* dCollide, without an end of the process: no contacts where an assertion of ODE's fails. */
+static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_geom *points, int skip)
+{
+    void *geoms[2] = {geom1, geom2};
+    double position[2][4], rotation[2][12];
+    int class1 = dGeomGetClass(geom1), class2 = dGeomGetClass(geom2), count, k;
+    int moved = (class1 == HEIGHTFIELD_CLASS && class2 != PLANE_CLASS) ||
+                (class2 == HEIGHTFIELD_CLASS && class1 != PLANE_CLASS);
+
+    /* ODE moves what meets a height field into its frame, and back when it is done. */
+    for (k = 0; moved && k < 2; k++) {
+        memcpy(position[k], dGeomGetPosition(geoms[k]), sizeof position[k]);
+        memcpy(rotation[k], dGeomGetRotation(geoms[k]), sizeof rotation[k]);
+    }
+    guarded = 1;
+    if (setjmp(given_up)) {
+        guarded = 0;
+        for (k = 0; moved && k < 2; k++) {
+            memcpy((double *)dGeomGetPosition(geoms[k]), position[k], sizeof position[k]);
+            memcpy((double *)dGeomGetRotation(geoms[k]), rotation[k], sizeof rotation[k]);
+        }
+        c->baffled = 1;
+        for (k = 0; k < 2; k++)
+            c->baffled_by[k] = dGeomGetClass(geoms[k]) == RAY_CLASS ? -1 : (int64_t)(intptr_t)dGeomGetData(geoms[k]);
+        return 0;
+    }
+    count = dCollide(geom1, geom2, most, points, skip);
+    guarded = 0;
+    return count;
+}
+
 /* Put the stand-in where a cylinder is: a box `radial` long towards the other's axis, `tangential` across it. */
 static void place_stand_in(void *box, const double *position, const double *x, const double *y, const double *axis,
                            double radial, double tangential, double length)
@@ -269,7 +305,7 @@ static void place_stand_in(void *box, const double *position, const double *x, c
 /* Contacts of a cylinder with a cylinder or capsule, which ODE lacks without libccd. The cylinder is taken as two
  * boxes inside it: a strip that points at the other's axis, so that sides touch at the true radius, and the square
  * inscribed in its ends, so that one can stand on the other. */
-static int collide_cylinder(const context *c, void *geom1, void *geom2, int class2, contact *points)
+static int collide_cylinder(context *c, void *geom1, void *geom2, int class2, contact *points)
 {
     void *cylinder = class2 == CYLINDER_CLASS ? geom2 : geom1, *other = cylinder == geom2 ? geom1 : geom2;
     const double *p = dGeomGetPosition(cylinder), *q = dGeomGetPosition(other);
@@ -319,9 +355,9 @@ static int collide_cylinder(const context *c, void *geom1, void *geom2, int clas
     place_stand_in(c->stand_in, p, aim, side, axis, radius, 0.2 * radius, length);
     geom1 = cylinder == geom1 ? c->stand_in : geom1;
     geom2 = cylinder == geom2 ? c->stand_in : geom2;
-    count = dCollide(geom1, geom2, MAX_CONTACTS / 2, &points[0].geom, sizeof(contact));
+    count = collide_pair(c, geom1, geom2, MAX_CONTACTS / 2, &points[0].geom, sizeof(contact));
     place_stand_in(c->stand_in, p, aim, side, axis, radius * 0.70710678118654752, radius * 0.70710678118654752, length);
-    count += dCollide(geom1, geom2, MAX_CONTACTS / 2, &points[count].geom, sizeof(contact));
+    count += collide_pair(c, geom1, geom2, MAX_CONTACTS / 2, &points[count].geom, sizeof(contact));
     return count;
 }
 
@@ -511,7 +547,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
                                  (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
         count = collide_cylinder(c, geom1, geom2, class2, points);
     else
-        count = dCollide(geom1, geom2, c->classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
+        count = collide_pair(c, geom1, geom2, c->classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
     if (!count)
         return;
     make_surface(c, a, b, &surface);
@@ -554,10 +590,10 @@ static void rotate(const double *q, const double *v, double *out)
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
 
-/* Whether a number ran away: it is beyond twice what may be set (LARGEST in check.py), or none at all. */
-static int is_lost(double value)
+/* Whether a number ran away: it is beyond twice what may be set (check.py), or none at all. */
+static int is_lost(double value, double most)
 {
-    return !(value >= -2e9 && value <= 2e9);
+    return !(value >= -most && value <= most);
 }
 
 static void read_bodies(context *c)
@@ -583,7 +619,7 @@ static void read_bodies(context *c)
             row[7 + k] = p[k];
             row[10 + k] = v[k];
             row[13 + k] = w[k];
-            lost |= is_lost(p[k]) | is_lost(v[k]) | is_lost(w[k]);
+            lost |= is_lost(p[k], FARTHEST) | is_lost(v[k], LOST_SPEED) | is_lost(w[k], LOST_SPEED);
         }
         for (k = 0; k < 4; k++)
             row[3 + k] = q[k];
@@ -726,7 +762,7 @@ static int is_within(const double *v, double most)
     return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
 }
 
-/* Halt bodies that run away, in classic worlds: ODE ends the process on numbers that are none. */
+/* Halt bodies that run away: ODE ends the process on numbers that are none. */
 static void halt_runaways(context *c)
 {
     int64_t i;
@@ -754,24 +790,23 @@ int gz_solve(context *c)
     ask_contacts(c);
     push_joints(c);
     c->halted = 0;
-    if (c->classic)
-        halt_runaways(c);
+    halt_runaways(c);
     if (c->watch)
         watch_bodies(c);
     c->gave_up = 0;
-    solving = 1;
+    guarded = 1;
     if (setjmp(given_up))
         c->gave_up = 1;
     else
         done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
-    solving = 0;
+    guarded = 0;
     read_contacts(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
     read_bodies(c);
     read_joints(c);
-    if (done && (c->halted || c->gave_up || c->lost))
+    if (done && (c->halted || c->gave_up || c->lost || c->baffled))
         return NOT_ALL_WELL;
     return done != 0;
 }
@@ -910,7 +945,7 @@ void gz_scan(context *c, const double *frame, const double *rays, int64_t count,
                 dGeomRaySet(c->ray, start[0], start[1], start[2], dir[0], dir[1], dir[2]);
                 set = 1;
             }
-            if (dCollide(c->ray, g.list[j].geom, 1, &hit, sizeof hit) && hit.depth < ranges[i]) {
+            if (collide_pair(c, c->ray, g.list[j].geom, 1, &hit, sizeof hit) && hit.depth < ranges[i]) {
                 ranges[i] = hit.depth;
                 rows[i] = (int64_t)(intptr_t)dGeomGetData(g.list[j].geom);
             }

@@ -33,6 +33,7 @@ class Appearance:
     scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))  # of all that is drawn, along its own axes
     visible: bool = True  # whether the geom is drawn at all
     skin_null: bool = False  # while skins are shown, draw nothing
+    skin_instead: Path | None = None  # the skin for which nothing is drawn; if it cannot be read, the shape is
     laser: float = 1.0
     retro: float = 0.0
     fiducial: int = -1

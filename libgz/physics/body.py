@@ -24,7 +24,7 @@ from libgz.geometry import (
 )
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
-from libgz.physics.check import LARGEST, finite_tuple, not_negative, rotation_tuple
+from libgz.physics.check import FARTHEST, LARGEST, REACH, finite_tuple, not_negative, rotation_tuple
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -93,6 +93,11 @@ class Body:
             raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         return self._id or 0
 
+    @property
+    def closed(self) -> bool:
+        """Whether it was destroyed."""
+        return self._closed
+
     def GetBodyId(self) -> int:
         """The ODE handle; 0 for a dummy."""
         return self.id
@@ -116,11 +121,11 @@ class Body:
     # State -------------------------------------------------------------------------------------------------------
 
     def _values(self, first: int, last: int) -> list[float]:
-        """Columns of this body's row; see `Engine.states`."""
+        """Columns of this body's row; see `Engine.states`. The row of a body that was closed is soon another one's."""
+        if self._closed:
+            raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
         engine, row = self.engine, self.row
         if not engine.body_fresh[row]:
-            if self._closed:
-                raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
             engine.read_body(row)
         values: list[float] = engine.body_values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
         return values
@@ -132,6 +137,10 @@ class Body:
             return GzPose(GzVector(pos.x, pos.y, pos.z), GzQuatern(rot.u, rot.x, rot.y, rot.z))
         x, y, z, qu, qx, qy, qz = self._values(0, 7)
         return GzPose(GzVector(x, y, z), GzQuatern(qu, qx, qy, qz))
+
+    def frame(self) -> list[float]:
+        """Position [m] and quaternion (u, x, y, z) of the body frame, global."""
+        return self._values(0, 7) if self.row >= 0 else [*self._pose.pos, *self._pose.rot]
 
     def GetPosition(self) -> GzVector:
         """Global position of the body frame [m]."""
@@ -147,7 +156,7 @@ class Body:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
+        position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", FARTHEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if self.row < 0:
             self._pose = GzPose(position, rotation)
@@ -419,7 +428,8 @@ class Body:
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
-        if not (math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
+        near = max(map(abs, total.c[:3])) <= REACH
+        if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
                 "of inertia is beyond what can be reckoned with"

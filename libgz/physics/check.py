@@ -4,14 +4,49 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
+from libgz.ode.types import JOINT_PARAMETERS
 
-__all__ = ["LARGEST", "finite", "finite_tuple", "not_negative", "positive", "rotation_tuple", "unit_axis"]
+__all__ = [
+    "FARTHEST",
+    "LARGEST",
+    "REACH",
+    "are_parallel",
+    "finite",
+    "finite_tuple",
+    "joint_value",
+    "known_parameter",
+    "not_negative",
+    "perpendicular",
+    "positive",
+    "rotation_tuple",
+    "table",
+    "unit_axis",
+]
 
-# ODE ends the process where bounding boxes leave the whole numbers that a double holds, or inertia overflows. In
-# metres, kilograms and metres per second this is far inside of that, and far outside of any robot's world.
+# ODE ends the process where inertia overflows. In metres, kilograms and metres per second this is far inside of that,
+# and far outside of any robot's world.
 LARGEST = 1e9
+# It does so, too, where a small geom lies beyond 2^28 m, for its cells of 1/8 m are counted in 32 bits.
+FARTHEST = 1e8  # from the origin of the world to a body [m]
+REACH = 1e7  # from a body to its geoms and their corners, and to its centre of mass [m]
+
+# What ODE can reckon with; a stop that cannot be met, and a motor without bounds, are infinite.
+_RANGES = {
+    "dParamLoStop": (-math.inf, LARGEST),
+    "dParamHiStop": (-LARGEST, math.inf),
+    "dParamFMax": (-math.inf, math.inf),  # it passes over those below zero
+    **dict.fromkeys(("dParamVel", "dParamLoVel", "dParamHiVel", "dParamFudgeFactor"), (-LARGEST, LARGEST)),
+    "dParamBounce": (0.0, LARGEST),
+    **dict.fromkeys(("dParamERP", "dParamStopERP", "dParamSuspensionERP"), (0.0, LARGEST)),
+    **dict.fromkeys(("dParamCFM", "dParamStopCFM", "dParamSuspensionCFM"), (0.0, 1e12)),
+}
+_JOINT_VALUES = {number: _RANGES[name.rstrip("2")] for number, name in JOINT_PARAMETERS.items()}
 
 
 def finite(value: float, what: str) -> float:
@@ -66,6 +101,18 @@ def finite_tuple(values: Iterable[float], count: int, what: str, largest: float 
     return numbers
 
 
+def table(values: ArrayLike, columns: int, what: str) -> NDArray[Any]:
+    """`values` as an array of so many columns, a copy.
+
+    Raises:
+        ParameterError: they do not make whole rows.
+    """
+    numbers = np.array(values)
+    if numbers.size % columns or numbers.dtype.kind not in "biuf":
+        raise ParameterError(f"{what} have shape {numbers.shape}; they must be numbers, {columns} in a row")
+    return numbers.reshape(-1, columns)
+
+
 def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:
     """`values` as a tuple of four floats that can be scaled to length 1.
 
@@ -91,3 +138,38 @@ def unit_axis(values: Iterable[float], what: str) -> tuple[float, ...]:
     if length == math.inf:  # the squares are too large
         return unit_axis([a / max(map(abs, axis)) for a in axis], what)
     return tuple(a / length for a in axis)
+
+
+def are_parallel(one: Iterable[float], two: Iterable[float]) -> bool:
+    """Whether two unit vectors lie along one line."""
+    return abs(sum(a * b for a, b in zip(one, two, strict=True))) > 1.0 - 1e-9
+
+
+def perpendicular(axis: Iterable[float]) -> tuple[float, ...]:
+    """Some unit vector at right angles to an axis."""
+    x, y, z = axis
+    return unit_axis((0.0, z, -y) if abs(x) < 0.9 else (-z, 0.0, x), "axis")
+
+
+def known_parameter(number: int) -> int:
+    """The number of a joint's parameter.
+
+    Raises:
+        ParameterError: it names none.
+    """
+    if number not in JOINT_PARAMETERS:
+        raise ParameterError(f"joint parameter {number!r} is unknown; use dParamVel, dParamFMax and so on")
+    return int(number)
+
+
+def joint_value(parameter: int, value: float) -> float:
+    """`value` as a float that ODE can take for a joint's parameter.
+
+    Raises:
+        ParameterError: the parameter is unknown, or the value is out of its range.
+    """
+    least, most = _JOINT_VALUES.get(parameter) or _JOINT_VALUES[known_parameter(parameter)]
+    number = float(value)
+    if least <= number <= most:
+        return number
+    raise ParameterError(f"{JOINT_PARAMETERS[parameter]} is {number:g}; it must be within {least:g} and {most:g}")

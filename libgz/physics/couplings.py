@@ -26,7 +26,6 @@ from libgz.geometry import (
 from libgz.ode.lib import ode
 from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
-from libgz.physics.check import finite
 from libgz.physics.joint import FixedJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.mass import given_mass
 
@@ -71,11 +70,6 @@ class PistonJoint(Joint):
     def GetPositionRate(self) -> float:
         """Velocity along the axis [m/s]."""
         return self._value(3)
-
-    def SetSliderForce(self, force: float) -> None:
-        """Add a force along the axis for one step [N]."""
-        self._require_bodies()
-        ode().dJointAddPistonForce(self.id, finite(force, "force [N]"))
 
 
 class LineJoint(Joint):
@@ -135,6 +129,15 @@ class Thread:
     def error(self) -> float:
         """How far the position is off [m]."""
         return self.piston.GetPosition() + self.piston.GetAngle() / self.pitch
+
+    def provide_feedback(self, on: bool) -> None:
+        """Whether `feedback` is filled in each step."""
+        self._line.provide_feedback(on)
+
+    @property
+    def feedback(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
+        """What the thread put on the piston's bodies in the last step; see `Joint.feedback`."""
+        return self._line.feedback
 
     def update(self) -> None:
         """Lay the line along the flank, before a step."""

@@ -20,7 +20,7 @@ from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
 from libgz.physics.check import not_negative
-from libgz.physics.runaway import mend, tell
+from libgz.physics.runaway import mend, tell, tell_baffled, tell_gave_up
 from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:
@@ -135,6 +135,8 @@ class Engine(EngineSettings):
         self.joints: dict[int, Joint] = {}
         self.geoms: dict[int, Geom] = {}
         self.spaces: dict[Space, None] = {}
+        self.gave_up = False  # whether it was told that ODE gave up a step
+        self.baffling: set[tuple[int, ...]] = set()  # pairs of geoms that it was told of that ODE cannot collide them
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()  # for who wants to show them
         self._make_tables()
         probe, ray = lib.dCreateBox(None, 1.0, 1.0, 1.0), lib.dCreateRay(None, 1.0)
@@ -377,10 +379,20 @@ class Engine(EngineSettings):
             return
         if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
-        if self._context.halted:
-            tell(self.bodies[self._context.halted - 1])
-        if self._context.lost or self._context.gave_up:
-            mend(self.bodies.values(), bool(self._context.gave_up))
+        self._mend(self._context)
+
+    def _mend(self, context: StepContext) -> None:
+        """After a step in which ODE lost its way: halt what ran away, and tell of it."""
+        if context.halted:
+            tell(self.bodies[context.halted - 1])
+        if context.gave_up:
+            tell_gave_up(self)
+        if context.lost or context.gave_up:
+            mend(self.bodies.values(), bool(context.gave_up))
+        if context.baffled:
+            context.baffled = 0
+            tell_baffled(self, tuple(context.baffled_by))
+            self.sort_geoms()  # a pair that was given up may have left ODE's bounding box of a geom wrong
 
     def scan(
         self,
@@ -401,6 +413,23 @@ class Engine(EngineSettings):
         """
         self._ode.ensure_thread()
         self.step_form.scan(frame, rays, owner, ranges, rows)
+
+    def scanner(
+        self,
+        frame: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        owner: int,
+        ranges: NDArray[np.float64],
+        rows: NDArray[np.int64],
+    ) -> Callable[[], None]:
+        """What `scan` does with these arrays, to be called again and again: it costs less than as many scans."""
+        ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(frame, rays, owner, ranges, rows)
+
+        def scan() -> None:
+            ensure_thread()
+            cast()
+
+        return scan
 
     def close(self) -> None:
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""

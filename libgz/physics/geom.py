@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from libgz.ode.lib import ode
 from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
-from libgz.physics.check import LARGEST, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, rotation_tuple
 from libgz.physics.engine import Space
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["Geom"]
 
 MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
+
+_numbers = itertools.count(1)
 
 
 class Geom:
@@ -55,6 +58,7 @@ class Geom:
         self._slip = [0.01, 0.01]
         self._closed = False
         self._id: int | None = None
+        self.number = next(_numbers)  # of this geom among all; rows are used again
         self.row = body.engine.add_geom(self, body.number)
         body.geoms.append(self)
         if handle is not None:
@@ -133,7 +137,7 @@ class Geom:
         Raises:
             ParameterError: a component is not finite.
         """
-        position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
+        position = finite_tuple(pose.pos, 3, "relative position [m]", REACH)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
         self.appearance.version += 1
@@ -216,7 +220,7 @@ class Geom:
 
     def SetBounce(self, bounce: float) -> None:
         """Share of the approach speed that a contact gives back, 0 to 1; not honoured with the quirk noBounce."""
-        value = not_negative(bounce, "bounce")
+        value = finite(not_negative(bounce, "bounce"), "bounce")
         if "noBounce" not in self.body.engine.quirks:
             self.body.engine.set_surface(self.row, Surface.BOUNCE, value)
 
@@ -321,9 +325,10 @@ class Geom:
         """Scale the skin along its own axes."""
         self._look("skin_scale", GzVector(*scale))
 
-    def SetSkinNull(self, null: bool) -> None:
-        """While skins are shown, draw nothing for this geom."""
+    def SetSkinNull(self, null: bool, instead: Path | None = None) -> None:
+        """While skins are shown, draw nothing for this geom; with `instead`, only if that skin can be read."""
         self._look("skin_null", bool(null))
+        self._look("skin_instead", instead)
 
     def HasSkin(self) -> bool:
         """Whether a skin was set."""

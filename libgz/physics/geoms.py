@@ -14,7 +14,7 @@ from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
-from libgz.physics.check import finite, finite_tuple, positive, unit_axis
+from libgz.physics.check import REACH, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
@@ -55,6 +55,7 @@ class BoxGeom(Geom):
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -70,6 +71,7 @@ class SphereGeom(Geom):
         self.radius = positive(radius, "sphere radius [m]")
         if self.id:
             ode().dGeomSphereSetRadius(self.id, self.radius)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -89,6 +91,7 @@ class CylinderGeom(Geom):
         self.length = positive(length, "cylinder length [m]")
         if self.id:
             ode().dGeomCylinderSetParams(self.id, self.radius, self.length)
+            self.body.engine.wake()  # what lies on it may fall
         self.appearance.version += 1
 
 
@@ -135,6 +138,7 @@ class TriMeshGeom(Geom):
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
+    columns = 0  # of vertices in a row, where it is a flat rectangle that carries its picture once
 
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
@@ -143,16 +147,22 @@ class TriMeshGeom(Geom):
 
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         """Make this the mesh, in place of the one there was."""
-        points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
-        corners = np.array(triangles, dtype=np.uint32).reshape(-1, 3)
-        if not len(corners) or not np.isfinite(points).all():
+        points = table(vertices, 3, "vertices").astype(np.float64)
+        numbers = table(triangles, 3, "triangles")
+        if not len(numbers) or not np.isfinite(points).all():
             raise ParameterError("a triangle mesh needs at least one triangle and finite vertices")
-        if corners.max() >= len(points):
-            raise ParameterError(f"a triangle names vertex {corners.max()}; there are {len(points)}")
+        if np.abs(points).max() > REACH:
+            raise ParameterError(f"a vertex lies at {np.abs(points).max():g} m; allowed is {REACH:g} m at most")
+        for number in (numbers.min(), numbers.max()):
+            if not 0 <= number < len(points):
+                raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
+        corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
         self.appearance.version += 1
         if self.space is None:
             return  # it is only drawn
+        if len(corners) == 1:
+            points, corners = _halved(points[corners[0]])
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
         padded[:, :3] = points
         data, old = ode().dGeomTriMeshDataCreate(), self._data
@@ -168,6 +178,12 @@ class TriMeshGeom(Geom):
         if self._data is not None:
             ode().dGeomTriMeshDataDestroy(self._data)
             self._data = None
+
+
+def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """One triangle as two: a mesh of one meets no other mesh, or ODE crashes where it does."""
+    middle = 0.5 * (triangle[:1] + triangle[1:2])
+    return np.concatenate([triangle, middle]), np.array([[0, 3, 2], [3, 1, 2]], dtype=np.uint32)
 
 
 class HeightfieldGeom(Geom):
@@ -186,14 +202,15 @@ class HeightfieldGeom(Geom):
         self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float, thickness: float = 1.0
     ) -> None:
         self.heights: NDArray[np.float64] = np.array(heights, dtype=np.float64)
-        if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not np.isfinite(self.heights).all():
-            raise ParameterError("heights must be at least 2 x 2 finite numbers")
+        if self.heights.ndim != 2 or min(self.heights.shape) < 2 or not (np.abs(self.heights) <= REACH).all():
+            raise ParameterError(f"heights must be at least 2 x 2 numbers within +-{REACH:g} m")
         self.size = (positive(xSize, "extent [m]"), positive(ySize, "extent [m]"))
+        depth = finite(not_negative(thickness, "thickness [m]"), "thickness [m]")
         samples = np.ascontiguousarray(self.heights[::-1])
         rows, columns = samples.shape
         self._data = ode().dGeomHeightfieldDataCreate()
         ode().dGeomHeightfieldDataBuildDouble(
-            self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, thickness, 0
+            self._data, samples.ctypes.data, 1, *self.size, columns, rows, 1.0, 0.0, depth, 0
         )
         super().__init__(body, space, ode().dCreateHeightfield(_space_id(space), self._data, 1))
 
@@ -261,8 +278,15 @@ class LightGeom(Geom):
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:
-        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance."""
-        self.attenuation = GzVector(*finite_tuple(factors, 3, "attenuation"))
+        """Constant, linear [1/m] and quadratic [1/m^2] part of how light fades with distance.
+
+        Raises:
+            ParameterError: one is negative, or no number.
+        """
+        numbers = finite_tuple(factors, 3, "attenuation")
+        if min(numbers) < 0.0:
+            raise ParameterError(f"attenuation is {numbers}; its numbers must not be negative")
+        self.attenuation = GzVector(*numbers)
 
     @staticmethod
     def CheckAvailable() -> bool:

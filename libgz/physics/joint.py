@@ -4,7 +4,7 @@ Anchors and axes are global at the moment of the call, and the bodies must be in
 positions are zero where they stood when anchor or axis was set.
 
 All models attach the moving part first, the base second: a positive velocity about +y then rolls a wheel forward.
-Only Hinge2Joint wants the chassis first, for its first axis belongs to the first body.
+Only Hinge2Joint (`two_axes`) wants the chassis first, for its first axis belongs to the first body.
 """
 
 from __future__ import annotations
@@ -18,15 +18,13 @@ from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzVector
 from libgz.ode.lib import ode
 from libgz.ode.types import (
-    JOINT_PARAMETERS,
     JointFeedback,
     JointType,
     dParamFMax,
-    dParamFMax2,
     dParamHiStop,
     dParamLoStop,
 )
-from libgz.physics.check import finite, finite_tuple, unit_axis
+from libgz.physics.check import FARTHEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
@@ -36,12 +34,10 @@ if TYPE_CHECKING:
 __all__ = [
     "BallJoint",
     "FixedJoint",
-    "Hinge2Joint",
     "HingeJoint",
     "Joint",
     "JointGroup",
     "SliderJoint",
-    "UniversalJoint",
 ]
 
 
@@ -85,6 +81,7 @@ class Joint:
         self.bodies: tuple[Body | None, Body | None] = (None, None)
         self._feedback: JointFeedback | None = None
         self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
+        self._set_param = getattr(ode(), f"dJointSet{self.ode_name}Param")  # models set some in every step
         self.row = self.engine.add_joint(self, self.kind)
         if group is not None:
             group.add(self)
@@ -138,7 +135,7 @@ class Joint:
         return getattr(ode(), f"dJoint{verb}{self.ode_name}{what}")(self.id, *arguments)  # type: ignore[no-any-return]
 
     def _set_vector(self, what: str, values: VectorLike) -> None:
-        numbers = finite_tuple(values, 3, what) if "Anchor" in what else unit_axis(values, what)
+        numbers = finite_tuple(values, 3, what, FARTHEST) if "Anchor" in what else unit_axis(values, what)
         self._call("Set", what, *numbers)
         self.engine.joint_moved(self.row)
 
@@ -150,8 +147,9 @@ class Joint:
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
         engine, row = self.engine, self.row
+        if self._id is None:  # its row is soon another one's
+            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
         if not engine.joint_fresh[row]:
-            _ = self.id
             engine.read_joint(row)
         return engine.joint_values[4 * row + column]
 
@@ -241,20 +239,15 @@ class Joint:
         """Set a parameter such as dParamVel [rad/s or m/s], dParamFMax [N m or N], dParamLoStop, dParamHiStop.
 
         Raises:
-            ParameterError: the number names no parameter, or the value is NaN.
+            ParameterError: the number names no parameter, or the value is NaN or beyond what it may be: only stops and
+                dParamFMax may be infinite, and CFM, ERP and bounce must not be negative.
         """
-        if parameter not in JOINT_PARAMETERS:
-            raise ParameterError(f"joint parameter {parameter!r} is unknown; use dParamVel, dParamFMax and so on")
-        number = float(value)
-        if number != number:
-            raise ParameterError(f"{JOINT_PARAMETERS[parameter]} is NaN")
-        self._call("Set", "Param", int(parameter), number)
+        number = joint_value(parameter, value)
+        self._set_param(self.id, int(parameter), number)
 
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""
-        if parameter not in JOINT_PARAMETERS:
-            raise ParameterError(f"joint parameter {parameter!r} is unknown; use dParamVel, dParamFMax and so on")
-        return float(self._call("Get", "Param", int(parameter)))
+        return float(self._call("Get", "Param", known_parameter(parameter)))
 
     def motors_off(self) -> None:
         """Let the joint's motors go slack."""
@@ -314,81 +307,6 @@ class HingeJoint(Joint):
         ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
 
 
-class Hinge2Joint(Joint):
-    """Two hinges in series: a steered wheel. Attach(chassis, wheel); axis 1 on the chassis, axis 2 on the wheel."""
-
-    kind, ode_name, motors = JointType.HINGE2, "Hinge2", (dParamFMax, dParamFMax2)
-
-    def SetAxis1(self, axis: VectorLike) -> None:
-        """The steering axis, fixed to the first body; global."""
-        self._set_axes(axis, None)
-
-    def SetAxis2(self, axis: VectorLike) -> None:
-        """The rolling axis, fixed to the second body; global."""
-        self._set_axes(None, axis)
-
-    def Attach(self, one: Body | None, two: Body | None) -> None:
-        """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
-        if one is None or two is None or one.dummy or two.dummy:
-            raise ParameterError(f"{self!r} joins two bodies; neither may be the world or a dummy")
-        super().Attach(one, two)
-
-    def SetAnchor(self, anchor: VectorLike) -> None:
-        """Put the joint at a global point [m]."""
-        self._require_bodies(2)
-        super().SetAnchor(anchor)
-
-    def SetAxes(self, axis1: VectorLike, axis2: VectorLike) -> None:
-        """Both at once; global.
-
-        Raises:
-            ParameterError: they are parallel, for which ODE would end the process.
-        """
-        a, b = unit_axis(axis1, "axis"), unit_axis(axis2, "axis")
-        if abs(sum(p * q for p, q in zip(a, b, strict=True))) > 1.0 - 1e-9:
-            raise ParameterError(f"the axes of {self!r} must not be parallel")
-        self._set_axes(a, b)
-
-    def _set_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:
-        self._require_bodies(2)
-        addresses = [None if a is None else (ctypes.c_double * 4)(*unit_axis(a, "axis")) for a in (axis1, axis2)]
-        ode().dJointSetHinge2Axes(self.id, *addresses)
-        self.engine.joint_moved(self.row)
-
-    def GetAxis1(self) -> GzVector:
-        """The steering axis, global."""
-        return self._get_vector("Axis1")
-
-    def GetAxis2(self) -> GzVector:
-        """The rolling axis, global."""
-        return self._get_vector("Axis2")
-
-    def GetAnchor2(self) -> GzVector:
-        """The global anchor on the second body [m]; the suspension sets it apart from the first."""
-        return self._get_vector("Anchor2")
-
-    def GetAngle1(self) -> float:
-        """Steering angle [rad]."""
-        return self._value(0)
-
-    def GetAngle2(self) -> float:
-        """Rolling angle [rad]."""
-        return self._value(1)
-
-    def GetAngle1Rate(self) -> float:
-        """Steering rate [rad/s]."""
-        return self._value(2)
-
-    def GetAngle2Rate(self) -> float:
-        """Rolling rate [rad/s]."""
-        return self._value(3)
-
-    def SetTorque(self, torque1: float, torque2: float) -> None:
-        """Add torques about both axes for one step [N m]."""
-        self._require_bodies(2)
-        ode().dJointAddHinge2Torques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))
-
-
 class SliderJoint(Joint):
     """One axis of translation. It has no anchor."""
 
@@ -415,7 +333,7 @@ class SliderJoint(Joint):
         return self._value(0)
 
     def GetPositionRate(self) -> float:
-        """Velocity along the axis [m/s]."""
+        """Velocity along the axis [m/s]: that of one body less that of the other, which is not zero where both turn."""
         return self._value(2)
 
     def SetSliderForce(self, force: float) -> None:
@@ -428,48 +346,6 @@ class BallJoint(Joint):
     """Three axes of rotation about the anchor."""
 
     kind, ode_name = JointType.BALL, "Ball"
-
-
-class UniversalJoint(Joint):
-    """Two axes of rotation at right angles through the anchor."""
-
-    kind, ode_name, motors = JointType.UNIVERSAL, "Universal", (dParamFMax, dParamFMax2)
-
-    def SetAxis1(self, axis: VectorLike) -> None:
-        """The axis fixed to the first body; global."""
-        self._set_vector("Axis1", axis)
-
-    def SetAxis2(self, axis: VectorLike) -> None:
-        """The axis fixed to the second body; global."""
-        self._set_vector("Axis2", axis)
-
-    def GetAxis1(self) -> GzVector:
-        """The axis fixed to the first body; global."""
-        return self._get_vector("Axis1")
-
-    def GetAxis2(self) -> GzVector:
-        """The axis fixed to the second body; global."""
-        return self._get_vector("Axis2")
-
-    def GetAngle1(self) -> float:
-        """Angle about axis 1 [rad]."""
-        return self._value(0)
-
-    def GetAngle2(self) -> float:
-        """Angle about axis 2 [rad]."""
-        return self._value(1)
-
-    def GetAngleRate1(self) -> float:
-        """Rate about axis 1 [rad/s]."""
-        return self._value(2)
-
-    def GetAngleRate2(self) -> float:
-        """Rate about axis 2 [rad/s]."""
-        return self._value(3)
-
-    def SetTorque(self, torque1: float, torque2: float) -> None:
-        """Add torques about both axes for one step [N m]."""
-        ode().dJointAddUniversalTorques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))
 
 
 class FixedJoint(Joint):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from libgz.errors import ClosedError, ParameterError
 from libgz.ode.context import Step, StepContext
 from libgz.ode.lib import OdeLibrary
-from libgz.physics.check import finite_tuple, not_negative, positive
+from libgz.physics.check import finite, finite_tuple, not_negative, positive
 
 if TYPE_CHECKING:
     from libgz.geometry import VectorLike
@@ -111,8 +111,8 @@ class EngineSettings:
 
     def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
         """How joints mend their errors: share per step, softness, and the fastest a contact pushes out [m/s]."""
-        self.erp = not_negative(erp, "erp")
-        self.cfm = max(not_negative(cfm, "cfm"), SMALLEST_CFM)
+        self.erp = finite(not_negative(erp, "erp"), "erp")
+        self.cfm = max(finite(not_negative(cfm, "cfm"), "cfm"), SMALLEST_CFM)
         self.correcting_velocity = not_negative(correcting_velocity, "velocity [m/s]")
         self._ode.dWorldSetERP(self.world, self.erp)
         self._ode.dWorldSetCFM(self.world, self.cfm)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzVector
-from libgz.physics.check import finite, finite_tuple, positive
+from libgz.physics.check import finite, finite_tuple, positive, table
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import TriMeshGeom
 from libgz.physics.meshes import (
@@ -62,10 +62,10 @@ class TerrainGeom(_GroundGeom):
         Raises:
             ParameterError: there is nothing left to touch, or a number is not finite.
         """
-        packed = np.array(packedVertices, dtype=np.float64).reshape(-1, 12)
+        packed = table(packedVertices, 12, "vertices").astype(np.float64)
         if not np.isfinite(packed).all():
             raise ParameterError("a vertex of the terrain is not finite")
-        triangles = np.array(odeIndices, dtype=np.int64).reshape(-1, 3)
+        triangles = table(odeIndices, 3, "triangles").astype(np.int64)
         strip = np.array(stripIndices, dtype=np.int64).ravel()
         triangles = triangles[((triangles >= 0) & (triangles < len(packed))).all(axis=1)]
         triangles = triangles[triangle_normals(packed[:, 9:], triangles).any(axis=1)]

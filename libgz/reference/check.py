@@ -6,11 +6,10 @@ import logging
 import os
 from collections.abc import Iterator
 
-from libgz.errors import InterfaceError, WorldFileError
+from libgz.errors import GazeboError, WorldFileError
 from libgz.fault import Fault
 from libgz.simulation.model import Model
 from libgz.simulation.world import World
-from libgz.transport.paths import check_id
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]
@@ -49,8 +48,8 @@ def check(filename: str | os.PathLike[str]) -> list[Fault]:
     except WorldFileError:
         pass  # its lines are the file's faults
     else:
-        _find_bad_ids(world.models)
         _find_clashes(world.models)
+        _find_unreadable(world.models)
     finally:
         world.close()
         logger.handlers[:], logger.propagate = before, propagate
@@ -76,17 +75,6 @@ def _from_text(name: str, line: str) -> Fault:
     return Fault(name, int(number), "", message.strip(), "error")
 
 
-def _find_bad_ids(models: list[Model]) -> None:
-    """Note ids under which no interface can be served: Init, which is not called here, would fail."""
-    for model in models:
-        try:
-            for interface in model.interfaces:
-                check_id(interface, model.GetId())
-        except InterfaceError as fault:
-            if model.node is not None:
-                model.node.error(str(fault))
-
-
 def _find_clashes(models: list[Model]) -> None:
     """Warn of models that want to serve one interface under one id: only the first is served."""
     served: dict[tuple[str, str], Model] = {}
@@ -101,3 +89,23 @@ def _find_clashes(models: list[Model]) -> None:
             first = lost[0][1]
             where = f", line {first.node.line}" if first.node is not None else ""
             model.node.warn(f"does not serve {names}, for <model:{first.GetName()}>{where}, does; give it another id")
+
+
+def _find_unreadable(models: list[Model]) -> None:
+    """Warn of pictures and skins that cameras could not draw; each is told once."""
+    from libgz.rendering.image import read_image  # here, for they bring OpenGL's constants along
+    from libgz.rendering.skin import read_skin
+
+    tried = set()
+    for model in models:
+        looks = [geom.appearance for body in model.bodies for geom in body.geoms]
+        for look in looks:
+            for path, read in ((look.texture_file, read_image), (look.skin_file, read_skin)):
+                if path is None or path in tried:
+                    continue
+                tried.add(path)
+                try:
+                    read(path)
+                except GazeboError as fault:
+                    if model.node is not None:
+                        model.node.warn(str(fault))

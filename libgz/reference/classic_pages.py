@@ -20,6 +20,7 @@ PAGES = {
     "common": "times, PID controllers, animations, console, search paths",
     "math": "vectors, quaternions, poses, angles, random numbers",
     "transport": "nodes, publishers, subscribers",
+    "log": "logs of runs: recorded, read, played",
     "sdf": "elements of SDF documents",
 }
 OLD = "The old name of "

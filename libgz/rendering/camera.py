@@ -105,7 +105,7 @@ class Camera:
         """Take a picture of the world as it is now.
 
         Args:
-            depth: out, if wanted: distance along the line of sight [m], shape (height, width).
+            depth: out, if wanted: distance ahead, along the camera's axis [m], shape (height, width).
 
         Returns:
             `image`: shape (height, width, 3), red, green, blue, top row first; the next Update draws into the same.
@@ -143,7 +143,7 @@ class Camera:
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Distance along the line of sight in the last picture [m], shape (height, width); infinite for the sky.
+        """Distance ahead, along the axis, in the last picture [m], shape (height, width); infinite for the sky.
 
         Raises:
             LibraryError: there was no picture yet.

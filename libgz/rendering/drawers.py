@@ -27,6 +27,7 @@ from libgz.rendering.mesh import Mesh
 
 __all__ = ["DRAWERS", "Drawer", "meshes_of"]
 
+PATCH = 0.5  # [m] longest side of the parts that floors and walls are drawn in where there are lamps
 HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
 
 # (geom, segments of a full turn) -> meshes in the frame of the geom's centre
@@ -68,8 +69,21 @@ DRAWERS: dict[type[Geom], Drawer] = {
 }
 
 
-def meshes_of(geom: Geom, segments: int) -> list[Mesh]:
-    """The meshes of a geom in the frame of its centre; none if its kind has no drawer."""
+def meshes_of(geom: Geom, segments: int, lamps: bool = False) -> list[Mesh]:
+    """The meshes of a geom in the frame of its centre; none if its kind has no drawer.
+
+    With `lamps` near by, light is reckoned all over large boxes and planes of classic worlds; the old server had the
+    corners of its boxes.
+    """
+    if lamps and geom.body.engine.classic:
+        if type(geom) is BoxGeom:
+            x, y, z = geom.size
+            return [mesh.box(x, y, z, PATCH)]
+        if isinstance(geom, TriMeshGeom) and geom.columns:
+            first, last, above = (geom.vertices[i] for i in (0, geom.columns - 1, -geom.columns))
+            across, up = last - first, above - first
+            least = float(min(np.linalg.norm(across), np.linalg.norm(up))) / (geom.columns - 1)  # as fine as ever
+            return [mesh.rectangle(first, across, up, min(PATCH, least) or PATCH)]
     for kind in type(geom).__mro__:
         drawer = DRAWERS.get(kind)
         if drawer is not None:

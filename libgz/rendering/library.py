@@ -32,16 +32,16 @@ MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
 Color = tuple[float, ...]
-Look = tuple[bool, bool, bool]  # whether skins, materials and textures are shown
+Look = tuple[bool, bool, bool, bool]  # whether skins, materials, textures are shown, and lamps are near things
 
 
 class Compiled:
-    """A display list, and the radius [m] of a ball around the body's origin that it stays in."""
+    """A display list, the radius [m] of a ball around the body's origin that it stays in, and its own middle [m]."""
 
-    __slots__ = ("list", "radius")
+    __slots__ = ("list", "middle", "radius")
 
-    def __init__(self, number: int, radius: float) -> None:
-        self.list, self.radius = number, radius
+    def __init__(self, number: int, radius: float, middle: tuple[float, ...] = (0.0, 0.0, 0.0)) -> None:
+        self.list, self.radius, self.middle = number, radius, middle
 
 
 class Level(NamedTuple):
@@ -53,7 +53,7 @@ class Level(NamedTuple):
 
 
 class Table:
-    """Lists and radii [m] of all items of a content, which are shown in one way."""
+    """Lists, radii and middles [m] of all items of a content, which are shown in one way."""
 
     def __init__(self, library: Library, content: Content, look: Look, plain: bool) -> None:
         def find(i: int, level: int) -> Compiled:
@@ -62,6 +62,7 @@ class Table:
         self._find = find
         least = [find(i, 2) for i in range(len(content.items))]
         self.radii = np.array([compiled.radius for compiled in least])
+        self.middles = [compiled.middle for compiled in least]
         self._lists = ([0] * len(least), [0] * len(least), [compiled.list for compiled in least])
 
     def list(self, i: int, level: int) -> int:
@@ -159,13 +160,8 @@ class Library:
         return int(number)
 
     def _compile_item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
-        radius, work = 0.0, []
-        for geom in item.geoms:
-            meshes = self._meshes(geom, look[0], segments)
-            for shape in meshes:
-                if len(shape.vertices):
-                    radius = max(radius, float(np.linalg.norm(shape.vertices, axis=1).max()))
-            work.append((geom, meshes))
+        work = [(geom, self._meshes(geom, look, segments)) for geom in item.geoms]
+        radius, middle = _extent([shape for _, meshes in work for shape in meshes])
         if not plain:
             for geom, _ in work:
                 self._load_texture(geom, look)
@@ -177,20 +173,20 @@ class Library:
             else:
                 self._look(geom, meshes, look)
         self.gl.glEndList()
-        return Compiled(number, radius)
+        return Compiled(number, radius, middle)
 
-    def _meshes(self, geom: Geom, skins: bool, segments: int) -> list[Mesh]:
+    def _meshes(self, geom: Geom, look: Look, segments: int) -> list[Mesh]:
         """What a geom looks like, in the frame of its body."""
-        appearance = geom.appearance
+        appearance, skins = geom.appearance, look[0]
         place = pose_matrix(geom.GetRelativePose())
-        if skins and appearance.skin_null:
+        if skins and appearance.skin_null and (appearance.skin_instead is None or self._skin(appearance.skin_instead)):
             return []
         if skins and appearance.skin_file is not None:
             skin = self._skin(appearance.skin_file)
             if skin:
                 on_geom = place @ pose_matrix(appearance.skin_pose)
                 return [part.scaled(*appearance.skin_scale).moved(on_geom) for part in skin]
-        shapes = meshes_of(geom, segments)
+        shapes = meshes_of(geom, segments, lamps=look[3])
         if tuple(appearance.scale) != (1.0, 1.0, 1.0):
             shapes = [shape.scaled(*appearance.scale) for shape in shapes]
         return [shape.moved(place) for shape in shapes]
@@ -326,6 +322,16 @@ class Library:
             kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, upward.ctypes.data
         )
         return int(number.value)
+
+
+def _extent(meshes: list[Mesh]) -> tuple[float, tuple[float, ...]]:
+    """The radius of the ball around the origin that holds meshes, and the middle of the box around them [m]."""
+    parts = [shape.vertices for shape in meshes if len(shape.vertices)]
+    if not parts:
+        return 0.0, (0.0, 0.0, 0.0)
+    points = np.concatenate(parts)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    return float(np.linalg.norm(points, axis=1).max()), tuple(middle.tolist())
 
 
 def _colors(geom: Geom) -> tuple[Color, Color, Color, Color, float]:

@@ -18,6 +18,7 @@ __all__ = [
     "cylinder",
     "disc",
     "heightfield",
+    "rectangle",
     "ring",
     "sphere",
     "torus",
@@ -25,6 +26,7 @@ __all__ = [
 ]
 
 Floats = NDArray[np.float32]
+MOST_PATCHES = 100  # of a flat face, in each direction
 CREASE = math.cos(math.radians(40.0))  # edges sharper than this are drawn sharp
 
 
@@ -99,21 +101,36 @@ def _patches(columns: int, rows: int) -> NDArray[np.uint32]:
     return np.stack([a, b, c, a, c, d], axis=1).astype(np.uint32).ravel()
 
 
-def box(x: float, y: float, z: float) -> Mesh:
-    """A box of full lengths [m]; each face carries the whole texture."""
-    vertices, normals = [], []
+def rectangle(corner: ArrayLike, across: ArrayLike, up: ArrayLike, patch: float = math.inf) -> Mesh:
+    """A flat rectangle from its lower left corner along two sides [m]; it carries the whole texture.
+
+    `patch`: longest side of the parts that it is made of [m], as far as so many allow: light is reckoned at their
+    corners.
+    """
+    sides = [np.asarray(side, dtype=np.float64) for side in (across, up)]
+    columns, rows = (max(1, min(math.ceil(float(np.linalg.norm(side)) / patch), MOST_PATCHES)) for side in sides)
+    i, j = np.meshgrid(np.linspace(0.0, 1.0, columns + 1), np.linspace(0.0, 1.0, rows + 1))
+    share = np.stack((i.ravel(), j.ravel()), axis=1)
+    normal = np.broadcast_to(np.cross(sides[0], sides[1]), (len(share), 3))
+    return Mesh(_f(np.asarray(corner) + share @ np.array(sides)), _unit(normal), _f(share), _patches(columns, rows))
+
+
+def box(x: float, y: float, z: float, patch: float = math.inf) -> Mesh:
+    """A box of full lengths [m]; each face is a `rectangle` that carries the whole texture."""
+    faces, half = [], np.array((x, y, z)) / 2.0
     for axis in range(3):
         for sign in (1.0, -1.0):
             n = np.eye(3)[axis] * sign
             # Texture upright on the sides: t runs along z, or along y on top and bottom.
             t = np.eye(3)[1 if axis == 2 else 2]
             s = np.cross(t, n)
-            vertices += [n - s - t, n + s - t, n + s + t, n - s + t]
-            normals += [n] * 4
-    corners = np.array(vertices) * (x / 2.0, y / 2.0, z / 2.0)
-    indices = [4 * face + k for face in range(6) for k in (0, 1, 2, 0, 2, 3)]
-    texcoords = np.tile([[0, 0], [1, 0], [1, 1], [0, 1]], (6, 1))
-    return Mesh(_f(corners), _f(normals), _f(texcoords), np.array(indices, dtype=np.uint32))
+            faces.append(rectangle((n - s - t) * half, 2.0 * s * half, 2.0 * t * half, patch))
+    starts = np.cumsum([0, *(len(face.vertices) for face in faces)])
+    indices = [face.indices + start for face, start in zip(faces, starts[:-1], strict=True) if face.indices is not None]
+    vertices, normals, texcoords = (
+        np.concatenate([getattr(face, part) for face in faces]) for part in ("vertices", "normals", "texcoords")
+    )
+    return Mesh(_f(vertices), _f(normals), _f(texcoords), np.concatenate(indices).astype(np.uint32))
 
 
 def _revolved(radii: Floats, heights: Floats, outward: Floats, upward: Floats, t: Floats, segments: int) -> Mesh:

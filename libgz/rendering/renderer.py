@@ -20,11 +20,12 @@ from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
 from libgz.rendering.library import Library, Look
 from libgz.rendering.pixels import PixelReader
-from libgz.rendering.shot import Light, RenderOptions, Shot, View
+from libgz.rendering.shot import Light, Shot, View
 
 __all__ = ["Renderer"]
 
 LIGHTS = 8
+MOST_SIZES = 16  # of pictures, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
 SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
 
@@ -50,6 +51,10 @@ class Renderer:
         """Draw into a buffer of this size."""
         gl, frame = self.gl, Constant.FRAMEBUFFER
         if (width, height) not in self._buffers:
+            if len(self._buffers) >= MOST_SIZES:
+                old, used = self._buffers.pop(next(iter(self._buffers)))
+                gl.glDeleteFramebuffers(1, ctypes.byref(old))
+                gl.glDeleteRenderbuffers(2, used)
             number, parts = ctypes.c_uint(), (ctypes.c_uint * 2)()
             gl.glGenFramebuffers(1, ctypes.byref(number))
             gl.glGenRenderbuffers(2, parts)
@@ -74,7 +79,7 @@ class Renderer:
         Args:
             shot: what.
             image: out, shape (height, width, 3), top row first.
-            depth: out, distance along the line of sight [m], shape (height, width); infinite where there is nothing.
+            depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing.
         """
         view = shot.view
         self._bind(view.width, view.height)
@@ -178,7 +183,7 @@ class Renderer:
         matrices = eye @ shot.poses
         columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
         start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
-        table = self.library.table(content, _look_of(shot.view.options), plain)
+        table = self.library.table(content, _look_of(shot), plain)
         places = matrices[:, :3, 3]
         later: list[tuple[float, int, int]] = []
         lamps = _Lamps(gl, shot, eye)
@@ -187,21 +192,24 @@ class Renderer:
             if plain:
                 self._id_color(item.model_id)
             elif item.transparent:
-                later.append((float(places[i] @ places[i]), i, number))
+                middle = matrices[i] @ (*table.middles[i], 1.0)
+                later.append((float(middle[:3] @ middle[:3]), i, number))
                 continue
             if lamps.near:
                 lamps.switch(places[i].tolist(), float(table.radii[i]))
             load(start + 128 * i)
             call(number)
-        lamps.all_on()
         if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
             for _, i, number in sorted(later, reverse=True):
+                if lamps.near:
+                    lamps.switch(places[i].tolist(), float(table.radii[i]))
                 load(start + 128 * i)
                 call(number)
             gl.glDepthMask(1)
             gl.glDisable(Constant.BLEND)
+        lamps.all_on()
 
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
@@ -226,7 +234,7 @@ class Renderer:
             return
         matrix = frame.copy()
         matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
-        compiled = self.library.plane(geom, Sight.of(view, height), _look_of(view.options), plain)
+        compiled = self.library.plane(geom, Sight.of(view, height), _look_of(shot), plain)
         size = geom.appearance.texture_size
         gl.glMatrixMode(Constant.TEXTURE)
         gl.glTranslated(math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0), 0.0)
@@ -334,8 +342,10 @@ class _Lamps:
         self._off.clear()
 
 
-def _look_of(options: RenderOptions) -> Look:
-    return options.displaySkins, options.displayMaterials, options.displayTextures
+def _look_of(shot: Shot) -> Look:
+    options = shot.view.options
+    lamps = any(light.kind != "directional" for light in shot.lights)
+    return options.displaySkins, options.displayMaterials, options.displayTextures, lamps
 
 
 @lru_cache

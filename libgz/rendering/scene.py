@@ -142,7 +142,7 @@ class Scene:
             groups = [[geom for geom in seen if geom not in clear], *([geom] for geom in clear)]
             for group in groups:
                 if group:
-                    key = tuple(n for g in group for n in (g.row, g.body.number, g.appearance.version))
+                    key = tuple(n for g in group for n in (g.number, g.appearance.version))
                     items.append(Item(tuple(group), owner.get(body, 0), key, group[0] in clear))
                     bodies.append(body)
         self._content = Content(tuple(items))

@@ -48,7 +48,7 @@ def _known() -> Mapping[str, tuple[Material, str]]:
             ambient, diffuse, specular, emissive = (_color(row[key].split()) for key in COLORS)
             diffuse = (*diffuse[:3], float(row["alpha"]))
             material = Material(ambient, diffuse, specular, emissive, float(row["shininess"]))
-            found[row["name"]] = (material, row["texture"])
+            found[row["name"]] = found[row["name"].replace("Grey", "Gray")] = (material, row["texture"])
     return found
 
 
@@ -66,15 +66,21 @@ def find_material(name: str, uris: Iterable[str] = (), beside: Path | None = Non
         beside: folder of the file that names them.
     """
     name = name.strip()
+    # Without the prefix it may be a script's own `Wood`.
+    looks = (_of_table, _of_scripts) if name.startswith(PREFIX) else (_of_scripts, _of_table)
+    uris = list(uris)
+    return next((found for look in looks if (found := look(name, uris, beside)) is not None), None)
+
+
+def _of_table(name: str, _uris: Iterable[str], _beside: Path | None) -> Material | None:
     material, texture = _known().get(name.removeprefix(PREFIX), (None, ""))
-    if material is not None:
-        return replace(material, texture=own_texture(texture)) if texture else material
+    return replace(material, texture=own_texture(texture)) if material is not None and texture else material
+
+
+def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material | None:
     places = [place for uri in uris for place in _place(uri, beside)]
-    for script in _scripts(places):
-        scripted = _read_script(script, tuple(places)).get(name)
-        if scripted is not None:
-            return scripted
-    return None
+    scripts = (_read_script(script, tuple(places)) for script in _scripts(places))
+    return next((found[name] for found in scripts if name in found), None)
 
 
 def own_texture(name: str) -> Path | None:

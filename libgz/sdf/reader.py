@@ -20,6 +20,7 @@ __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes
 DEEPEST_INCLUDE = 20
+UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; of links and joints models tell
 LATER = ("frame", "relative_to")  # SDF 1.7's frames
 
 
@@ -80,6 +81,7 @@ class SdfFile:
         self.version = self._described_version(xml)
         blocks = describe(self.version)
         self.root = self._element(xml, blocks["sdf"])
+        self._check_names()
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description holds: the file's, or the nearest one, with a warning."""
@@ -151,6 +153,10 @@ class SdfFile:
             self._include(xml, parent, description.children["include"])
             return
         known = description.children.get(name) if description is not None and not description.open else None
+        if name == "actor" and known is None and parent.name in ("world", "sdf"):
+            self._fault(xml, "actors are not simulated; it is kept without effect", "warning")
+            parent.InsertElement(self._element(xml, None))
+            return
         if name == "frame" and known is None and description is not None and not description.open:
             self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
             return
@@ -178,6 +184,17 @@ class SdfFile:
                 self._fault(xml, "<axis> is missing and must be given", "error")
             else:
                 element.AddElement(name)
+
+    def _check_names(self) -> None:
+        """Warn of two things of one kind and name in one place: only the first is found by its name."""
+        for holder in (*self.root.find("world"), *self.root.find("link")):
+            first: dict[tuple[str, str], Element] = {}
+            for element in holder.children:
+                name = element.Get(str, "name") if element.name in UNIQUE else ""
+                before = first.setdefault((element.name, name), element)
+                if name and before is not element:
+                    message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
+                    self.faults.add(Fault(element.file, element.line, element.name, message, "warning"))
 
     # Includes ----------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,8 @@
-"""Older SDF in the words of 1.6, so that pieces of several versions can stand in one document."""
+"""SDF in the words of 1.6, with files named in full, so that pieces of several documents can stand in one."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 from libgz.sdf.element import Element
 
@@ -8,12 +10,19 @@ __all__ = ["NEWEST", "upgraded"]
 
 NEWEST = "1.6"
 MOVED_UP = ("gravity", "magnetic_field")  # from <physics> to <world>
+NAMES_OF_FILES = ("uri", "diffuse", "normal")  # of meshes, height maps and their textures, scripts of materials
 NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <imu>
 
 
-def upgraded(element: Element) -> Element:
-    """A copy of an element, and of all in it, that means in SDF 1.6 what it means in the version it was read as."""
+def upgraded(element: Element, folder: Path | None = None) -> Element:
+    """A copy of an element, and of all in it, that means in SDF 1.6 what it means in the version it was read as.
+
+    Args:
+        element: what is copied.
+        folder: where the copy will lie: files beside it keep their short names.
+    """
     copy = element.Clone()
+    _name_in_full(copy, folder)
     for world in [copy] if copy.name == "world" else copy.find("world"):
         _move_up(world)
     for name in ("axis", "axis2"):
@@ -23,6 +32,18 @@ def upgraded(element: Element) -> Element:
     for imu in copy.find("imu"):
         _spread_noise(imu)
     return copy
+
+
+def _name_in_full(element: Element, folder: Path | None) -> None:
+    """Files that lie beside the one that names them are not found from elsewhere."""
+    for name in NAMES_OF_FILES:
+        for found in element.find(name):
+            text = found.Get(str).strip()
+            if not text or "://" in text or not found.file or found.file.startswith("<"):
+                continue
+            home = Path(found.file).parent.resolve()
+            if (folder is None or home != folder.resolve()) and (home / text).is_file():
+                found.Set(str(home / text))
 
 
 def _add(parent: Element, name: str) -> Element:

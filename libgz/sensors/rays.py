@@ -38,6 +38,8 @@ class RayProximity:
         self._rays[:, 3] = self._rays[:, 6] = 1.0
         self.ranges: NDArray[np.float64] = np.full(rayCount, sys.float_info.max)
         self.rows: NDArray[np.int64] = np.full(rayCount, -1, dtype=np.int64)
+        self._frame = np.zeros(7)
+        self._scan = self.engine.scanner(self._frame, self._rays, body.number, self.ranges, self.rows)
         self.engine.ray_bundles.add(self)
 
     def SetRay(self, index: int, a: VectorLike, b: VectorLike) -> None:
@@ -60,9 +62,8 @@ class RayProximity:
 
     def Update(self) -> None:
         """Cast all rays from where the body is now."""
-        pose = self.body.GetPose()
-        frame = np.array((*pose.pos, *pose.rot))
-        self.engine.scan(frame, self._rays, self.body.number, self.ranges, self.rows)
+        self._frame[:] = self.body.frame()
+        self._scan()
 
     def segments(self) -> NDArray[np.float64]:
         """Global ends of all rays, as far as they reached in the last `Update` [m], shape (n, 2, 3)."""

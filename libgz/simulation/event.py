@@ -13,7 +13,18 @@ from weakref import WeakSet
 from libgz.errors import ParameterError
 from libgz.simulation.plugins import own_traceback
 
-__all__ = ["Callback", "Connection", "Ends", "Event", "Owner", "WorldEvents", "everywhere", "owner"]
+__all__ = [
+    "Callback",
+    "Connection",
+    "Ends",
+    "Event",
+    "Owner",
+    "WorldEvents",
+    "checked",
+    "everywhere",
+    "owner",
+    "tell_failed",
+]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -83,13 +94,24 @@ class Callback:
             return self._read(result) if self._read is not None else result
         except Exception as fault:  # noqa: BLE001 - a plugin's
             self.connected = False
-            if self._owner is not None:
-                self._owner.stop(self._what, fault)
-            else:
-                log.error("%s failed and is called no more:\n%s", self._what, own_traceback(fault))
+            tell_failed(self._owner, self._what, fault)
             return otherwise
         finally:
             owner.reset(token)
+
+
+def tell_failed(by: Owner | None, what: str, fault: Exception) -> None:
+    """Report what a callback raised, and stop the plugin that gave it; who calls it calls it no more.
+
+    Args:
+        by: whose callback it is; None outside plugins.
+        what: it is, such as ``a callback of event Pause``.
+        fault: what it raised.
+    """
+    if by is not None:
+        by.stop(what, fault)
+    else:
+        log.error("%s failed and is called no more:\n%s", what, own_traceback(fault))
 
 
 def checked(callback: Any, what: str) -> Callable[..., Any]:
@@ -213,10 +235,7 @@ class Event:
     __call__ = Signal
 
     def _failed(self, entry: _Entry, fault: Exception) -> None:
-        if entry.owner is not None:
-            entry.owner.stop(f"a callback of event {self.name}", fault)
-        else:
-            log.error("a callback of event %s failed and is disconnected:\n%s", self.name, own_traceback(fault))
+        tell_failed(entry.owner, f"a callback of event {self.name}", fault)
         self.remove(entry)
         if self._above is not None:
             self._above.remove(entry)

@@ -94,6 +94,10 @@ class ModelFactory:
         kind = self.find(classname)
         return None if kind is None else kind(world)
 
+    def knows(self, classname: str) -> bool:
+        """Whether a name is built in or was registered; packages that are not in use are not asked."""
+        return classname in self._builtin or classname in self._plugins or classname in _static
+
     def _offered(self) -> dict[str, metadata.EntryPoint]:
         """Models of installed packages; looked up only when a name is unknown otherwise."""
         if self._packages is None:

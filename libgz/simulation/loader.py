@@ -5,12 +5,15 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING, cast
 
-from libgz.errors import GazeboError, NotFoundError, nearest
+from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzPose
 from libgz.simulation.factory import ModelFactory
+from libgz.simulation.moorings import with_moorings
 from libgz.simulation.origin import to_world
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
 from libgz.simulation.poses import Poses
+from libgz.simulation.settings import is_settings
+from libgz.transport.paths import check_id
 from libgz.worldfile.spelling import NAMES_ONLY
 
 if TYPE_CHECKING:
@@ -38,8 +41,20 @@ class Loader(Poses):
         if node.GetNSPrefix() == "model":
             self.LoadModel(node)
             return
+        self._note_slip(node)
         for child in node.children:
             self.visit(child)
+
+    def _note_slip(self, node: WorldFileNode) -> None:
+        """Warn of an element that does nothing, but has almost the name of one that does."""
+        if node.parent is not None and node.name in node.parent.asked:
+            return  # an attribute
+        if node.prefix in ("param", "params") and not is_settings(node):
+            node.warn("holds no settings of the world, and nothing in it counts; only <param:Global> does")
+            _skip(node)
+        elif node.prefix is None and self.factory.knows(node.name):
+            node.warn(f"is not used; a model needs the prefix: <model:{node.name}>")
+            _skip(node)
 
     def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
         """Build the model of an element, and those inside it; None if there is none to build.
@@ -58,7 +73,7 @@ class Loader(Poses):
             node.error(f"Load failed with\n{own_traceback(fault)}")
             model = None
         if model is None:
-            _skip(node)
+            _skip(node, models=True)
             return None
         for child in node.children:
             if child.GetNSPrefix() == "model":
@@ -76,6 +91,11 @@ class Loader(Poses):
             log.info("loading %s...", path)
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(cast("World", self), node.GetName())
+        if model is not None and not hasattr(model, "modelSpaceId"):
+            raise ParameterError(
+                f"{type(model).__name__} must be a subclass of Model; its __init__, if any, must call "
+                "super().__init__(world)"
+            )
         if model is None:
             hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
             hint = hint or "; `libgz models` lists those there are"
@@ -87,12 +107,13 @@ class Loader(Poses):
         model.node = node
         model.SetName(node.GetName())
         model.SetId((node.GetString("id", node.GetName()) or "").strip())
+        _check_id(model, node)
         if parent is not None:
             model.SetParent(parent, _parent_body(node, parent))
         try:
             model.MasterLoad(node.file, node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
-            self.SetModelPose(model, model.initPose)
+            with_moorings(model, lambda: self.SetModelPose(model, model.initPose))
             model.Attach()
         except BaseException:
             model.Detach()
@@ -104,6 +125,15 @@ class Loader(Poses):
         log.debug("loaded %s %r", model.GetName(), model.GetId())
 
 
+def _check_id(model: Model, node: WorldFileNode) -> None:
+    """An error if the model's interfaces cannot have its id."""
+    try:
+        for kind in model.interfaces:
+            check_id(kind, model.GetId())
+    except InterfaceError as fault:
+        (node.GetChild("id") or node).error(str(fault))
+
+
 def _parent_body(node: WorldFileNode, parent: Model) -> Body:
     """The body that an element names; if there is none, an error, and another body so that loading finds more."""
     try:
@@ -113,7 +143,12 @@ def _parent_body(node: WorldFileNode, parent: Model) -> Body:
         return parent.GetBody()
 
 
-def _skip(node: WorldFileNode) -> None:
-    """Mark an element that is not built, and all in it, so that none of it is called unused."""
-    for inside in node.walk():
-        inside.used = True
+def _skip(node: WorldFileNode, models: bool = False) -> None:
+    """Mark an element that is not built, and what is in it, so that none of it is called unused; models, too, if told.
+
+    Models inside an element that is none are built all the same.
+    """
+    node.used = True
+    for child in node.children:
+        if models or child.prefix != "model":
+            _skip(child, models)

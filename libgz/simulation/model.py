@@ -62,17 +62,19 @@ class Model:
         self.node: WorldFileNode | None = None
         self.parent: Model | None = None
         self.parentBody: Body | None = None
-        self.children: list[Model] = []
-        self.joint: HingeJoint | None = None
+        self._children: list[Model] = []
+        self._weld: HingeJoint | None = None
+        self._own_joint: Any = None  # what a subclass keeps under the name of the weld
         self.relPose = GzPose()
         self.initPose = GzPose()
         self.fixed = False
         self.logPoses = False
         self.poses: list[GzPose] = []
-        self.bodies: list[Body] = []
+        self._bodies: list[Body] = []
         self.failed: BaseException | None = None
         self.initialized: bool | None = None  # by Init; None before it is called
         self._canonical: Body | None = None
+        self._strays: list[Body] = []  # that Load made and told no AddBody of
         self._id = ""
         self._name = type(self).__name__
         self._number = next(_numbers)
@@ -87,7 +89,7 @@ class Model:
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> int | None:
         """Read attributes from `node` and build bodies, geoms and joints."""
-        raise NotImplementedError(f"{type(self).__name__} has no Load(file, node)")
+        raise GazeboError(f"{type(self).__name__} has no Load(file, node)")
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> int | None:
         """Make interfaces; all models are loaded by now."""
@@ -108,7 +110,11 @@ class Model:
         """
         self._gravity = node.GetBool("gravity", True)
         self._enabled = node.GetBool("enable", node.GetBool("enabled", True))
-        result = self.Load(file, node)
+        before = next(reversed(self.world.engine.bodies.values()), None)
+        try:
+            result = self.Load(file, node)
+        finally:
+            self._strays = self._strays_since(before)
         if result:
             raise GazeboError(f"Load of model {self._id!r} failed: it returned {result}")
         if self._canonical is None:
@@ -117,6 +123,13 @@ class Model:
             )
         for body in self.bodies:
             self._switch(body)
+        if self._strays:
+            node.warn("has a body that no AddBody was told of: it stays where Load put it, and is not the model's")
+
+    def _strays_since(self, before: Body | None) -> list[Body]:
+        """Bodies that were made since `before` and belong to no model."""
+        made = itertools.takewhile(lambda body: body is not before, reversed(self.world.engine.bodies.values()))
+        return [body for body in made if body.model is None]
 
     def MasterInit(self, file: WorldFile, node: WorldFileNode) -> None:
         """Call `Init`.
@@ -126,7 +139,7 @@ class Model:
         """
         result = self.Init(file, node)
         if result:
-            raise GazeboError(f"Init of model {self._id!r} failed: it returned {result}")
+            raise GazeboError(f"it returned {result}, which is not 0")
 
     def MasterUpdate(self, step: float) -> None:
         """Log the pose if wanted, then `Update`."""
@@ -147,12 +160,38 @@ class Model:
 
     # Bodies and joints -------------------------------------------------------------------------------------------
 
+    @property
+    def bodies(self) -> list[Body]:
+        """All bodies in order of `AddBody`."""
+        return self._bodies
+
+    @property
+    def children(self) -> list[Model]:
+        """The models that are attached to this one."""
+        return self._children
+
+    @property
+    def joint(self) -> Any:
+        """The weld to the parent body, or None; in a subclass that keeps something else under this name, that."""
+        return self._weld if self._own_joint is None else self._own_joint
+
+    @joint.setter
+    def joint(self, joint: Any) -> None:
+        self._own_joint = joint
+
+    @property
+    def welded(self) -> HingeJoint | None:
+        """The weld to the parent body; None at the top level, and where one of the bodies is a dummy."""
+        return self._weld
+
     def AddBody(self, body: Body, canonical: bool = False) -> None:
         """Take a body in. Exactly one is canonical; it is renamed so, and stands for the model's pose.
 
         Raises:
-            ParameterError: the model has a canonical body already.
+            ParameterError: the body belongs to a model already, or the model has a canonical body.
         """
+        if body.model is not None:
+            raise ParameterError(f"{body!r} was added to a model already, {body.model!r}; a body belongs to one, once")
         if canonical:
             if self._canonical is not None:
                 raise ParameterError(f"model {self._id or self._name!r} has a canonical body already")
@@ -252,24 +291,25 @@ class Model:
         body = self.GetBody()
         self.relPose = GzCoordPoseSub(body.GetPose(), self.parentBody.GetPose())
         if body.dummy or self.parentBody.dummy:
+            self.world.take_along(self)
             return
-        self.joint = HingeJoint(self.world, name="weld")
-        self.joint.Attach(body, self.parentBody)
+        self._weld = HingeJoint(self.world, name="weld")
+        self._weld.Attach(body, self.parentBody)
         self.weld()
-        self.joint.SetParam(dParamHiStop, 0.0)
-        self.joint.SetParam(dParamLoStop, 0.0)
+        self._weld.SetParam(dParamHiStop, 0.0)
+        self._weld.SetParam(dParamLoStop, 0.0)
 
     def weld(self) -> None:
         """Make the present place on the parent the one that the weld keeps."""
-        if self.joint is not None:
-            self.joint.SetAnchor(self.GetBody().GetPosition())
-            self.joint.SetAxis((0.0, 0.0, 1.0))
+        if self._weld is not None:
+            self._weld.SetAnchor(self.GetBody().GetPosition())
+            self._weld.SetAxis((0.0, 0.0, 1.0))
 
     def Detach(self) -> None:
         """Let the parent go."""
-        if self.joint is not None:
-            self.joint.close()
-            self.joint = None
+        if self._weld is not None:
+            self._weld.close()
+            self._weld = None
         if self.parent is not None:
             self.parent.children.remove(self)
         self.parent = self.parentBody = None
@@ -277,7 +317,7 @@ class Model:
     @property
     def follows(self) -> bool:
         """Whether the model is carried along by its parent without a joint."""
-        return self.parentBody is not None and self.joint is None
+        return self.parentBody is not None and self._weld is None
 
     def follow(self) -> None:
         """Go where the parent body takes the model."""
@@ -327,8 +367,8 @@ class Model:
 
     def close(self) -> None:
         """Destroy bodies, joints and space."""
-        if self.joint is not None:
-            self.joint.close()
-        for body in self.bodies:
+        if self._weld is not None:
+            self._weld.close()
+        for body in (*self.bodies, *self._strays):
             body.close()
         self.modelSpaceId.close()

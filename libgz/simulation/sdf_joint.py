@@ -24,7 +24,8 @@ from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
 from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
-from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, HingeJoint, Joint, SliderJoint, UniversalJoint
+from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
+from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 from libgz.simulation.sdf_axis import Axis, JointPlan
 from libgz.simulation.sdf_limits import JointLimits
 from libgz.simulation.sdf_links import links_behind, move_links, push_links
@@ -76,7 +77,8 @@ class SdfJoint(JointLimits):
         self.implicit = plan.implicit
         self.joint: Joint | None = None
         self._coupling: Thread | Gears | None = None
-        self._applied, self._applied_at = [0.0, 0.0], -1
+        self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
+        self._before, self._before_at = [0.0, 0.0], -1  # those of the push before
         self._laid: dict[int, float] = {}
         self._step_time = engine.step_time
         self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
@@ -250,6 +252,7 @@ class SdfJoint(JointLimits):
         if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
             effort = 0.0
         if self._applied_at != self.engine.steps:
+            self._before, self._before_at = self._applied, self._applied_at
             self._applied, self._applied_at = [0.0, 0.0], self.engine.steps
         self._applied[index] += effort
         self._push(effort, index)
@@ -279,13 +282,15 @@ class SdfJoint(JointLimits):
             self._push_screw(joint, effort, index)
 
     def _push_screw(self, joint: PistonJoint, effort: float, index: int) -> None:
-        if index == 1:
-            joint.SetSliderForce(effort)
-            return
-        axis = joint.GetAxis()
+        axis, anchor = joint.GetAxis(), self.anchor()
         for body, sign in ((self.child, 1.0), (self.parent, -1.0)):
-            if body is not None:
-                body.AddTorque(*GzVectorMul(sign * effort, axis))
+            if body is None:
+                continue
+            push = GzVectorMul(sign * effort, axis)
+            if index == 0:
+                body.AddTorque(*push)
+            else:  # ODE's own function for this turns both bodies, too
+                body.AddForceAtPos(*push, *anchor)
 
     def _wake(self) -> None:
         for body in (self.parent, self.child):
@@ -355,7 +360,7 @@ class SdfJoint(JointLimits):
 
     def axis(self, index: int = 0) -> GzVector:
         """An axis as it lies now, global."""
-        self._axis(index)
+        self.axis_at(index)
         joint = self.joint
         if isinstance(joint, HingeJoint | SliderJoint | PistonJoint):
             return joint.GetAxis()
@@ -367,12 +372,12 @@ class SdfJoint(JointLimits):
 
     def local_axis(self, index: int = 0) -> GzVector:
         """An axis in the joint's frame, as it was when the joint was made."""
-        self._axis(index)
+        self.axis_at(index)
         return GzVector(*self._local[index])
 
     def set_axis(self, index: int, axis: Iterable[float]) -> None:
         """Replace an axis, global; positions count from where the links stand now."""
-        self._axis(index)
+        self.axis_at(index)
         self._again(self.frame(), {index: GzVector(*unit_axis(axis, "axis"))})
 
     def _again(self, frame: GzPose, new: dict[int, GzVector]) -> None:
@@ -391,16 +396,18 @@ class SdfJoint(JointLimits):
         self.plan.feedback = on
         if self.joint is not None:
             self.joint.provide_feedback(on)
+        if isinstance(self._coupling, Thread):
+            self._coupling.provide_feedback(on)
 
     @property
     def wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
-        """(force, torque) on the parent, then on the child, that holding them together took in the last step.
+        """(force, torque) on the parent, then on the child, that the joint put on them in the last step.
 
-        Forces [N]; torques about the anchor [N m]; global. Efforts of `add_force` and explicit springs are not in it.
+        Forces [N]; torques about the anchor [N m]; global. Efforts of `add_force` are in it, explicit springs are not.
         """
-        if self.joint is None:
+        if self.joint is None or not self.plan.feedback:
             return GzVector(), GzVector(), GzVector(), GzVector()
-        force1, torque1, force2, torque2 = self.joint.feedback
+        force1, torque1, force2, torque2 = self._feedback()
         swap = isinstance(self.joint, Hinge2Joint)
         on_child, on_parent = ((force2, torque2), (force1, torque1)) if swap else ((force1, torque1), (force2, torque2))
         anchor = self.anchor()
@@ -414,4 +421,38 @@ class SdfJoint(JointLimits):
             result[:2] = [GzVectorMul(-1.0, v) for v in result[2:]]
         elif not _is_real(self.child):
             result[2:] = [GzVectorMul(-1.0, v) for v in result[:2]]
-        return result[0], result[1], result[2], result[3]
+        force, torque = self._effort_on_child(anchor)
+        return (
+            GzVectorSub(result[0], force),
+            GzVectorSub(result[1], torque),
+            GzVectorAdd(result[2], force),
+            GzVectorAdd(result[3], torque),
+        )
+
+    def _feedback(self) -> tuple[GzVector, ...]:
+        """What ODE tells of its joint, and of the thread that goes with it."""
+        told: tuple[GzVector, ...] = self.joint.feedback if self.joint is not None else ()
+        if isinstance(self._coupling, Thread):
+            told = tuple(GzVectorAdd(a, b) for a, b in zip(told, self._coupling.feedback, strict=True))
+        return told
+
+    def _effort_on_child(self, anchor: GzVector) -> tuple[GzVector, GzVector]:
+        """(force, torque about the anchor) of what `add_force` pushed with in the last step, global."""
+        last = self.engine.steps - 1
+        efforts = {self._before_at: self._before, self._applied_at: self._applied}.get(last, [0.0, 0.0])
+        force, torque = GzVector(), GzVector()
+        for index, effort in enumerate(efforts[: self.dof]):
+            if effort == 0.0:
+                continue
+            push = GzVectorMul(effort, self.axis(min(index, len(self.axes) - 1)))
+            if not isinstance(self.joint, SliderJoint) and not (self.kind == "screw" and index == 1):
+                torque = GzVectorAdd(torque, push)
+                continue
+            force = GzVectorAdd(force, push)
+            # A screw is pushed at its anchor, a slider along a line half way between both centres of mass.
+            ends = (self.parent, self.child) if isinstance(self.joint, SliderJoint) else ()
+            centres = [body.GetCoMPose().pos for body in ends if body is not None and not body.dummy]
+            for centre in centres:
+                arm = GzVectorMul(1.0 / len(centres), GzVectorSub(centre, anchor))
+                torque = GzVectorAdd(torque, GzVectorCross(arm, push))
+        return force, torque

@@ -78,7 +78,7 @@ class JointLimits:
         """How many positions there are."""
         return 2 if self.kind == "screw" else len(self.axes)
 
-    def _axis(self, index: int) -> Axis:
+    def axis_at(self, index: int) -> Axis:
         """An axis; a screw's second motion has none of its own.
 
         Raises:
@@ -110,7 +110,7 @@ class JointLimits:
             ParameterError: there is no such key, or this kind of joint has none.
         """
         if key in ("hi_stop", "lo_stop", "friction"):
-            axis = self._axis(index)
+            axis = self.axis_at(index)
             return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
         if key in ("thread_pitch", "gearbox_ratio"):
             return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
@@ -131,12 +131,12 @@ class JointLimits:
         if math.isnan(number):
             raise ParameterError(f"joint {self.name!r}: {key} is NaN")
         if key in ("hi_stop", "lo_stop"):
-            setattr(self._axis(index), "upper" if key == "hi_stop" else "lower", number)
+            setattr(self.axis_at(index), "upper" if key == "hi_stop" else "lower", number)
             self._set_stops(index)
             self._refresh()
         elif key == "friction":
             # Friction is a motor that wants to stand still.
-            self._axis(index).friction = number
+            self.axis_at(index).friction = number
             self.set_param("vel", 0.0, index)
             self.set_param("fmax", number, index)
         elif key in ("thread_pitch", "gearbox_ratio"):
@@ -193,7 +193,9 @@ class JointLimits:
         low = axis.lower - turns if abs(axis.lower) < UNLIMITED else -math.inf
         high = axis.upper - turns if abs(axis.upper) < UNLIMITED else math.inf
         if turns or (axis.wide and not isinstance(self.joint, SliderJoint)):
-            low, high = (v if abs(v) <= math.pi else math.copysign(math.inf, v) for v in (low, high))
+            # A stop that is half a turn away or more is none, unless the axis lies beyond it: it turns towards it.
+            low = min(low, math.pi) if low >= -math.pi else -math.inf
+            high = max(high, -math.pi) if high <= math.pi else math.inf
         self._lay_stops(index, low, high)
         self._held[index] = False
         self._laid[index] = turns
@@ -207,7 +209,7 @@ class JointLimits:
 
     def set_spring(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
         """Spring [N m/rad or N/m] and damper [N m s/rad or N s/m] about a reference [rad or m]."""
-        axis = self._axis(index)
+        axis = self.axis_at(index)
         axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
         axis.reference = finite(reference, "reference")
         if self.joint is not None:

@@ -124,7 +124,7 @@ class SdfModel(Model):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
-        link_lights(body, element)
+        link_lights(body, element, self._note)
         if self.static:
             return
         inertial = element.child("inertial")

@@ -17,7 +17,8 @@ from libgz.ode.types import (
     dParamVel,
 )
 from libgz.physics.couplings import PistonJoint, TieJoint
-from libgz.physics.joint import BallJoint, FixedJoint, Hinge2Joint, Joint, UniversalJoint
+from libgz.physics.joint import BallJoint, FixedJoint, Joint
+from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 
 __all__ = ["PARAMETERS", "ode_number"]
 

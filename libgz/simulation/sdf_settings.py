@@ -5,9 +5,10 @@ from __future__ import annotations
 import weakref
 from dataclasses import dataclass, field
 
-from libgz.errors import NotFoundError, nearest
+from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.fault import Fault, Faults
 from libgz.geometry import GzVector
+from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
 from libgz.simulation.sdf_visual import apply_scene
 from libgz.simulation.world import World
@@ -19,10 +20,10 @@ __all__ = ["SdfSettings", "apply_profile", "apply_settings", "settings_of"]
 class SdfSettings:
     """What a `<world>` says besides its entities."""
 
-    element: Element  # the `<world>`, or the `<sdf>` of a file without one
+    element: Element  # the `<world>`
     physics: Element  # the profile in force
     profiles: dict[str, Element] = field(default_factory=dict)
-    magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T]
+    magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T], now
     spherical_coordinates: Element | None = None
     scene: Element | None = None
 
@@ -30,9 +31,12 @@ class SdfSettings:
 _settings: weakref.WeakKeyDictionary[World, SdfSettings] = weakref.WeakKeyDictionary()
 
 
-def settings_of(world: World) -> SdfSettings | None:
-    """What the file of a world said; None for a world that was not loaded from SDF."""
-    return _settings.get(world)
+def settings_of(world: World) -> SdfSettings:
+    """What the file of a world said, and was set since; SDF's defaults for one that was not loaded from SDF."""
+    if world not in _settings:
+        element = Element("world", describe(VERSIONS[-1])["world"])
+        _settings[world] = SdfSettings(element, element.child("physics"))
+    return _settings[world]
 
 
 def apply_settings(world: World, element: Element, faults: Faults) -> SdfSettings:
@@ -52,7 +56,10 @@ def apply_settings(world: World, element: Element, faults: Faults) -> SdfSetting
         settings.spherical_coordinates = element.child("spherical_coordinates")
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
-    _apply_physics(world, chosen, faults)
+    try:
+        _apply_physics(world, chosen, faults)
+    except ParameterError as fault:
+        faults.add(Fault(chosen.file, chosen.line, chosen.name, str(fault), "error"))
     return settings
 
 
@@ -63,11 +70,11 @@ def apply_profile(world: World, name: str) -> None:
         NotFoundError: there is none of this name.
     """
     settings = settings_of(world)
-    profiles = settings.profiles if settings is not None else {}
-    if settings is None or name not in profiles:
-        known = ", ".join(profiles) or "none"
-        raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{nearest(name, profiles)}")
-    settings.physics = profiles[name]
+    if name not in settings.profiles:
+        known = ", ".join(settings.profiles) or "none"
+        hint = nearest(name, settings.profiles)
+        raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
+    settings.physics = settings.profiles[name]
     _apply_physics(world, settings.physics, Faults())
 
 

@@ -72,7 +72,7 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
         for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
             drawn = TriMeshGeom(body, None, part.vertices, part.triangles)
             if shape.name == "plane":
-                drawn.texture_coordinates = _across()
+                drawn.texture_coordinates, drawn.columns = _across(), PATCHES + 1
             if shape.name == "heightmap":
                 drawn.normals = vertex_normals(part.vertices, part.triangles)
             if part.color is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.errors import NotFoundError
+from libgz.errors import NotFoundError, ParameterError
 from libgz.fault import Fault, Faults
 from libgz.geometry import GzPose, GzVector
 from libgz.physics.body import Body
@@ -19,9 +19,12 @@ def apply_state(world: World, state: Element, faults: Faults) -> None:
 
     Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
     loads the world.
+
+    Raises:
+        ParameterError: a number of it is none.
     """
     if state.HasElement("sim_time"):
-        seconds, nanoseconds = ([float(word) for word in state.Get(str, "sim_time").split()] + [0.0, 0.0])[:2]
+        seconds, nanoseconds = _numbers(state, "sim_time", 2, "seconds and nanoseconds")
         world.set_sim_time(seconds + 1e-9 * nanoseconds)
     for element in state.named("model"):
         model = _find(world, element, faults)
@@ -69,7 +72,17 @@ def _apply_link(body: Body, link: Element) -> None:
     if link.HasElement("pose"):
         body.SetPose(link.Get(GzPose, "pose"))
     if link.HasElement("velocity"):
-        numbers = [float(word) for word in link.Get(str, "velocity").split()]
-        numbers += [0.0] * (6 - len(numbers))
+        numbers = _numbers(link, "velocity", 6, "6 numbers: [m/s], then [rad/s]")
         body.SetLinearVel(GzVector(*numbers[:3]))
         body.SetAngularVel(GzVector(*numbers[3:6]))
+
+
+def _numbers(element: Element, key: str, count: int, allowed: str) -> list[float]:
+    """Numbers of a child; what is missing at its end is 0."""
+    text = element.Get(str, key)
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        place = element.child(key).where
+        raise ParameterError(f"{place}: <{key}>: {text!r} is not allowed; it must be {allowed}") from None
+    return (numbers + [0.0] * count)[:count]

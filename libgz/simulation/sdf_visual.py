@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
@@ -26,6 +27,7 @@ __all__ = [
     "link_lights",
     "material_name",
     "put_on",
+    "scripted_material",
     "set_light",
     "set_sky",
     "set_transparency",
@@ -57,12 +59,9 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
 def _material(look: Appearance, element: Element, note: Note) -> None:
     name = material_name(element)
     if name:
-        script = element.child("script")
-        uris = [uri.Get(str) for uri in script.named("uri")]
-        folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
-        found = find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
+        found = scripted_material(name, element)
         if found is None:
-            note(script, f"there is no material {name!r}; it is shown in grey")
+            note(element.child("script"), f"there is no material {name!r}; it is shown in grey")
         put_on(look, found or NEUTRAL)
     for key, attribute in (("ambient",) * 2, ("diffuse",) * 2, ("specular",) * 2, ("emissive", "emission")):
         if element.HasElement(key):
@@ -80,6 +79,16 @@ def material_name(element: Element) -> str:
     name = script.Get(str, "name")
     name = script.value.GetAsString() if name in ("", UNSET) else name
     return "" if name == UNSET else name
+
+
+def scripted_material(name: str, element: Element | None) -> Material | None:
+    """A material by name, looked for in the scripts that a `<material>` names, too; None if it is not known."""
+    script = next(element.named("script"), None) if element is not None else None
+    if script is None:
+        return find_material(name)
+    uris = [uri.Get(str) for uri in script.named("uri")]
+    folder = Path(script.file).parent if script.file and not script.file.startswith("<") else None
+    return find_material(name, [uri for uri in uris if uri not in ("", UNSET)], folder)
 
 
 def put_on(look: Appearance, material: Material) -> None:
@@ -111,17 +120,22 @@ def set_transparency(look: Appearance, transparency: float) -> None:
 # Lights ----------------------------------------------------------------------------------------------------------
 
 
-def set_light(light: LightGeom, element: Element) -> None:
+def set_light(light: LightGeom, element: Element, note: Note) -> None:
     """Give a light what a `<light>` says; one without `<attenuation>` does not fade."""
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
     light.SetAmbientColor(GzColor())  # what comes from everywhere is the scene's
     kind = element.Get(str, "type")
+    if kind not in KINDS:
+        note(element, f"there is no light of type {kind!r}{nearest(kind, KINDS)}; it is shown as a point light")
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
     if element.HasElement("attenuation"):
         fading = element.child("attenuation")
-        light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        try:
+            light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
+        except ParameterError as fault:
+            note(fading, f"{fault}; the light does not fade")
         light.range = fading.Get(float, "range")
     if element.HasElement("spot"):
         cone = element.child("spot")
@@ -130,12 +144,12 @@ def set_light(light: LightGeom, element: Element) -> None:
         light.spot = (math.pi / 2.0, math.pi / 2.0, 0.0)
 
 
-def link_lights(body: Body, link: Element) -> None:
+def link_lights(body: Body, link: Element, note: Note) -> None:
     """The lights of a `<link>`, which go along with it."""
     for element in link.named("light"):
         light = LightGeom(body, None)
         light.SetRelativePose(element.Get(GzPose, "pose"), updateCoM=False)
-        set_light(light, element)
+        set_light(light, element, note)
 
 
 # Scene -----------------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ log = logging.getLogger("libgz.simulation")
 class SdfLight(Model):
     """A `<light>`: a dummy body with a light."""
 
-    def __init__(self, world: World, element: Element) -> None:
+    def __init__(self, world: World, element: Element, faults: Faults) -> None:
         super().__init__(world)
         self.sdf = element
         self.SetName("light")
@@ -40,7 +40,11 @@ class SdfLight(Model):
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
-        set_light(self.light, element)
+        set_light(
+            self.light,
+            element,
+            lambda part, text: faults.add(Fault(part.file, part.line, part.name, text, "warning")),
+        )
 
 
 class WorldJoints(Model):
@@ -82,22 +86,40 @@ def load_sdf(world: World, file: SdfFile) -> None:
         WorldFileError: it has errors; the message lists them all. Warnings are logged.
     """
     root, faults = file.root, file.faults
-    element = next(root.named("world"), None)
-    if element is not None:
-        apply_settings(world, element, faults)
-    holder = element or root
-    add_entities(world, holder.children, faults)
-    _add_world_joints(world, holder, faults)
-    state = next(holder.named("state"), None)
+    if not any(child.name in ("world", "model", "light") for child in root.children):
+        faults.raise_errors()
+        raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
+    try:
+        _build(world, next(root.named("world"), None) or _world_around(root), faults)
+    except GazeboError as fault:
+        if not faults.errors:  # else it follows from what the reader has found
+            raise WorldFileError(str(fault)) from fault
+    for warning in faults.warnings:
+        log.warning("%s", warning)
+    faults.raise_errors()
+
+
+def _build(world: World, element: Element, faults: Faults) -> None:
+    """Settings, models, lights and joints of a `<world>`, put where its first `<state>` says."""
+    apply_settings(world, element, faults)
+    add_entities(world, element.children, faults)
+    _add_world_joints(world, element, faults)
+    state = next(element.named("state"), None)
     if state is not None:
         for insertions in state.named("insertions"):
             add_entities(world, insertions.children, faults)
         apply_state(world, state, faults)
-    if element is None and not world.models:
-        raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
-    for warning in faults.warnings:
-        log.warning("%s", warning)
-    faults.raise_errors()
+
+
+def _world_around(root: Element) -> Element:
+    """Put what stands in `<sdf>` without a `<world>` into one, with the settings that SDF has by default."""
+    inside = list(root.children)
+    world = root.AddElement("world")
+    world.set_attribute("name", "default")
+    for child in inside:
+        root.RemoveChild(child)
+        world.InsertElement(child)
+    return world
 
 
 def insert_sdf(world: World, file: SdfFile) -> list[Model]:
@@ -108,6 +130,7 @@ def insert_sdf(world: World, file: SdfFile) -> list[Model]:
     """
     before = len(world.models)
     root = next(file.root.named("world"), file.root)
+    file.faults.raise_errors()
     try:
         add_entities(world, root.children, file.faults)
         file.faults.raise_errors()
@@ -134,7 +157,7 @@ def add_entities(world: World, elements: Iterable[Element], faults: Faults) -> l
             for member in model.family():
                 _register(world, member)
         elif element.name == "light":
-            _register(world, SdfLight(world, element))
+            _register(world, SdfLight(world, element, faults))
     for model in models:
         model.build_joints()
     return world.models[before:]

@@ -10,7 +10,7 @@ from libgz.worldfile.attributes import boolean, color, integer, number, read, te
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["QUIRKS", "GlobalAttributes", "find_global_nodes", "read_global", "read_quirks"]
+__all__ = ["QUIRKS", "GlobalAttributes", "find_global_nodes", "is_settings", "read_global", "read_quirks"]
 
 # Faults of the old server that a world can ask to have back, and what each one brings.
 QUIRKS = {
@@ -23,7 +23,7 @@ QUIRKS = {
     "updateTimes": "some models update a step late, now and then or always, for sums of step times are compared as is",
 }
 
-OLD_GLOBAL_TAGS = frozenset({"gravity", "stepTime"})  # all that 0.4 had
+_TAGS: list[tuple[str | None, str]] = [("params", "GlobalParams"), ("param", "Global")]  # oldest first
 
 
 @dataclass(frozen=True)
@@ -47,9 +47,13 @@ class GlobalAttributes:
 
 def find_global_nodes(file: WorldFile) -> list[WorldFileNode]:
     """The elements that hold settings, oldest spelling first."""
-    nodes = [n for n in file.GetRootNode().walk() if (n.prefix, n.name) == ("params", "GlobalParams")]
-    nodes += [n for n in file.GetRootNode().walk() if (n.prefix, n.name) == ("param", "Global")]
-    return nodes
+    found = (node for node in file.GetRootNode().walk() if is_settings(node))
+    return sorted(found, key=lambda node: _TAGS.index((node.prefix, node.name)))
+
+
+def is_settings(node: WorldFileNode) -> bool:
+    """Whether an element holds settings."""
+    return (node.prefix, node.name) in _TAGS
 
 
 def read_global(file: WorldFile) -> tuple[GlobalAttributes, bool]:

@@ -19,10 +19,11 @@ from libgz.physics.appearance import Backdrop
 from libgz.physics.check import finite, not_negative
 from libgz.physics.engine import Engine
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.simulation.agenda import Agenda
 from libgz.simulation.changes import delete_models, end_model, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
-from libgz.simulation.event import Owner, WorldEvents, everywhere, owner
+from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.factory import ModelFactory
 from libgz.simulation.loader import Loader
 from libgz.simulation.lookup import Lookup
@@ -40,7 +41,7 @@ __all__ = ["World"]
 log = logging.getLogger("libgz.simulation")
 
 
-class World(Lookup, Loader, Clock):
+class World(Lookup, Loader, Clock, Agenda):
     """A simulated world.
 
     In process, without the wire::
@@ -87,9 +88,9 @@ class World(Lookup, Loader, Clock):
         self._updating: list[Model] = []
         self._followers: list[Model] = []
         Clock.__init__(self)
+        Agenda.__init__(self)
         self._paused = self._closed = False
-        self._inside = self._stepping = False  # whether Step runs, and whether models may not come or go now
-        self._afterwards: list[tuple[Owner | None, Callable[[], object]]] = []
+        self._inside = False  # whether Step runs
         self.name = "default"
         self.sdf: SdfFile | None = None
         self.physics_enabled = True
@@ -229,6 +230,11 @@ class World(Lookup, Loader, Clock):
         for companion in self.companions:
             companion.model_added(model)
 
+    def take_along(self, model: Model) -> None:
+        """Let a model that was attached at run time, and without a joint, follow its parent."""
+        if model in self.models and model not in self._followers:
+            self._followers.append(model)
+
     # Start and end -----------------------------------------------------------------------------------------------
 
     def Initialize(self) -> int:
@@ -254,8 +260,10 @@ class World(Lookup, Loader, Clock):
 
     def init_models(self, models: Iterable[Model], file: WorldFile) -> None:
         """Let models make their interfaces; nothing to do before the server is started."""
-        for model in models if self._start is not None else ():
-            self._init_model(model, file)
+        # An Init may insert models, which are initialized then, and delete some.
+        for model in list(models) if self._start is not None else ():
+            if model in self.models:
+                self._init_model(model, file)
 
     def _init_model(self, model: Model, file: WorldFile) -> None:
         if model.node is None:
@@ -290,12 +298,11 @@ class World(Lookup, Loader, Clock):
         """End the world and free everything in it. Can be called twice.
 
         Raises:
-            GazeboError: it is called in a step, by a callback.
+            GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
         """
         if self._closed:
             return
-        if self._inside:
-            raise GazeboError("a world cannot be closed in a callback: its step is under way")
+        self._check_idle("closed")
         self._closed = True
         self.Finalize()
         self.gz_server.stop()
@@ -321,19 +328,24 @@ class World(Lookup, Loader, Clock):
         """One step: buttons, models, physics, followers, clock, news to clients; 0.
 
         Raises:
-            GazeboError: it is called in a step, by a callback.
+            GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
         """
         if self._start is None:
             raise ClosedError("the world is closed" if self._closed else "Initialize comes before the first step")
-        if self._inside:
-            raise GazeboError("a world cannot be stepped in a callback: its step is under way")
+        self._check_idle("stepped")
         self._inside = True
         try:
             self._step()
         finally:
             self._inside = self._stepping = False
         return 0
+
+    def _check_idle(self, what: str) -> None:
+        if self._inside:
+            raise GazeboError(f"a world cannot be {what} in a callback: its step is under way")
+        if self._holding:
+            raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
 
     def _step(self) -> None:
         paused = self._read_buttons()
@@ -344,12 +356,12 @@ class World(Lookup, Loader, Clock):
         else:
             self._advance()
         if self._afterwards:
-            self._act()
+            self.act()
         self._stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
         if self._afterwards:
-            self._act()
+            self.act()
         if self.sim.lock():
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
@@ -409,10 +421,10 @@ class World(Lookup, Loader, Clock):
                 )
         if failed:
             for model in self._updating:
-                if model.failed is not None:
+                if isinstance(model.failed, BaseException):  # a subclass may mean something else by it
                     model.motors_off()
                     unlock_interfaces(self, model)
-            self._updating = [model for model in self._updating if model.failed is None]
+            self._updating = [model for model in self._updating if not isinstance(model.failed, BaseException)]
 
     # Changes -----------------------------------------------------------------------------------------------------
 
@@ -452,21 +464,6 @@ class World(Lookup, Loader, Clock):
 
     reset = Reset
 
-    def after_step(self, action: Callable[[], object]) -> None:
-        """Call `action` at once, or if a step is running after it, before clients learn of the step."""
-        if self._stepping:
-            self._afterwards.append((owner.get(), action))
-        else:
-            action()
-
-    def _act(self) -> None:
-        actions, self._afterwards, self._stepping = self._afterwards, [], False
-        for by, action in actions:
-            try:
-                action()
-            except GazeboError as fault:
-                log.error("%s%s", f"{by}: " if by is not None else "", fault)
-
     def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
         """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.
 
@@ -477,7 +474,8 @@ class World(Lookup, Loader, Clock):
         """
         if self._stepping:
             raise GazeboError("models cannot be inserted during a step; use World.after_step")
-        return insert_models(self, text, label)
+        with self.hold():
+            return insert_models(self, text, label)
 
     def DeleteModel(self, model: Model | str) -> None:
         """Remove a model, by itself or its id, and all that is attached to it; during a step, after it.

@@ -20,15 +20,15 @@ from numpy.typing import NDArray
 from libgz.errors import ClosedError, InterfaceError
 from libgz.transport.client import Client
 from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, fields_of, numpy_type
-from libgz.transport.paths import check_id, file_name
+from libgz.transport.paths import LONGEST_PATH, check_id, file_name
 from libgz.transport.server import LocalServer, Server
 
-__all__ = ["Interface", "View"]
+__all__ = ["DataClass", "Interface", "View"]
 
 log = logging.getLogger("libgz.transport")
 
 D = TypeVar("D", bound=Data)
-_DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
+DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 
 SERVER_PATIENCE = 0.02  # [s] a server waits for a lock that a client holds
 _POLL = 0.0002  # [s]
@@ -69,8 +69,8 @@ class Interface(Generic[D]):
     """
 
     type: ClassVar[str]
-    data_class: ClassVar[_DataClass]
-    older: ClassVar[Mapping[int, _DataClass]] = {}  # version -> struct, where it was another one
+    data_class: ClassVar[DataClass]
+    older: ClassVar[Mapping[int, DataClass]] = {}  # version -> struct, where it was another one
     has_post: ClassVar[bool] = True
 
     def __init__(self) -> None:
@@ -98,6 +98,10 @@ class Interface(Generic[D]):
     def size(self) -> int:
         """Bytes of the struct, and of its file."""
         return ctypes.sizeof(self.layout)
+
+    def layout_for(self, version: int, length: int | None) -> DataClass:
+        """The struct of a wire version, in a file of so many bytes; None on the server's side, which makes the file."""
+        return self.older.get(version, self.data_class)
 
     @property
     def data(self) -> D:
@@ -143,11 +147,12 @@ class Interface(Generic[D]):
         """
         self.id = check_id(self.type, id)
         self._require_closed()
-        self.layout = self.older.get(server.version, self.data_class)
+        self.layout = self.layout_for(server.version, None)
         size = self.size
         self.server = server
         self._served = server.claim(self)
         if self._served and isinstance(server, Server):
+            _warn_of_length(f"{server.path}/{file_name(self.type, self.id)}")
             try:
                 self._descriptor = server.create_file(file_name(self.type, self.id), size)
                 self._memory = mmap.mmap(self._descriptor, size)
@@ -207,8 +212,9 @@ class Interface(Generic[D]):
             raise InterfaceError(f"error opening device file {path} : {fault.strerror}{hint}") from None
         try:
             version = int.from_bytes(os.pread(descriptor, 4, 0), sys.byteorder)
-            self.layout = self.older.get(version, self.data_class)
-            length, size = os.fstat(descriptor).st_size, self.size
+            length = os.fstat(descriptor).st_size
+            self.layout = self.layout_for(version, length)
+            size = self.size
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
             self._memory = mmap.mmap(descriptor, size)
@@ -232,6 +238,17 @@ class Interface(Generic[D]):
             self.client.opened.remove(self)
         self.client = None
         self._release()
+
+    @property
+    def replaced(self) -> bool:
+        """Whether the server serves another interface of this type and id now, and this one is nobody's any more."""
+        if self.client is None or self._descriptor is None:
+            return False
+        try:
+            there = os.stat(f"{self.client.path}/{self.type}.{self.id}")  # noqa: PTH116
+        except OSError:
+            return False  # some old programs delete all files: what is open is still in use then
+        return not os.path.samestat(there, os.fstat(self._descriptor))
 
     # Lock --------------------------------------------------------------------------------------------------------
 
@@ -278,7 +295,7 @@ class Interface(Generic[D]):
     def _mend(self) -> None:
         """Give a file that a client cut short its length back: memory beyond the end of a file kills who touches it."""
         descriptor = self._descriptor or 0
-        if os.fstat(descriptor).st_size < self.size:
+        if os.lseek(descriptor, 0, os.SEEK_END) < self.size:  # quicker than fstat; nobody reads at an offset
             os.ftruncate(descriptor, self.size)
             log.warning("a client cut %s.%s short; it has its length again", self.type, self.id)
             self._write_head()
@@ -323,6 +340,13 @@ class Interface(Generic[D]):
             fcntl.flock(self._descriptor, fcntl.LOCK_UN)
             os.close(self._descriptor)
             self._descriptor = None
+
+
+def _warn_of_length(path: str) -> None:
+    if len(os.fsencode(path)) > LONGEST_PATH:
+        log.warning(
+            "C programs cannot open %s: their paths end after %d bytes; set TMP shorter, or the id", path, LONGEST_PATH
+        )
 
 
 def _int32(value: int) -> int:

@@ -6,7 +6,7 @@ import os
 
 from libgz.errors import InterfaceError, ParameterError
 
-__all__ = ["LOCK_FILE", "check_id", "check_server_id", "file_name", "server_directory"]
+__all__ = ["LOCK_FILE", "LONGEST_PATH", "check_id", "check_server_id", "file_name", "server_directory"]
 
 # Holds the server's pid, and a flock for as long as it lives: that tells a dead server's directory from a live one's.
 # Clients of the time never look at files they do not know.

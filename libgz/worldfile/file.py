@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import functools
 import logging
 import os
@@ -45,7 +46,8 @@ class WorldFile:
         self.encoding = "utf-8"
         self.root: WorldFileNode | None = None
         self.changed: dict[int, str] = {}  # element number -> new text
-        self.added: dict[int, list[tuple[str, str]]] = {}  # element number -> (tag, text) of new children
+        self.changed_attributes: dict[tuple[int, str], str] = {}  # (element number, XML attribute) -> new value
+        self.added: dict[int, list[WorldFileNode]] = {}  # element number -> new children
 
     @classmethod
     def from_file(cls, filename: str | os.PathLike[str]) -> WorldFile:
@@ -216,7 +218,7 @@ class WorldFile:
         child.pieces, child.used = [text], True
         added = self.added.setdefault(node.number, [])
         node.children.insert(len(added), child)
-        added.append((tag, text))
+        added.append(child)
 
     def Save(self, filename: str | os.PathLike[str] | None = None) -> int:
         """Write the file with its changed values; comments, order and layout stay. 0.
@@ -230,10 +232,17 @@ class WorldFile:
         target = filename or self.filename
         if target is None:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
-        if self.changed or self.added:
-            self.source = splice(self.source, self.changed, self.added, self.encoding)
+        if self.changed or self.changed_attributes or self.added:
+            children = {
+                number: [(child.name, child.content) for child in added] for number, added in self.added.items()
+            }
+            try:
+                self.source = splice(self.source, self.changed, self.changed_attributes, children, self.encoding)
+            except WorldFileError as fault:
+                raise WorldFileError(f"unable to save {str(target)!r}: {fault}") from None
             self._renumber()
             self.changed.clear()
+            self.changed_attributes.clear()
             self.added.clear()
         log.info("saving: %s", target)
         try:
@@ -261,7 +270,8 @@ def write_whole(target: Path, data: bytes) -> None:
     """Replace a file in one step, so that nobody ever sees half of it. Pipes and devices are written to.
 
     Raises:
-        OSError: it cannot be written; `filename` is the target.
+        OSError: it cannot be written, or is protected: putting another file in its place would ask nobody. `filename`
+            is the target.
     """
     try:
         if target.exists() and not target.is_file():
@@ -274,6 +284,8 @@ def write_whole(target: Path, data: bytes) -> None:
 
 def _replace(target: Path, data: bytes) -> None:
     mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
+    if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
+        raise PermissionError(errno.EACCES, "it is write-protected", str(target))
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
         path = Path(temporary.name)
         try:

@@ -126,11 +126,15 @@ class WorldFileNode:
             self.used = True
             return self, self.content
         old = self._find_old(key)
-        child = next((child for child in self.children if child.name == key and child.prefix != "model"), None)
+        child = self._attribute_child(key)
         if child is not None:
             child.used = True
             return child, child.content
         return old
+
+    def _attribute_child(self, key: str) -> WorldFileNode | None:
+        """The child that holds an attribute; a model of that name is none."""
+        return next((child for child in self.children if child.name == key and child.prefix != "model"), None)
 
     def _find_old(self, key: str) -> tuple[WorldFileNode, str] | None:
         """The same under an older spelling."""
@@ -315,12 +319,18 @@ class WorldFileNode:
     def SetString(self, key: str, value: str) -> None:
         """Change the text of an attribute that is there; `WorldFile.Save` writes it."""
         if key in self.attributes:
-            self.attributes[key] = value
+            if self.attributes[key] != value:
+                self.attributes[key] = self.file.changed_attributes[self.number, key] = value
             return
-        node = self if key == self.name else self.GetChild(key)
-        if node is not None and node.content.strip(_BLANK) != value:
-            node.pieces = [value]
-            self.file.changed[node.number] = value
+        node = self if key == self.name else self._attribute_child(key)
+        if node is not None:
+            node._set_content(value)
+
+    def _set_content(self, value: str) -> None:
+        if self.content.strip(_BLANK) != value:
+            self.pieces = [value]
+            if self.number >= 0:  # else it was added, and is not in the file yet
+                self.file.changed[self.number] = value
 
     def SetPosition(self, key: str, value: VectorLike, *, add: bool = False) -> None:
         """Write three lengths [m] with three decimals; `add` makes the attribute if it is missing."""
@@ -332,8 +342,11 @@ class WorldFileNode:
         self._set(key, " ".join(f"{d:.0f}" if d == round(d) else f"{d:.3f}" for d in degrees), add)
 
     def _set(self, key: str, text: str, add: bool) -> None:
-        if self.GetChild(key) is not None:
+        old = self._find_old(key)
+        if key in self.attributes or self._attribute_child(key) is not None:
             self.SetString(key, text)
+        elif old is not None:  # `pos` and `rot` of 0.3 are written as xyz and rpy are
+            old[0]._set_content(text)
         elif add and any(atof(token) for token in text.split()):  # an absent one reads as zeros
             self.file.add_child(self, key, text)
 
@@ -353,10 +366,19 @@ class WorldFileNode:
             if not child.used:
                 found = True
                 if self.used or self.parent is None:  # else it was told with this element
-                    owner = f" by <{self.tag}>" if self.used else ""
-                    child.warn(f"is not used{owner}{nearest(child.name, self.asked)}")
+                    child.warn(self._unused(child))
             found = child.note_unused() or found
         return found
+
+    def _unused(self, child: WorldFileNode) -> str:
+        """What to say of a child that nobody asked for."""
+        first = self._attribute_child(child.name)
+        if child.name in self.asked and child.name in self.attributes:
+            return f"is not used: the attribute {child.name}= counts"
+        if child.name in self.asked and first is not None and first is not child:
+            return f"is not used: the first one counts, line {first.line}"
+        owner = f" by <{self.tag}>" if self.used else ""
+        return f"is not used{owner}{nearest(child.name, self.asked)}"
 
     def WarnUnused(self) -> bool:
         """Log a warning for each element below this one that nobody asked for; whether there was one."""

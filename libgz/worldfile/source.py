@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from xml.parsers import expat
 from xml.sax.saxutils import escape
 
-__all__ = ["Span", "element_spans", "splice"]
+from libgz.errors import WorldFileError
+
+__all__ = ["Span", "attribute_spans", "element_spans", "splice"]
+
+_ATTRIBUTE = re.compile(rb"""\s([^\s=]+)\s*=\s*("[^"]*"|'[^']*')""")
+_WIDE = (b"\xff\xfe", b"\xfe\xff", b"\0<", b"<\0")  # how documents begin whose characters have two bytes or more
 
 
 @dataclass
@@ -22,7 +28,13 @@ class Span:
 
 
 def element_spans(source: bytes) -> list[Span]:
-    """The spans of all elements in document order."""
+    """The spans of all elements in document order.
+
+    Raises:
+        WorldFileError: the document's encoding has no bytes of ASCII to look for.
+    """
+    if source.startswith(_WIDE):
+        raise WorldFileError("a worldfile in UTF-16 or UTF-32 can be read, but not changed; make it UTF-8")
     spans: list[Span] = []
     open_spans: list[Span] = []
     parser = expat.ParserCreate()
@@ -52,19 +64,36 @@ def element_spans(source: bytes) -> list[Span]:
     return spans
 
 
+def attribute_spans(source: bytes, span: Span) -> dict[bytes, tuple[int, int]]:
+    """Name -> byte offsets of the value, without its quotes, of the attributes of an element."""
+    found = _ATTRIBUTE.finditer(source, span.start, span.content)
+    return {match[1]: (match.start(2) + 1, match.end(2) - 1) for match in found}
+
+
 def splice(
-    source: bytes, texts: Mapping[int, str], children: Mapping[int, list[tuple[str, str]]], encoding: str
+    source: bytes,
+    texts: Mapping[int, str],
+    attributes: Mapping[tuple[int, str], str],
+    children: Mapping[int, list[tuple[str, str]]],
+    encoding: str,
 ) -> bytes:
     """New bytes with changed and added values.
 
     Args:
         source: the document.
         texts: number of an element in document order -> its new text.
+        attributes: (number of an element, name of an attribute it has) -> the attribute's new value.
         children: number of an element -> (tag, text) of children to add at its beginning.
         encoding: of the document.
+
+    Raises:
+        WorldFileError: the document's encoding has no bytes of ASCII to look for.
     """
     spans = element_spans(source)
     edits: list[tuple[int, int, bytes]] = []
+    for (number, name), value in attributes.items():
+        place = attribute_spans(source, spans[number])[name.encode(encoding)]
+        edits.append((*place, escape(value, {'"': "&quot;", "'": "&apos;"}).encode(encoding)))
     for number, text in texts.items():
         span = spans[number]
         new = escape(text).encode(encoding)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
-from libgz.worldfile.source import Span, element_spans
+from libgz.worldfile.source import Span, attribute_spans, element_spans
 from libgz.worldfile.spelling import Renamed, ignored_tags, renamed_keys, renamed_tags
 
 __all__ = ["Change", "upgrade"]
@@ -49,11 +49,18 @@ def upgrade(file: WorldFile) -> tuple[bytes, list[Change]]:
                 work.origin(node)
     source = work.apply()
     if file.is_old and _judged_old(source):
-        root = element_spans(source)[0]
-        end = root.content - (2 if root.empty else 1)
-        source = source[:end] + f' version="{VERSION}"'.encode() + source[end:]
+        source = _marked(source)
         work.note(file.GetRootNode(), f'marked as version="{VERSION}", for some of its models ended with 0.4')
     return source, sorted(work.changes, key=lambda change: change.line)
+
+
+def _marked(source: bytes) -> bytes:
+    """The same with the present version in the root's tag, in place of an older one."""
+    root = element_spans(source)[0]
+    end = root.content - (2 if root.empty else 1)
+    older = attribute_spans(source, root).get(b"version")
+    start, stop = older or (end, end)
+    return source[:start] + (VERSION if older else f' version="{VERSION}"').encode() + source[stop:]
 
 
 def _judged_old(source: bytes) -> bool:
@@ -79,7 +86,7 @@ class _Upgrade:
         """The source with all edits; those inside a stretch that goes as a whole are dropped."""
         source = self.source
         kept: list[tuple[int, int, bytes]] = []
-        for edit in sorted(self.edits, key=lambda e: (e[0], -e[1])):
+        for edit in sorted(self.edits, key=lambda e: (e[0], e[1] > e[0], -e[1])):  # what is put in before what goes
             if not kept or edit[0] >= kept[-1][1]:
                 kept.append(edit)
         for start, end, new in reversed(kept):
@@ -253,10 +260,8 @@ class _Upgrade:
             _number(new, old, i, words) for i, (new, old) in enumerate(zip(pose.pos, given.pos, strict=True))
         )
         if "xyz" in node.attributes:
-            start = self.span(node).start
-            quoted = re.compile(rb"""\sxyz\s*=\s*["']([^"']*)""").search(self.source, start, self.span(node).content)
-            if quoted:
-                self.edits.append((*quoted.span(1), text.encode()))
+            value = attribute_spans(self.source, self.span(node))[b"xyz"]
+            self.edits.append((*value, text.encode()))
         elif place is not None:
             self.write(place, text)
         else:

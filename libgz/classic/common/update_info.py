@@ -11,10 +11,7 @@ __all__ = ["UpdateInfo"]
 
 @dataclass(slots=True)
 class UpdateInfo:
-    """The name of the world, its sim time and its real time at this step.
-
-    One object may serve all steps: a callback that wants to keep a time keeps `info.simTime`, and not `info`.
-    """
+    """The name of the world, its sim time and its real time at this step; a callback may keep it."""
 
     worldName: str = ""
     simTime: Time = field(default_factory=Time)

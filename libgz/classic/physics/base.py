@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.world import World
     from libgz.sdf.element import Element
 
-__all__ = ["Base", "Entity", "view_of"]
+__all__ = ["Base", "Entity", "find_named", "view_of"]
 
 V = TypeVar("V")
 
@@ -126,7 +126,7 @@ class Base:
 
     def GetByName(self, name: str) -> Base | None:
         """Itself, or something in it, by its name or scoped name; None if there is none."""
-        return next((part for part in self.tree() if name in (part.GetName(), part.GetScopedName())), None)
+        return find_named(self.tree(), name)
 
     BaseByName = GetByName
 
@@ -139,6 +139,17 @@ class Base:
     def Print(self, prefix: str = "") -> str:
         """The names of it and everything in it, a line each."""
         return f"{prefix}{self.GetName()}\n" + "".join(part.Print(prefix + "  ") for part in self.children())
+
+
+def find_named(parts: Iterable[Base], name: str) -> Base | None:
+    """The part of this scoped name, else the first of this name: a model is not mistaken for another one's link."""
+    first = None
+    for part in parts:
+        if part.GetScopedName() == name:
+            return part
+        if first is None and part.GetName() == name:
+            first = part
+    return first
 
 
 class Entity(Base):

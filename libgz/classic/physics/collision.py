@@ -174,8 +174,10 @@ class Collision(Entity):
         """
         if mode not in MODES:
             raise ParameterError(f"collide mode {mode!r} is not known; allowed are {', '.join(MODES)}")
-        bits = self._bits if MODES[mode] else 0.0
-        self.geom.body.engine.set_surface(self.geom.row, Surface.BITS, bits)
+        engine, row = self.geom.body.engine, self.geom.row
+        now = float(engine.surface[row, Surface.BITS])
+        self._bits = now or self._bits  # what it had before it was to touch nothing
+        engine.set_surface(row, Surface.BITS, self._bits if MODES[mode] else 0.0)
 
     def SetMaxContacts(self, maxContacts: int) -> None:
         """Most contact points with another collision."""
@@ -194,5 +196,5 @@ class Collision(Entity):
         return self.geom.GetRetro()
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Multiply its size."""
+        """Make it so many times as large as it was at first."""
         self.GetShape().SetScale(scale)

@@ -16,6 +16,7 @@ from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.simulation.sdf_axis import Axis, JointPlan
 from libgz.simulation.sdf_joint import SdfJoint
+from libgz.simulation.sdf_settings import settings_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
@@ -29,16 +30,16 @@ log = logging.getLogger("libgz.classic")
 
 _numbers = itertools.count(1)
 
-# Parameters of Gazebo's that nothing depends on here, and its defaults.
-KEPT: dict[str, Any] = {
-    "contact_surface_layer": 0.001,
-    "island_threads": 0,
-    "min_step_size": 0.0001,
-    "precon_iters": 0,
-    "real_time_factor": 1.0,
-    "thread_position_correction": False,
-    "use_dynamic_moi_rescaling": False,
-    "world_step_solver": "ODE_DANTZIG",
+# Parameters of Gazebo's that nothing depends on here: where a <physics> has them, and their defaults.
+KEPT: dict[str, tuple[tuple[str, ...], Any]] = {
+    "contact_surface_layer": (("ode", "constraints"), 0.001),
+    "island_threads": (("ode", "solver"), 0),
+    "min_step_size": (("ode", "solver"), 0.0001),
+    "precon_iters": (("ode", "solver"), 0),
+    "real_time_factor": ((), 1.0),
+    "thread_position_correction": (("ode", "solver"), False),
+    "use_dynamic_moi_rescaling": (("ode", "solver"), False),
+    "world_step_solver": (("ode", "solver"), "ODE_DANTZIG"),
 }
 
 
@@ -93,9 +94,8 @@ class PhysicsEngine:
         return 1.0 / rate if rate > 0.0 else 0.0
 
     def GetTargetRealTimeFactor(self) -> float:
-        """The file's real_time_factor, which nothing depends on."""
-        sdf = self._world.SDF()
-        return sdf.child("physics").Get(float, "real_time_factor") if sdf is not None else 1.0
+        """The real_time_factor of the file, or what was set since; nothing depends on it."""
+        return float(self.GetParam("real_time_factor"))
 
     # Parameters --------------------------------------------------------------------------------------------------
 
@@ -178,16 +178,26 @@ class PhysicsEngine:
     def _row(self, key: str) -> tuple[Callable[[], Any], Callable[[Any], None]]:
         keys = self._keys()
         if key in KEPT:
-            return lambda: self._kept.get(key, KEPT[key]), lambda value: self._keep(key, value)
+            return lambda: self._kept_value(key), lambda value: self._keep(key, value)
         if key not in keys:
             known = [*keys, *KEPT]
             raise ParameterError(f"physics has no parameter {key!r}; it has {', '.join(known)}{nearest(key, known)}")
         return keys[key]
 
     def _keep(self, key: str, value: Any) -> None:
-        if value != self._kept.get(key, KEPT[key]):
+        if value != self._kept_value(key):
             log.warning("physics parameter %s is kept, and has no effect", key)
         self._kept[key] = value
+
+    def _kept_value(self, key: str) -> Any:
+        """What was set, else what the file says."""
+        if key in self._kept:
+            return self._kept[key]
+        path, default = KEPT[key]
+        holder = settings_of(self._world.core).physics
+        for name in path:
+            holder = holder.child(name)
+        return holder.Get(type(default), key, default)[0]
 
     # Making things -----------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, GzVectorDot, VectorLike, rotate
+from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.simulation.sdf_model import SdfModel
 
 if TYPE_CHECKING:
@@ -81,29 +81,32 @@ class Joint(Base):
     def GetForceTorque(self, index: int = 0) -> JointWrench:
         """What the links did to the joint in the last step: 1 the parent, 2 the child, in the links' axes.
 
-        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo.
+        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo. What SetForce did is in it.
+        The first question begins to record it, unless `<provide_feedback>` or SetProvideFeedback did.
         """
-        return self._wrench()
-
-    def SetProvideFeedback(self, enable: bool) -> None:
-        """Record what the joint does to the links."""
-        self.core.provide_feedback(enable)
-
-    def _wrench(self) -> JointWrench:
         values = []
-        force1, torque1, force2, torque2 = self.core.wrench
+        force1, torque1, force2, torque2 = self._wrench()
         for body, pair in ((self.core.parent, (force1, torque1)), (self.core.child, (force2, torque2))):
             turn = GzQuaternInverse(body.GetRotation()) if body is not None else None
             values += [-Vector3d(*(rotate(turn, v) if turn is not None else v)) for v in pair]
         return JointWrench(*values)
 
+    def SetProvideFeedback(self, enable: bool) -> None:
+        """Record what the joint does to the links."""
+        self.core.provide_feedback(enable)
+
+    def _wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
+        if not self.core.plan.feedback:
+            self.core.provide_feedback(True)
+        return self.core.wrench
+
     def LinkForce(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) [N], global."""
-        return Vector3d(*self.core.wrench[2 * index])
+        return Vector3d(*self._wrench()[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
         """What it did to the parent (0) or child (1) about the anchor [N m], global."""
-        return Vector3d(*self.core.wrench[2 * index + 1])
+        return Vector3d(*self._wrench()[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
 
@@ -111,11 +114,11 @@ class Joint(Base):
 
     def LowerLimit(self, index: int = 0) -> float:
         """The lower stop; -1e16: none."""
-        return self.core.axes[index].lower
+        return self.core.axis_at(index).lower
 
     def UpperLimit(self, index: int = 0) -> float:
         """The upper stop; 1e16: none."""
-        return self.core.axes[index].upper
+        return self.core.axis_at(index).upper
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
         """Set the lower stop."""
@@ -131,40 +134,40 @@ class Joint(Base):
 
     def GetEffortLimit(self, index: int) -> float:
         """The most that SetForce does; negative: no limit."""
-        return self.core.axes[index].effort
+        return self.core.axis_at(index).effort
 
     def SetEffortLimit(self, index: int, effort: float) -> None:
         """Set the most that SetForce does; negative: no limit."""
-        self.core.axes[index].effort = float(effort)
+        self.core.axis_at(index).effort = float(effort)
 
     def GetVelocityLimit(self, index: int) -> float:
         """The speed from which SetForce pushes no more; negative: no limit."""
-        return self.core.axes[index].velocity
+        return self.core.axis_at(index).velocity
 
     def SetVelocityLimit(self, index: int, velocity: float) -> None:
         """Set the speed from which SetForce pushes no more; negative: no limit."""
-        self.core.axes[index].velocity = float(velocity)
+        self.core.axis_at(index).velocity = float(velocity)
 
     # Damping and springs -----------------------------------------------------------------------------------------
 
     def GetDamping(self, index: int) -> float:
         """[N m s/rad] or [N s/m]."""
-        return self.core.axes[index].damping
+        return self.core.axis_at(index).damping
 
     GetDampingCoefficient = GetDamping
 
     def SetDamping(self, index: int, damping: float) -> None:
         """Set the damping [N m s/rad] or [N s/m]."""
-        axis = self.core.axes[index]
+        axis = self.core.axis_at(index)
         self.core.set_spring(index, axis.stiffness, damping, axis.reference)
 
     def GetStiffness(self, index: int) -> float:
         """[N m/rad] or [N/m]."""
-        return self.core.axes[index].stiffness
+        return self.core.axis_at(index).stiffness
 
     def SetStiffness(self, index: int, stiffness: float) -> None:
         """Set the spring's stiffness [N m/rad] or [N/m]."""
-        axis = self.core.axes[index]
+        axis = self.core.axis_at(index)
         self.core.set_spring(index, stiffness, axis.damping, axis.reference)
 
     def SetStiffnessDamping(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
@@ -173,7 +176,7 @@ class Joint(Base):
 
     def GetSpringReferencePosition(self, index: int) -> float:
         """The position at which the spring is at rest."""
-        return self.core.axes[index].reference
+        return self.core.axis_at(index).reference
 
     # Parameters --------------------------------------------------------------------------------------------------
 
@@ -232,15 +235,15 @@ class Joint(Base):
     # Links -------------------------------------------------------------------------------------------------------
 
     def GetParent(self) -> Link | None:
-        """The parent link; None for the world."""
+        """The parent link; None for the world, and where it holds nothing: after Detach, or when a link has gone."""
         return self._link(self.core.parent)
 
     def GetChild(self, which: int | str | None = None) -> Link | None:
-        """The child link; None for the world."""
+        """The child link; None likewise."""
         return self._link(self.core.child)
 
     def _link(self, body: Body | None) -> Link | None:
-        found: Link | None = self._world.link_of(body) if body is not None else None
+        found: Link | None = self._world.link_of(body) if body is not None and self.core.attached else None
         return found
 
     def Attach(self, parent: Link | None, child: Link | None) -> None:
@@ -268,10 +271,15 @@ class Joint(Base):
         if self._parent is model or not isinstance(model.core, SdfModel):
             return
         joints, core = model.core.sdf_joints, self.core
+        before = self.GetParentModel()
+        if before is not None and isinstance(before.core, SdfModel):
+            self._world.server.joint_removed(self)
+            before.core.sdf_joints.pop(core.name, None)
         while joints.get(core.name, core) is not core:  # a name that the file gave to another
             core.name += "_"
         self._parent = model
         joints[core.name] = core
+        self._world.server.joint_added(self)
 
     def Init(self) -> None:
         """Nothing to do: a joint acts as soon as it joins links."""
@@ -281,11 +289,12 @@ class Joint(Base):
         self.remove()
 
     def remove(self) -> None:
-        """Take it out of its model and destroy it."""
+        """Take it out of its model and destroy it, with its sensors; controllers let it go."""
         model = self.GetParentModel()
         if model is not None and isinstance(model.core, SdfModel):
             model.core.remove_joint(self.core.name)
         self.core.close()
+        self._world.server.joint_removed(self)
 
     def Reset(self) -> None:
         """Count turns from zero again; the model's reset brings its links back."""

@@ -44,6 +44,8 @@ class JointController:
     def RemoveJoint(self, joint: Joint) -> None:
         """Let a joint go."""
         name = joint.GetScopedName()
+        if self._joints.get(name) is not joint:
+            return
         for rows in (self._joints, self._position_pids, self._velocity_pids):
             rows.pop(name, None)
         for targets in (self._forces, self._positions, self._velocities):

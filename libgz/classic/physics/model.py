@@ -10,6 +10,8 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.joint import AXES, Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
+from libgz.classic.physics.shape import shape_of
+from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.simulation.model import Model as CoreModel
@@ -69,8 +71,10 @@ class Model(Entity):
         return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
 
     def SetInitialRelativePose(self, pose: GzPose) -> None:
-        """Set the pose that a reset goes back to [m]."""
-        self.core.initPose = GzCoordPoseAdd(pose, self._frame())
+        """Set the pose that a reset goes back to [m]; models inside keep their places in it."""
+        before, now = self.core.initPose, GzCoordPoseAdd(pose, self._frame())
+        for model in self.family():
+            model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
     def WorldLinearVel(self) -> Vector3d:
         """Velocity of the first link's origin [m/s], global."""
@@ -132,8 +136,9 @@ class Model(Entity):
                 battery.ResetVoltage()
         if self.controller is not None:
             self.controller.Reset()
-        for plugin in list(self.plugins):
-            plugin.call("Reset")
+        with self._world.core.hold():
+            for plugin in list(self.plugins):
+                plugin.call("Reset")
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy of all links [J]."""
@@ -180,7 +185,13 @@ class Model(Entity):
             yield from model.GetLinks()
 
     def CreateLink(self, name: str) -> Link | None:
-        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken."""
+        """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken.
+
+        Raises:
+            ClosedError: the model has left the world.
+        """
+        if self.core not in self._world.core.models:
+            raise ClosedError(f"model {self.GetScopedName()!r} has left the world; it can be given no link")
         if self.GetLink(name) is not None or not isinstance(self.core, SdfModel):
             return None
         return self.link(self.core.create_link(name))
@@ -237,7 +248,11 @@ class Model(Entity):
             axes = [GzVector(0.0, 0.0, 1.0)] * AXES.get(kind, 1)
             ends = [link.body if link is not None else None for link in (parent, child)]
             made = core.make_joint(text, kind, ends[0], ends[1], *axes)
-        return self.joint(made) if made is not None else None
+        if made is None:
+            return None
+        joint = self.joint(made)
+        self._world.server.joint_added(joint)
+        return joint
 
     def joint(self, core: SdfJoint) -> Joint:
         """The view on a joint of the engine."""
@@ -280,7 +295,8 @@ class Model(Entity):
 
     def NestedModels(self) -> list[Model]:
         """The models directly inside it."""
-        return [model for model in self._world.all_models() if model.GetParent() is self]
+        views = (self._world.view(core) for core in self.core.children)
+        return [model for model in views if model.GetParent() is self]
 
     def NestedModel(self, name: str) -> Model | None:
         """A model inside it by name; None if there is none."""
@@ -332,10 +348,13 @@ class Model(Entity):
             link.SetLaserRetro(retro)
 
     def SetScale(self, scale: VectorLike, publish: bool = False) -> None:
-        """Multiply the size of all its shapes."""
+        """Make all its shapes, collisions and visuals, so many times as large as they were at first.
+
+        Places stay, and so do meshes and masses.
+        """
         for link in self.family_links():
-            for collision in link.GetCollisions():
-                collision.SetScale(scale)
+            for geom in link.body.geoms:
+                shape_of(geom).SetScale(scale)
 
     # Sensors and plugins -----------------------------------------------------------------------------------------
 

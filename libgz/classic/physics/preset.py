@@ -48,9 +48,9 @@ class PresetManager:
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
         self._settings = settings_of(world.core)
-        for name, element in self._settings.profiles.items() if self._settings is not None else ():
+        for name, element in self._settings.profiles.items():
             self._profiles[name] = read_profile(element)
-            if self._settings is not None and element is self._settings.physics:
+            if element is self._settings.physics:
                 self._current = name
 
     def AllProfiles(self) -> list[str]:
@@ -70,7 +70,7 @@ class PresetManager:
         if name is None:
             return self._current
         parameters = self._profile(name)
-        if self._settings is not None and name in self._settings.profiles:
+        if name in self._settings.profiles:
             apply_profile(self._world.core, name)
         for key, value in parameters.items():  # as they were set since
             self._world.Physics().SetParam(key, value)

@@ -13,7 +13,7 @@ from libgz.simulation.world import World as CoreWorld
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["enter", "get_world", "has_world", "leave", "live_worlds", "worlds"]
+__all__ = ["enter", "get_world", "has_world", "leave", "live_worlds", "own_world", "worlds"]
 
 _worlds: WeakSet[World] = WeakSet()
 
@@ -52,9 +52,14 @@ def get_world(name: str = "") -> World:
     Raises:
         NotFoundError: there is none.
     """
+    own = own_world()
     found = [world for world in worlds() if not name or world.Name() == name]
-    by = owner.get()
-    mine = [world for world in found if by is not None and by.events is world.core.events]
     if not found:
         raise NotFoundError(f"Unable to find world by name in physics::get_world({name})")
-    return (mine or found)[0]
+    return own if own is not None and own in found else found[0]
+
+
+def own_world() -> World | None:
+    """The world of the plugin that is running; None outside plugins, and in those of all worlds."""
+    by = owner.get()
+    return next((world for world in worlds() if by is not None and by.events is world.core.events), None)

@@ -25,7 +25,17 @@ class Shape:
         return self.kind
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Shapes without a size have nothing to scale."""
+        """Make it so many times as large as it was at first; shapes without a size have nothing to scale.
+
+        Raises:
+            ParameterError: a factor is not above zero.
+        """
+        new, known = tuple(map(float, scale)), self.geom.__dict__
+        self._stretch(new, known.get("classic_scale", (1.0, 1.0, 1.0)))
+        known["classic_scale"] = new
+
+    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        """Go from one set of factors to another."""
 
 
 class BoxShape(Shape):
@@ -44,9 +54,8 @@ class BoxShape(Shape):
         """Set the full lengths [m]."""
         self.geom.resize(*size)
 
-    def SetScale(self, scale: VectorLike) -> None:
-        """Multiply the lengths."""
-        self.SetSize([length * factor for length, factor in zip(self.geom.size, scale, strict=True)])
+    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        self.SetSize([length * a / b for length, a, b in zip(self.geom.size, new, old, strict=True)])
 
 
 class SphereShape(Shape):
@@ -63,9 +72,8 @@ class SphereShape(Shape):
         """Set the radius [m]."""
         self.geom.resize(radius)
 
-    def SetScale(self, scale: VectorLike) -> None:
-        """Multiply the radius by the largest factor."""
-        self.SetRadius(self.geom.radius * max(scale))
+    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        self.SetRadius(self.geom.radius * max(new) / max(old))  # the largest factor counts
 
 
 class CylinderShape(Shape):
@@ -94,10 +102,8 @@ class CylinderShape(Shape):
         """Set radius and length [m]."""
         self.geom.resize(radius, length)
 
-    def SetScale(self, scale: VectorLike) -> None:
-        """Multiply the radius by the larger of x and y, the length by z."""
-        x, y, z = scale
-        self.SetSize(self.geom.radius * max(x, y), self.geom.length * z)
+    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        self.SetSize(self.geom.radius * max(new[:2]) / max(old[:2]), self.geom.length * new[2] / old[2])
 
 
 class PlaneShape(Shape):

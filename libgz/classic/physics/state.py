@@ -54,8 +54,12 @@ class WorldState:
                     link.body.SetAngularVel(known[2])
 
 
-def world_text(world: World) -> str:
+def world_text(world: World, folder: Path | None = None) -> str:
     """A world as SDF 1.6 with the present poses.
+
+    Args:
+        world: which.
+        folder: where the text will lie; files beside it keep their short names.
 
     Raises:
         WorldFileError: the world was not made from SDF.
@@ -63,13 +67,13 @@ def world_text(world: World) -> str:
     sdf = world.SDF()
     if sdf is None:
         raise WorldFileError(f"world {world.Name()!r} was not made from SDF")
-    copy = upgraded(sdf)
+    copy = upgraded(sdf, folder)
     for element in [child for child in copy.children if child.name in ("model", "light", "state")]:
         copy.RemoveChild(element)
     for part in (*world.Models(), *world.Lights()):
         own = part.GetSDF()
         if own is not None:
-            copy.InsertElement(_placed(upgraded(own), part.pose()))
+            copy.InsertElement(_placed(upgraded(own, folder), part.pose()))
     for model in world.Models():
         placed = next((e for e in copy.named("model") if e.Get(str, "name") == model.GetName()), Element("model"))
         for link in model.GetLinks():
@@ -86,7 +90,7 @@ def save_world(world: World, path: Path) -> None:
         WorldFileError: the file cannot be written, or the world was not made from SDF.
     """
     try:
-        path.write_text(world_text(world))
+        path.write_text(world_text(world, path.parent))
     except OSError as fault:
         raise WorldFileError(f"{path}: cannot be written: {fault.strerror}") from None
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,30 +11,30 @@ import numpy as np
 from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.animations import Animations
-from libgz.classic.physics.base import Base, Entity, view_of
+from libgz.classic.physics.base import Base, Entity, find_named, view_of
 from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.insertion import insert_document, insert_file, insert_text
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.registry import enter, leave
 from libgz.classic.physics.state import WorldState, save_world
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
-from libgz.sdf.paths import find_model
-from libgz.sdf.reader import SdfFile
-from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.simulation.event import Event
 from libgz.simulation.sdf_model import SdfModel
-from libgz.simulation.sdf_world import SdfLight, WorldJoints, insert_sdf
+from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
+    from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.joint_controller import JointController
     from libgz.classic.server import WorldServer
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
+    from libgz.sdf.reader import SdfFile
     from libgz.simulation.model import Model as CoreModel
 
 __all__ = ["World"]
@@ -52,7 +52,6 @@ class World(Base):
         self.controllers: list[JointController] = []
         self._physics = PhysicsEngine(self)
         self._presets: PresetManager | None = None
-        self._info = UpdateInfo()
         self.joint_event = Event("JointUpdate")
         self._batteries: list[Battery] | None = None
         self._attached: list[tuple[Model, Model, GzPose]] = []
@@ -111,12 +110,8 @@ class World(Base):
     GetIterations = Iterations
 
     def update_info(self) -> UpdateInfo:
-        """What callbacks of an iteration are given."""
-        info = self._info
-        info.worldName = self.core.name
-        info.simTime = Time(self.core.GetSimTime())
-        info.realTime = Time(self.core.GetRealTime())
-        return info
+        """What callbacks of an iteration are given; each time anew, for some keep it."""
+        return UpdateInfo(self.core.name, Time(self.core.GetSimTime()), Time(self.core.GetRealTime()))
 
     # Run ---------------------------------------------------------------------------------------------------------
 
@@ -220,7 +215,9 @@ class World(Base):
     def ModelByName(self, name: str) -> Model | None:
         """A model by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        return next((model for model in self.all_models() if model.core.GetId() == name), None)
+        found = (c for c in self.core.models if c.GetId() == name and not isinstance(c, SdfLight | WorldJoints))
+        core = next(found, None)
+        return None if core is None else self.view(core)
 
     def ModelByIndex(self, index: int) -> Model | None:
         """A model by its number; None if there is none."""
@@ -234,7 +231,14 @@ class World(Base):
     def BaseByName(self, name: str) -> Base | None:
         """Anything by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        return next((part for top in self.children() for part in top.tree() if _is(part, name)), None)
+        scope = name
+        while scope:  # a scoped name is looked for in its model, not in all
+            model = self.ModelByName(scope)
+            found = next((part for part in model.tree() if part.GetScopedName() == name), None) if model else None
+            if found is not None:
+                return found
+            scope = scope.rpartition("::")[0]
+        return find_named((part for top in self.children() for part in top.tree()), name)
 
     GetByName = BaseByName
 
@@ -316,36 +320,28 @@ class World(Base):
     # Changes -----------------------------------------------------------------------------------------------------
 
     def InsertModelString(self, sdfString: str) -> None:
-        """Add the models and lights of an SDF text; in a callback, at the end of this iteration."""
-        self._insert(lambda: SdfFile.from_string(sdfString))
+        """Add the models and lights of an SDF text; in a callback, at the end of this iteration.
 
-    def InsertModelFile(self, sdfFilename: str) -> None:
-        """Add the models and lights of a file, `model://name` included; in a callback, at the end of this iteration."""
-        self._insert(lambda: SdfFile.load(find_model(sdfFilename)))
+        Raises:
+            ParameterError: it is no text.
+        """
+        insert_text(self, sdfString)
 
-    def InsertModelSDF(self, sdf: Element | SdfFile) -> None:
-        """Add the models and lights of an SDF document; in a callback, at the end of this iteration."""
-        root = sdf if isinstance(sdf, Element) else sdf.root
-        text = (
-            upgraded(root).ToString() if root.name != "sdf" else "".join(e.ToString() for e in upgraded(root).children)
-        )
-        self.InsertModelString(f"<sdf version='{NEWEST}'>{text}</sdf>")
+    def InsertModelFile(self, sdfFilename: str | os.PathLike[str]) -> None:
+        """Add the models and lights of a file, `model://name` included; in a callback, at the end of this iteration.
 
-    def _insert(self, read: Callable[[], SdfFile]) -> None:
-        def act() -> None:
-            file = read()
-            self._check_names(file.root)
-            insert_sdf(self.core, file)
-            self.server.finish_added()
+        Raises:
+            ParameterError: it is no file's name.
+        """
+        insert_file(self, sdfFilename)
 
-        self.core.after_step(act)
+    def InsertModelSDF(self, sdf: Element | SdfFile | classic_sdf.SDF) -> None:
+        """Add the models and lights of an SDF document; in a callback, at the end of this iteration.
 
-    def _check_names(self, root: Element) -> None:
-        taken = [part.GetName() for part in self.children()]
-        for kind in ("model", "light"):
-            for element in root.named(kind):
-                if element.Get(str, "name") in taken:
-                    raise ParameterError(f"{element.where}: the world has a {element.Get(str, 'name')!r} already")
+        Raises:
+            ParameterError: it is none.
+        """
+        insert_document(self, sdf)
 
     def RemoveModel(self, which: Model | str) -> None:
         """Take a model or light out, with all that is in it; in a callback, at the end of this iteration.
@@ -492,7 +488,3 @@ class World(Base):
         self.animations.update()
         for parent, model, offset in self._attached:
             model.move(GzCoordPoseAdd(offset, parent.pose()))
-
-
-def _is(part: Base, name: str) -> bool:
-    return name in (part.GetName(), part.GetScopedName())

@@ -27,7 +27,8 @@ class BuoyancyPlugin(ModelPlugin):
 
     Elements:
         fluid_density: [kg/m^3] (999.1026, water).
-        link name="...": of a link, with volume [m^3] and center_of_volume [m] in the link's frame.
+        link name="...": of a link, with volume [m^3] and center_of_volume [m] in the link's frame (those of its
+            collisions).
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
@@ -38,7 +39,9 @@ class BuoyancyPlugin(ModelPlugin):
         self.volumes: list[tuple[Link, float, Vector3d]] = []
         for link in model.GetLinks():
             element = given.pop(link.GetName(), None)
-            volume, centre = volume_of(link) if element is None else _said(element)
+            volume, centre = volume_of(link)
+            if element is not None:
+                volume, centre = _said(element, volume, centre)
             if volume > 0.0:
                 self.volumes.append((link, volume, centre))
             else:
@@ -54,8 +57,14 @@ class BuoyancyPlugin(ModelPlugin):
             link.AddForceAtWorldPosition(up * volume, link.WorldPose().CoordPositionAdd(centre))
 
 
-def _said(element: Element) -> tuple[float, Vector3d]:
-    return element.Get(float, "volume"), element.Get(Vector3d, "center_of_volume")
+def _said(element: Element, volume: float, centre: Vector3d) -> tuple[float, Vector3d]:
+    """What the file says; what it does not say is that of the collisions."""
+    said = element.Get(float, "volume")
+    if said > 0.0:
+        volume = said
+    else:
+        gzwarn(f"{element.where}: <volume> is {said:g} m^3; it must be above zero, and that of the collisions is taken")
+    return volume, element.Get(Vector3d, "center_of_volume", centre)[0]
 
 
 def volume_of(link: Link) -> tuple[float, Vector3d]:

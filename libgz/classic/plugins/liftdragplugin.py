@@ -9,6 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Vector3d, clamp
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_joint, named_link
+from libgz.errors import ParameterError
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 SLOWEST = 0.01  # [m/s]; below, nothing acts
 HALF = math.pi / 2.0
+PARALLEL = 1e-6  # sine of the least angle between forward and upward
 
 
 class LiftDragPlugin(ModelPlugin):
@@ -57,6 +59,8 @@ class LiftDragPlugin(ModelPlugin):
         self.cp = sdf.Get(Vector3d, "cp", Vector3d())[0]
         self.forward = sdf.Get(Vector3d, "forward", Vector3d(1.0, 0.0, 0.0))[0].Normalize()
         self.upward = sdf.Get(Vector3d, "upward", Vector3d(0.0, 0.0, 1.0))[0].Normalize()
+        if self.forward.Cross(self.upward).Length() < PARALLEL:
+            raise ParameterError(f"{sdf.where}: <forward> and <upward> must be two directions, not along one line")
         self.radial = sdf.Get(bool, "radial_symmetry", False)[0]
         self.control: Joint | None = None
         if sdf.HasElement("control_joint_name"):

@@ -25,7 +25,8 @@ class Region:
 
     def __init__(self, element: Element) -> None:
         self.name = element.Get(str, "name").strip()
-        self.boxes = [(v.Get(Vector3d, "min"), v.Get(Vector3d, "max")) for v in element.named("volume")]
+        corners = [(v.Get(Vector3d, "min"), v.Get(Vector3d, "max")) for v in element.named("volume")]
+        self.boxes = [(tuple(map(min, a, b)), tuple(map(max, a, b))) for a, b in corners]
 
     def holds(self, point: Iterable[float]) -> bool:
         """Whether a point [m] is in one of the boxes."""
@@ -140,16 +141,27 @@ class SimEventsPlugin(WorldPlugin):
 
     def _existence(self, event: Element) -> None:
         prefix = event.Get(str, "model").strip()
+        models = {model.GetName() for model in self.world.Models()}  # what goes may be a light
+
+        def come(name: str) -> None:
+            if any(model.GetName() == name for model in self.world.Models()):
+                models.add(name)
+                told(name, "creation")
+
+        def gone(name: str) -> None:
+            if name in models:
+                models.remove(name)
+                told(name, "deletion")
 
         def told(name: str, state: str) -> None:
-            if name.startswith(prefix) and "::" not in name and self.world.LightByName(name) is None:
+            if name.startswith(prefix):
                 self._emit(event, event="existence", state=state, model=name)
 
-        self.connections.append(Events.ConnectAddEntity(lambda name: told(name, "creation")))
-        self.connections.append(Events.ConnectDeleteEntity(lambda name: told(name, "deletion")))
+        self.connections.append(Events.ConnectAddEntity(come))
+        self.connections.append(Events.ConnectDeleteEntity(gone))
 
     def _inclusion(self, event: Element) -> None:
-        region, name = self._region(event), event.Get(str, "model").strip()
+        region, name = self._region(event), _needed(event, "model")
 
         def test() -> bool | None:
             model = self.world.ModelByName(name)
@@ -161,7 +173,7 @@ class SimEventsPlugin(WorldPlugin):
         self._watch(test, tell)
 
     def _joint(self, event: Element) -> None:
-        limits = event.child("range")
+        name, joint_name, limits = _needed(event, "model"), _needed(event, "joint"), event.child("range")
         low, high = limits.Get(float, "min", -math.inf)[0], limits.Get(float, "max", math.inf)[0]
         kind = limits.Get(str, "type").strip()
         values: dict[str, Callable[[Joint], float]] = {
@@ -176,16 +188,16 @@ class SimEventsPlugin(WorldPlugin):
             )
 
         def test() -> bool | None:
-            joint = self._find_joint(event)
+            joint = self._find_joint(name, joint_name)
             return low <= values[kind](joint) <= high if joint is not None else None
 
         def tell(inside: bool) -> None:
-            joint = self._find_joint(event)
+            joint = self._find_joint(name, joint_name)
             if joint is not None:
                 self._emit(
                     event,
                     state="in_range" if inside else "out_of_range",
-                    model=event.Get(str, "model").strip(),
+                    model=name,
                     joint=joint.GetName(),
                     range=kind,
                     value=values[kind](joint),
@@ -196,15 +208,14 @@ class SimEventsPlugin(WorldPlugin):
 
         self._watch(test, tell)
 
-    def _find_joint(self, event: Element) -> Joint | None:
-        name = event.Get(str, "model").strip()
+    def _find_joint(self, name: str, joint: str) -> Joint | None:
         models = self.world.Models()
         model = self.world.ModelByName(name) or next((m for m in models if m.GetName().startswith(name)), None)
-        return model.GetJoint(event.Get(str, "joint").strip()) if model is not None else None
+        return model.GetJoint(joint) if model is not None else None
 
     def _occupied(self, event: Element) -> None:
         region = self._region(event)
-        publisher = self.node.Advertise(msgs.GzString, event.Get(str, "topic").strip())
+        publisher = self.node.Advertise(msgs.GzString, _needed(event, "topic"))
         message = msgs.GzString(data=event.Get(str, "msg_data").strip())
 
         def check() -> None:
@@ -213,6 +224,14 @@ class SimEventsPlugin(WorldPlugin):
                     publisher.Publish(message)
 
         self.checks.append(check)
+
+
+def _needed(event: Element, tag: str) -> str:
+    text = event.Get(str, tag).strip()
+    if not text:
+        name, kind = (event.Get(str, key).strip() for key in ("name", "type"))
+        raise NotFoundError(f"{event.where}: event {name!r} is of type {kind}, and needs a <{tag}>")
+    return text
 
 
 GZ_REGISTER_WORLD_PLUGIN(SimEventsPlugin)

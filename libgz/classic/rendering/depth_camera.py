@@ -17,7 +17,7 @@ Floats = NDArray[np.float32]
 
 
 class DepthCamera(Camera):
-    """A camera with depths: of each pixel the distance along the line of sight [m], +inf where nothing is seen.
+    """A camera with depths: of each pixel how far ahead it is, along the camera's axis [m], +inf where nothing is seen.
 
     Things nearer than its near clip distance or beyond its far one are not seen. Arguments as for `Camera`.
     """

@@ -113,6 +113,7 @@ class DynamicLines:
     def segments(self) -> list[Lines]:
         """What is to be drawn: lines of each colour."""
         frame = self.visual._world()
+        self._following = {index: visual for index, visual in self._following.items() if not visual.gone}
         for index, visual in self._following.items():
             if index < len(self._points):
                 self._points[index] = Vector3d(*GzCoordPositionSub(visual._world().pos, frame.pos, frame.rot))

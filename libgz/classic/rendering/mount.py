@@ -68,7 +68,11 @@ class Mount:
         return True
 
     def update(self) -> None:
-        """Bring the camera to where it is to be now."""
+        """Bring the camera to where it is to be now; what has left the world lets go of it."""
+        if self._carrier is not None and self._carrier.gone:
+            self._carrier = None
+        if self.tracked is not None and self.tracked.gone:
+            self.tracked = None
         if self._way is not None:
             self._follow_way(self._way)
         elif self._carrier is not None:

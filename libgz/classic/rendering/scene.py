@@ -335,6 +335,8 @@ class Scene:
             self._highlighted.append(visual)
 
     def _drawn(self, view: View) -> Iterator[Lines]:
+        self.lines = [line for line in self.lines if not line.visual.gone]
+        self._highlighted = [visual for visual in self._highlighted if not visual.gone]
         if self.grid and view.options.displayGrid:
             yield _grid()
         for line in self.lines:

@@ -16,8 +16,7 @@ from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike
 from libgz.physics.geom import Geom
 from libgz.sdf.element import Element
-from libgz.sdf.materials import find_material
-from libgz.simulation.sdf_visual import material_name, put_on, set_transparency
+from libgz.simulation.sdf_visual import material_name, put_on, scripted_material, set_transparency
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -28,6 +27,7 @@ __all__ = ["Visual"]
 
 log = logging.getLogger("libgz.classic")
 
+NOTHING = 1e-9  # scale in place of 0, from which there would be no way back
 _ids = itertools.count(1)
 
 
@@ -274,8 +274,8 @@ class Visual:
     GetScale = Scale
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Set that; a group stretches what is in it, with the distances between."""
-        ratios = [new / old for new, old in zip(scale, self.Scale(), strict=True)]
+        """Set that; a group stretches what is in it, with the distances between. At 0 it is too small to be seen."""
+        ratios = [(new or NOTHING) / (old or 1.0) for new, old in zip(scale, self.Scale(), strict=True)]
         origin = self._world()
         for part in self.tree():
             if part is not self:
@@ -286,7 +286,7 @@ class Visual:
                 look = geom.appearance
                 look.scale = GzVector(*(a * k for a, k in zip(look.scale, ratios, strict=True)))
                 look.version += 1
-        self._scale = Vector3d(*scale)
+        self._scale = Vector3d(*(factor or NOTHING for factor in scale))
 
     def DerivedScale(self) -> Vector3d:
         """The same: stretching a group stretches what is in it."""
@@ -371,9 +371,8 @@ class Visual:
         """Put on a material by name, ``Gazebo/Red``; one that is not known is told, and changes nothing."""
         if materialName in ("", "__default__"):
             return
-        element = self.sdf.GetElement("material") if self.sdf is not None else None
-        script = element.GetElement("script") if element is not None and element.HasElement("script") else None
-        material = find_material(materialName, [uri.Get(str) for uri in script.named("uri")] if script else ())
+        looks = next(self.sdf.named("material"), None) if self.sdf is not None else None
+        material = scripted_material(materialName, looks)
         if material is None:
             log.warning("visual %r: there is no material %r", self._name, materialName)
             return
@@ -471,6 +470,14 @@ class Visual:
             part = part._parent
         return self._scene.still_body()
 
+    @property
+    def gone(self) -> bool:
+        """Whether what it is drawn on left the world."""
+        part: Visual | None = self
+        while part is not None and part.body is None:
+            part = part._parent
+        return part is not None and part.body is not None and part.body.closed
+
     def CreateDynamicLine(self, type: int = DynamicLines.LINE_STRIP) -> DynamicLines:
         """New lines in its frame."""
         line = DynamicLines(self, type)
@@ -482,7 +489,7 @@ class Visual:
         """Take lines off."""
         if line in self._lines:
             self._lines.remove(line)
-            self._scene.lines.remove(line)
+            self._scene.lines = [other for other in self._scene.lines if other is not line]
 
     def AttachLineVertex(self, line: DynamicLines, index: int) -> None:
         """Let a point of lines go along with this visual."""

@@ -227,6 +227,12 @@ class WorldSensors:
             if sensor.parent.GetParentModel() is model:
                 self.remove(sensor)
 
+    def remove_on(self, joint: Joint) -> None:
+        """A joint is no more, and nor are its sensors."""
+        for sensor in list(self.sensors.values()):
+            if sensor.parent is joint:
+                self.remove(sensor)
+
     def reset(self) -> None:
         """The clock was set back: sensors begin anew."""
         self._next, self._now = -math.inf, 0.0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.link import Link
+from libgz.classic.physics.registry import own_world
 from libgz.classic.sensors.kinds import KINDS
 from libgz.errors import NotFoundError, ParameterError, nearest
 
@@ -40,8 +41,13 @@ class SensorManager:
         return [world.server.sensors for world in worlds() if world.server.sensors is not None]
 
     def GetSensor(self, name: str) -> Sensor | None:
-        """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None."""
-        found = [sensor for sensors in self._all() for sensor in sensors.find(name)]
+        """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None.
+
+        A plugin gets that of its own world, where there is one of this name.
+        """
+        own = own_world()
+        found = own.server.sensors.find(name) if own is not None and own.server.sensors is not None else []
+        found = found or [sensor for sensors in self._all() for sensor in sensors.find(name)]
         if len(found) > 1:
             names = ", ".join(sensor.ScopedName() for sensor in found)
             log.warning("Unable to get a sensor, multiple sensors are called %s: %s. Use a scoped name.", name, names)

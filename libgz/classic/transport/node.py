@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import itertools
+import sys
 import time as clock
 import weakref
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
@@ -15,6 +17,10 @@ from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
+from libgz.simulation.event import owner
+
+if TYPE_CHECKING:
+    from libgz.simulation.world import World
 
 __all__ = ["Node"]
 
@@ -34,10 +40,11 @@ class Node:
         """Choose the world that `~` means.
 
         Args:
-            space: The world's name; empty for the first one there is, or `default` if there is none in this process and
-                no server is connected.
+            space: The world's name; empty for that of the plugin that is running, elsewhere for the first one there is,
+                or `default` if there is none in this process and no server is connected.
         """
-        self._namespace = space.strip("/") or first_namespace()
+        _open_topics()
+        self._namespace = space.strip("/") or _own_namespace() or first_namespace()
 
     def IsInitialized(self) -> bool:
         """Whether Init was called."""
@@ -110,8 +117,6 @@ class Node:
             ParameterError: the callback cannot be called, or the topic has no name.
             ClosedError: before Init.
         """
-        if not callable(callback):
-            raise ParameterError(f"the callback of {topic} cannot be called: {callback!r}")
         subscriber = Subscriber(TopicManager.Instance().topic(self.DecodeTopicName(topic)), callback, latching)
         self._ends.add(subscriber)
         return subscriber
@@ -119,6 +124,26 @@ class Node:
     def GetMsgType(self, topic: str) -> str:
         """The full name of the type published on a topic, or an empty string."""
         return TopicManager.Instance().TopicMsgType(self.DecodeTopicName(topic))
+
+
+def _worlds() -> list[World]:
+    """The SDF worlds that run in this process; clients that only listen have none, and need no engine."""
+    module = sys.modules.get("libgz.simulation.world")
+    return [world for world in module.World.all_running() if world.engine.classic] if module is not None else []
+
+
+def _open_topics() -> None:
+    """Let worlds speak that have had no reason to: those without plugins and sensors."""
+    names = TopicManager.Instance().GetTopicNamespaces()
+    for world in _worlds():
+        if world.name not in names:
+            importlib.import_module("libgz.classic.server").attach(world)  # by name: it stands on this
+
+
+def _own_namespace() -> str:
+    """The name of the world whose plugin is running; an empty string outside plugins."""
+    by = owner.get()
+    return next((world.name for world in _worlds() if by is not None and by.events is world.events), "")
 
 
 def first_namespace() -> str:

@@ -11,8 +11,7 @@ from typing import Any
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
-from libgz.simulation.event import owner
-from libgz.simulation.plugins import own_traceback
+from libgz.simulation.event import checked, owner, tell_failed
 
 __all__ = ["Subscriber"]
 
@@ -27,6 +26,7 @@ class Subscriber:
     """
 
     def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
+        checked(callback, f"the callback of {topic.name}")
         self._topic = topic
         self._owner = owner.get()  # the plugin whose code subscribes: it is stopped when the callback raises
         self._callback: Callable[[], Callable[[Any], Any] | None]
@@ -84,12 +84,4 @@ class Subscriber:
 
     def _failed(self, fault: Exception) -> None:
         self.Unsubscribe()
-        if self._owner is not None:
-            self._owner.stop(f"the callback {self._what} of topic {self._topic.name}", fault)
-            return
-        log.error(
-            "the callback %s of topic %s failed and is called no more:\n%s",
-            self._what,
-            self._topic.name,
-            own_traceback(fault),
-        )
+        tell_failed(self._owner, f"the callback {self._what} of topic {self._topic.name}", fault)

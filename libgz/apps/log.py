@@ -1,0 +1,102 @@
+"""libgz log: log files of SDF worlds: what is in them, and recording switched on and off."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+
+from libgz.apps.server_link import add_world, publish, world_node
+from libgz.classic import msgs
+from libgz.classic.log import ENCODINGS, LogReader, LogState, NamePattern, read_states
+from libgz.errors import ParameterError
+from libgz.sdf.upgrade import NEWEST
+
+__all__ = ["configure", "run"]
+
+_SLACK = 1e-9  # [s]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add = parser.add_argument
+    add_world(parser)
+    add("-f", "--file", metavar="FILE", help="the log file (gzserver -r writes state.log)")
+    add("-i", "--info", action="store_true", help="print what the file is, and what is in it")
+    add("-e", "--echo", action="store_true", help="print its states")
+    add("--filter", default="", metavar="NAMES", help="with -e: models of these names, a pattern with * or a regex")
+    add("-z", "--hz", type=float, metavar="HZ", help="with -e: at most so many states per second of sim time")
+    add("-d", "--record", choices=("0", "1"), help="let the running server record (1), or stop (0)")
+    add("--encoding", choices=tuple(ENCODINGS), default="zlib", help="with -d 1: how states are written")
+    add("--path", default="", metavar="FOLDER", help="with -d 1: where state.log is written")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Do what is asked.
+
+    Raises:
+        ParameterError: the command line says too little.
+        WorldFileError: the file cannot be read, is no log, or is damaged.
+        ServerError: there is no server.
+        GazeboError: the server does not listen.
+    """
+    if options.record is not None:
+        message = msgs.LogControl()
+        message.start, message.stop = options.record == "1", options.record == "0"
+        message.encoding, message.base_path = options.encoding, options.path
+        with world_node(options) as (node, _link):
+            publish(node, "~/log/control", message)
+        return 0
+    if options.file is None:
+        raise ParameterError("which log? -f FILE; or -d 1 and -d 0 for a running server")
+    if options.hz is not None and not options.hz > 0.0:
+        raise ParameterError(f"bad rate {options.hz:g} Hz; it must be above 0")
+    reader = LogReader(options.file)
+    if options.echo:
+        for state in _thinned(read_states(reader), options.hz):
+            _print_state(state, NamePattern(options.filter))
+    else:
+        _print_info(reader)
+    return 0
+
+
+def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogState]:
+    """States not closer than a rate [Hz] says; what those between tell goes into the next one."""
+    due, gathered = -float("inf"), LogState(0.0)
+    for state in states:
+        state.poses = {**gathered.poses, **state.poses}
+        state.velocities = {**gathered.velocities, **state.velocities}
+        state.insertions = gathered.insertions + state.insertions
+        state.deletions = gathered.deletions + state.deletions
+        gathered = state
+        if rate is None or state.sim_time >= due - _SLACK:
+            due = state.sim_time + (1.0 / rate if rate else 0.0)
+            yield state
+            gathered = LogState(0.0)
+
+
+def _print_state(state: LogState, wanted: NamePattern) -> None:
+    state.poses = {n: pose for n, pose in state.poses.items() if wanted(n.rpartition("::")[0] or n)}
+    if state.poses or state.insertions or state.deletions:
+        sys.stdout.write(state.text("default", NEWEST))
+
+
+def _print_info(reader: LogReader) -> None:
+    """In the words of classic's tool."""
+    count, first, last, models = 0, None, 0.0, set()
+    for state in read_states(reader):
+        first = state.sim_time if first is None else first
+        count, last = count + 1, state.sim_time
+        models |= {name.partition("::")[0] for name in state.poses if "::" in name}
+    encoding = next((encoding for encoding, _ in reader.chunks()), "none")
+    header = reader.header
+    print(f"Log Version:    {header.log_version}")
+    print(f"Gazebo Version: {header.gazebo_version}")
+    print(f"Random Seed:    {header.rand_seed}")
+    print(f"Start Time:     {first or 0.0:.6f} s")
+    print(f"End Time:       {last:.6f} s")
+    print(f"Duration:       {last - (first or 0.0):.6f} s")
+    print(f"Steps:          {count}")
+    print(f"Size:           {reader.path.stat().st_size / 2**20:.3f} MB")
+    print(f"Encoding:       {encoding}")
+    print(f"Models:         {', '.join(sorted(models)) or 'none'}")

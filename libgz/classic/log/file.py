@@ -1,0 +1,233 @@
+"""Log files of runs, as Gazebo classic wrote them: XML with a header, and chunks of SDF documents.
+
+The first document is the world; each other one holds a `<state>`: what has moved, come or gone since the last one.
+Chunks are plain text, or compressed by zlib or bz2 and then in base64. A file whose writer was killed is read as far as
+it goes.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import bz2
+import os
+import re
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import NamedTuple
+
+from lxml import etree
+
+from libgz._version import __version__
+from libgz.errors import ParameterError, WorldFileError, nearest
+
+__all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
+
+CHUNK = 64 * 1024  # characters gathered before they are written
+LARGEST_CHUNK = 256 * 1024 * 1024  # bytes that a chunk may grow to
+
+
+def _unzip(data: bytes) -> bytes:
+    tool = zlib.decompressobj()
+    return _whole(tool.decompress(data, LARGEST_CHUNK), tool.eof)
+
+
+def _unbz2(data: bytes) -> bytes:
+    tool = bz2.BZ2Decompressor()
+    return _whole(tool.decompress(data, LARGEST_CHUNK), tool.eof)
+
+
+def _whole(data: bytes, at_end: bool) -> bytes:
+    if not at_end:
+        raise ValueError(f"it is cut off, or holds more than {LARGEST_CHUNK >> 20} MiB")
+    return data
+
+
+ENCODINGS: dict[str, tuple[Callable[[bytes], bytes], Callable[[bytes], bytes]]] = {
+    "zlib": (zlib.compress, _unzip),
+    "bz2": (bz2.compress, _unbz2),
+    "txt": (bytes, bytes),
+}
+_DECLARATION = re.compile(r"<\?xml[^>]*\?>")
+
+
+class LogHeader(NamedTuple):
+    """What a log's header says."""
+
+    log_version: str
+    gazebo_version: str
+    rand_seed: int
+
+
+class LogWriter:
+    """Writes a log file; a context manager.
+
+    Args:
+        path: of the file; its folder is made.
+        encoding: zlib, bz2 or txt.
+        seed: of what is random in the run.
+
+    Raises:
+        ParameterError: there is no such encoding.
+        WorldFileError: the file cannot be written.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], encoding: str = "zlib", seed: int = 0) -> None:
+        if encoding not in ENCODINGS:
+            raise ParameterError(
+                f"bad log encoding {encoding!r}{nearest(encoding, ENCODINGS)}; allowed are {', '.join(ENCODINGS)}"
+            )
+        self.path, self.encoding = Path(path), encoding
+        self._waiting: list[str] = []
+        self._size = 0
+        self._failed = False
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = self.path.open("w", encoding="utf-8")
+        except OSError as fault:
+            raise WorldFileError(f"log {self.path} cannot be written: {fault.strerror}") from None
+        self._write(
+            "<?xml version='1.0'?>\n<gazebo_log>\n<header>\n<log_version>1.0</log_version>\n"
+            f"<gazebo_version>libgz {__version__}</gazebo_version>\n<rand_seed>{seed}</rand_seed>\n</header>\n"
+        )
+
+    def add(self, document: str) -> None:
+        """Add an SDF document; it is written with others.
+
+        Raises:
+            WorldFileError: the file cannot be written.
+        """
+        self._waiting.append(document)
+        self._size += len(document)
+        if self._size >= CHUNK:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what waits.
+
+        Raises:
+            WorldFileError: the file cannot be written.
+        """
+        text, self._waiting, self._size = "".join(self._waiting), [], 0
+        if text:
+            if self.encoding != "txt":
+                text = base64.b64encode(ENCODINGS[self.encoding][0](text.encode())).decode()
+            text = text.replace("]]>", "]]]]><![CDATA[>")
+            self._write(f"<chunk encoding='{self.encoding}'>\n<![CDATA[{text}]]>\n</chunk>\n")
+
+    def _write(self, text: str) -> None:
+        try:
+            self._file.write(text)
+            self._file.flush()
+        except OSError as fault:
+            self._failed = True
+            raise WorldFileError(f"log {self.path} cannot be written: {fault.strerror}") from None
+
+    def close(self) -> None:
+        """Write what waits, and the end. Can be called twice.
+
+        Raises:
+            WorldFileError: the file cannot be written.
+        """
+        if self._file.closed:
+            return
+        try:
+            if not self._failed:
+                self.flush()
+                self._write("</gazebo_log>\n")
+        finally:
+            self._file.close()
+
+    def __enter__(self) -> LogWriter:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+
+class LogReader:
+    """Reads a log file.
+
+    Attributes:
+        path: of the file.
+        header: what it says of itself.
+
+    Raises:
+        WorldFileError: the file cannot be read, or is no log.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.header = self._read_header()
+
+    def _elements(self, name: str) -> Iterator[etree._Element]:
+        try:
+            with self.path.open("rb") as file:
+                # Recovering, for the end may be missing.
+                yield from (
+                    element
+                    for _, element in etree.iterparse(
+                        file,
+                        tag=name,
+                        recover=True,
+                        huge_tree=True,
+                        resolve_entities=False,
+                        no_network=True,
+                        load_dtd=False,
+                    )
+                )
+        except OSError as fault:
+            raise WorldFileError(f"log {self.path} cannot be read: {fault.strerror}") from None
+        except etree.XMLSyntaxError as fault:
+            raise WorldFileError(f"{self.path}:{fault.lineno or 1}: is not a log file: {fault.msg}") from None
+
+    def _read_header(self) -> LogHeader:
+        header = next(self._elements("header"), None)
+        parent = header.getparent() if header is not None else None
+        if header is None or parent is None or parent.tag != "gazebo_log":
+            raise WorldFileError(f"{self.path} is not a log file: it has no <gazebo_log> with a <header>")
+        seed = header.findtext("rand_seed", "0").strip()
+        return LogHeader(
+            header.findtext("log_version", "").strip(),
+            header.findtext("gazebo_version", "").strip(),
+            int(seed) if seed.lstrip("-").isdigit() else 0,
+        )
+
+    def chunks(self) -> Iterator[tuple[str, str]]:
+        """Encoding and text of each chunk.
+
+        Raises:
+            WorldFileError: a chunk is damaged.
+        """
+        for element in self._elements("chunk"):
+            encoding, line = element.get("encoding", "txt"), element.sourceline
+            if encoding not in ENCODINGS:
+                raise WorldFileError(
+                    f"{self.path}:{line}: <chunk>: bad encoding {encoding!r}; allowed are {', '.join(ENCODINGS)}"
+                )
+            text = element.text or ""
+            if encoding != "txt":
+                try:
+                    text = ENCODINGS[encoding][1](base64.b64decode(text)).decode()
+                except (binascii.Error, zlib.error, OSError, EOFError, ValueError) as fault:
+                    raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {fault}") from None
+            yield encoding, text
+            element.clear()
+
+    def documents(self) -> Iterator[etree._Element]:
+        """The `<sdf>` elements, in order: the world's, then those with states.
+
+        Raises:
+            WorldFileError: a chunk is damaged.
+        """
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=True)
+        for _, text in self.chunks():
+            try:
+                holder = etree.fromstring(f"<chunk>{_DECLARATION.sub('', text)}</chunk>", parser)
+            except etree.XMLSyntaxError as fault:
+                raise WorldFileError(f"{self.path}: a chunk is not well-formed: {fault.msg}") from None
+            yield from holder.iterchildren("sdf")

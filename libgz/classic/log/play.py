@@ -1,0 +1,234 @@
+"""LogPlay: a world that moves as a log says."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Iterator
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from lxml import etree
+
+from libgz.classic.log.file import LogReader
+from libgz.classic.log.state import LogState
+from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
+from libgz.classic.server import attach
+from libgz.errors import WorldFileError
+from libgz.sdf.element import Element
+from libgz.sdf.reader import SdfFile
+from libgz.simulation.world import World as CoreWorld
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.base import Entity
+    from libgz.classic.physics.world import World
+    from libgz.simulation.model import Model as CoreModel
+
+__all__ = ["LogPlay", "read_states"]
+
+log = logging.getLogger("libgz.classic")
+
+_SLACK = 1e-9  # [s]
+
+
+def read_states(reader: LogReader) -> Iterator[LogState]:
+    """The states of a log, in order.
+
+    Raises:
+        WorldFileError: the log is damaged.
+    """
+    for document in reader.documents():
+        for element in document.iterchildren("state"):
+            yield LogState.parse(element)
+
+
+class LogPlay:
+    """The world of a log; each step brings it to the next state. A context manager.
+
+        with LogPlay("run/state.log") as play:
+            while play.Step():
+                print(play.world.SimTime(), play.world.ModelByName("box").WorldPose())
+
+    The log moves it: there is no physics, and no plugin but those of visuals. Sensors see what they would have seen.
+    Relative paths in the world begin at the log's folder. At the log's end the world pauses.
+
+    Args:
+        path: of the log.
+        core: an empty engine's world to build it in.
+
+    Attributes:
+        core, world: the engine's world, and the view on it that plugins have.
+        reader: of the file.
+
+    Raises:
+        WorldFileError: the log is damaged, or holds no world.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], core: CoreWorld | None = None) -> None:
+        self.reader = LogReader(path)
+        self.core = CoreWorld() if core is None else core
+        self._next: LogState | None = None
+        self._index, self._time, self._iterations = 0, 0.0, 0
+        self._parts: dict[str, Entity | None] = {}  # by scoped name
+        try:
+            self.core.load_sdf(self._first())
+            self.core.physics_enabled = False
+            self.world: World = attach(self.core).world
+            self.core.companions.append(self)
+            self.core.Initialize()
+        except BaseException:
+            self.core.close()
+            raise
+        self._at_start = {part.GetName(): _text(part.GetSDF()) for part in self.world.children()}
+        self.Rewind()
+
+    def _first(self) -> SdfFile:
+        document = next(self.reader.documents(), None)
+        if document is None or document.find("world") is None:
+            raise WorldFileError(f"log {self.reader.path} begins with no world")
+        text = etree.tostring(document, encoding="unicode")
+        return self._read(text, "world")
+
+    def _read(self, text: str, what: str) -> SdfFile:
+        """SDF of the log, without the plugins that would act in it."""
+        file = SdfFile.from_string(text, f"{self.reader.path}: <{what}>", self.reader.path.parent)
+        for element in [found for found in _all(file.root) if found.name == "plugin"]:
+            if element.parent is not None and element.parent.name != "visual":
+                element.parent.RemoveChild(element)
+        return file
+
+    @property
+    def at_end(self) -> bool:
+        """Whether there is no further state."""
+        return self._next is None
+
+    # Playing -----------------------------------------------------------------------------------------------------
+
+    def Step(self) -> bool:
+        """Go on to the next state; False, and the world pauses, where there is none."""
+        if self._next is None:
+            self.core.paused = True
+            return False
+        self.core.paused = False
+        self._apply_next()  # before the step, for within one models come and go only at its end
+        self.core.step()
+        if self._next is None:
+            log.info("the log %s ends at %g s", self.reader.path, self.core.GetSimTime())
+            self.core.paused = True
+        return True
+
+    def Seek(self, sim_time: float) -> None:
+        """Go to the last state up to a sim time [s], forwards or back; at once, not step by step."""
+        if sim_time < self.core.GetSimTime() - _SLACK:
+            self._rewind()
+        while self._next is not None and self._next.sim_time <= sim_time + _SLACK:
+            self._apply_next()
+
+    def Rewind(self) -> None:
+        """Go back to the first state."""
+        self._rewind()
+        self._apply_next()
+
+    def StepBack(self, count: int = 1) -> None:
+        """Go back by so many states, or to the first one."""
+        index = max(self._index - count, 1)
+        self._rewind()
+        while self._next is not None and self._index < index:
+            self._apply_next()
+
+    def Forward(self) -> None:
+        """Go to the last state."""
+        self.Seek(float("inf"))
+
+    def _rewind(self) -> None:
+        """Before the first state: all that was there at the start, and nothing else."""
+        self._states, self._index = read_states(self.reader), 0
+        self._next = next(self._states, None)
+        self._parts.clear()
+        here = {part.GetName() for part in self.world.children()}
+        for name in here - self._at_start.keys():
+            self.world.RemoveModel(name)
+        for name in self._at_start.keys() - here:
+            self._insert(self._at_start[name])
+
+    def _insert(self, text: str) -> None:
+        version = self.core.sdf.version if self.core.sdf is not None else "1.6"
+        self.world.InsertModelSDF(self._read(f"<sdf version='{version}'>{text}</sdf>", "insertions"))
+
+    def _apply_next(self) -> None:
+        state = self._next
+        if state is None:
+            return
+        self._next = next(self._states, None)
+        self._index += 1
+        for name in state.deletions:
+            if self.world.BaseByName(name) is not None:
+                self.world.RemoveModel(name)
+        for text in state.insertions:
+            self._insert(text)
+        if state.deletions or state.insertions:
+            self._parts.clear()
+        for name, pose in state.poses.items():
+            part = self._part(name)
+            if isinstance(part, Link):
+                part.body.SetPose(pose)
+            elif isinstance(part, Light):
+                part.SetWorldPose(pose)
+        for name, (linear, angular) in state.velocities.items():
+            part = self._part(name)
+            if isinstance(part, Link):
+                part.body.SetLinearVel(linear)
+                part.body.SetAngularVel(angular)
+        self._time, self._iterations = state.sim_time, state.iterations
+        self.update()
+
+    def _part(self, name: str) -> Entity | None:
+        if name not in self._parts:
+            self._parts[name] = self.world.EntityByName(name)
+        return self._parts[name]
+
+    # Companion of the world --------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """The world runs already."""
+
+    def model_added(self, model: CoreModel) -> None:
+        """It came by the log."""
+
+    def model_removed(self, model: CoreModel) -> None:
+        """It went by the log."""
+
+    def update(self) -> None:
+        """The time is the log's."""
+        self.core.set_sim_time(self._time)
+        self.core.iterations = self._iterations
+
+    def step(self, paused: bool) -> None:
+        """All is done."""
+
+    def reset(self) -> None:
+        """Back to the first state."""
+        self.Rewind()
+
+    def close(self) -> None:
+        """The world ends; so does the reading."""
+        self._states, self._next = iter(()), None
+
+    def __enter__(self) -> LogPlay:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.core.close()
+
+
+def _all(element: Element) -> Iterator[Element]:
+    for child in element.children:
+        yield child
+        yield from _all(child)
+
+
+def _text(element: Any) -> str:
+    return element.ToString() if element is not None else ""

@@ -1,0 +1,84 @@
+"""Insertion: models and lights that join a running world."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from libgz.errors import ParameterError
+from libgz.sdf.element import Element
+from libgz.sdf.paths import find_model
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.sdf_world import insert_sdf
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+    from libgz.classic.sdf import SDF
+
+__all__ = ["insert_document", "insert_file", "insert_now", "insert_text"]
+
+
+def insert_text(world: World, text: str) -> None:
+    """Add the models and lights of an SDF text.
+
+    Raises:
+        ParameterError: it is no text.
+    """
+    if not isinstance(text, str):
+        raise ParameterError(f"InsertModelString takes the text of an SDF document, not {text!r}")
+    _insert(world, lambda: SdfFile.from_string(text))
+
+
+def insert_file(world: World, filename: str | os.PathLike[str]) -> None:
+    """Add those of a file, `model://name` included.
+
+    Raises:
+        ParameterError: it is no file's name.
+    """
+    if not isinstance(filename, str | os.PathLike):
+        raise ParameterError(f"InsertModelFile takes a file's name or model://name, not {filename!r}")
+    _insert(world, lambda: SdfFile.load(find_model(os.fspath(filename))))
+
+
+def insert_document(world: World, sdf: Element | SdfFile | SDF) -> None:
+    """Add those of an SDF document, or of one element of it.
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    root = sdf if isinstance(sdf, Element) else getattr(sdf, "root", None)
+    if not isinstance(root, Element):
+        raise ParameterError(f"InsertModelSDF takes an SDF document or an element of one, not {sdf!r}")
+    whole = upgraded(root)
+    text = whole.ToString() if root.name != "sdf" else "".join(part.ToString() for part in whole.children)
+    insert_text(world, f"<sdf version='{NEWEST}'>{text}</sdf>")
+
+
+def _insert(world: World, read: Callable[[], SdfFile]) -> None:
+    world.core.after_step(lambda: insert_now(world, read()))
+
+
+def insert_now(world: World, file: SdfFile) -> None:
+    """Add what a document holds, with its sensors and plugins, between two steps.
+
+    Raises:
+        ParameterError: a name is taken.
+        WorldFileError: it has errors, or holds no model or light.
+    """
+    _check_names(world, file.root)
+    insert_sdf(world.core, file)
+    world.server.finish_added()
+
+
+def _check_names(world: World, root: Element) -> None:
+    taken = {part.GetName() for part in world.children()}
+    for element in next(root.named("world"), root).children:
+        name = element.Get(str, "name") if element.name in ("model", "light") else ""
+        if name in taken:
+            raise ParameterError(
+                f"{element.where}: A {element.name} named [{name}] already exists and allow_renaming is false. "
+                f"{element.name.capitalize()} won't be inserted."
+            )
+        taken.update([name] if name else [])

@@ -1,0 +1,333 @@
+"""Logs of runs: recorded, read, played."""
+
+import base64
+import bz2
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from sdf_worlds import GROUND, collision, inertial, link, model, world
+from test_gzserver import place, run  # noqa: F401 - a fixture
+
+from libgz.classic import msgs
+from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_states
+from libgz.classic.sensors import get_sensor
+from libgz.classic.server import attach
+from libgz.classic.transport import Node
+from libgz.errors import ParameterError, WorldFileError
+from libgz.geometry import GzPose, GzVector
+
+BOX = model("box", link("link", inertial(2.0), collision()), pose="0 0 5 0.1 0.2 0.3")
+BALL = model("ball", link("link", inertial(2.0), collision("sphere")), pose="3 0 5 0 0 0")
+LAMP = "<light name='lamp' type='point'><pose>0 0 4 0 0 0</pose></light>"
+
+
+def log_of(path):
+    return list(read_states(LogReader(path)))
+
+
+def poses(core):
+    return {link.GetScopedName(): link.body.GetPose() for m in attach(core).world.all_models() for link in m.GetLinks()}
+
+
+def test_a_log_tells_how_a_box_fell(load, tmp_path):
+    core = load(world(BOX, LAMP))
+    core.step(100)
+    with LogRecord(core, tmp_path / "deep" / "state.log") as record:
+        core.step(400)
+    assert record.path.read_text().endswith("</gazebo_log>\n")
+    states = log_of(record.path)
+    assert [s.iterations for s in states] == list(range(100, 501))
+    assert set(states[0].poses) == {"box::link", "lamp"}
+    assert set(states[1].poses) == {"box::link"}, "only what moved"
+    start = states[0].poses["box::link"].pos.z, states[0].velocities["box::link"][0].z
+    for n, state in enumerate(states):
+        assert state.sim_time == pytest.approx(0.1 + 0.001 * n, abs=1e-9)
+        fallen = start[1] * 0.001 * n - 9.8 * 1e-6 * n * (n + 1) / 2.0
+        assert state.poses["box::link"].pos.z == pytest.approx(start[0] + fallen, abs=1e-12)
+        assert state.velocities["box::link"][0].z == pytest.approx(start[1] - 9.8e-3 * n, abs=1e-12)
+
+
+@pytest.mark.parametrize("encoding", ["zlib", "bz2", "txt"])
+def test_what_is_played_is_what_was_recorded(load, tmp_path, encoding):
+    nested = model("outer", link("base", inertial()), model("inner", link("arm", inertial(), pose="0 0 1 0 0 0")))
+    core = load(world(GROUND, BOX, BALL, nested, LAMP))
+    seen = []
+    with LogRecord(core, tmp_path / "state.log", encoding=encoding):
+        core.models[1].GetBody().SetAngularVel((1.0, 2.0, 3.0))
+        for _ in range(1500):
+            core.step()
+            seen.append((core.GetSimTime(), poses(core)))
+    with LogPlay(tmp_path / "state.log") as play:
+        assert play.core.GetSimTime() == 0.0
+        for when, expected in seen:
+            assert play.Step()
+            assert play.core.GetSimTime() == pytest.approx(when, abs=1e-9)
+            for name, pose in poses(play.core).items():
+                assert np.array((*pose.pos,)) == pytest.approx(np.array((*expected[name].pos,)), abs=1e-12), name
+                same = abs(np.dot((*pose.rot,), (*expected[name].rot,)))
+                assert same == pytest.approx(1.0, abs=1e-12), name
+        assert play.core.iterations == 1500
+        assert play.core.paused
+        assert not play.Step()
+
+
+def test_models_come_and_go_as_they_did(load, tmp_path):
+    core = load(world(GROUND, BOX))
+    view = attach(core).world
+    with LogRecord(core, tmp_path / "state.log"):
+        core.step(10)
+        view.InsertModelString(f"<sdf version='1.6'>{BALL}{LAMP}</sdf>")
+        core.step(10)
+        view.RemoveModel("box")
+        view.InsertModelString(f"<sdf version='1.6'>{model('brief', link())}</sdf>")
+        view.RemoveModel("brief")
+        view.LightByName("lamp").SetWorldPose(GzPose(GzVector(1, 2, 3)))
+        core.step(10)
+    states = log_of(tmp_path / "state.log")
+    assert [i for i, s in enumerate(states) if s.insertions] == [11]
+    assert [(i, s.deletions) for i, s in enumerate(states) if s.deletions] == [(21, ["box"])]
+    with LogPlay(tmp_path / "state.log") as play:
+
+        def names():
+            return {part.GetName() for part in play.world.children()}
+
+        at_each = []
+        while play.Step():
+            at_each.append(names())
+        assert at_each[9] == {"ground_plane", "box"}
+        assert at_each[10] == {"ground_plane", "box", "ball", "lamp"}
+        assert at_each[20] == {"ground_plane", "ball", "lamp"}
+        assert tuple(play.world.LightByName("lamp").WorldPose().pos) == pytest.approx((1, 2, 3))
+        ball = play.world.ModelByName("ball").WorldPose().pos.z
+        play.Rewind()
+        assert names() == {"ground_plane", "box"}
+        play.Seek(0.015)
+        assert names() == {"ground_plane", "box", "ball", "lamp"}
+        assert play.core.GetSimTime() == pytest.approx(0.015)
+        play.StepBack(10)
+        assert names() == {"ground_plane", "box"}
+        assert play.core.iterations == 5
+        play.Forward()
+        assert play.core.iterations == 30
+        assert play.world.ModelByName("ball").WorldPose().pos.z == pytest.approx(ball, abs=1e-15)
+        play.core.Reset()
+        assert play.core.GetSimTime() == 0.0
+        assert names() == {"ground_plane", "box"}
+
+
+def test_plugins_do_not_act_in_a_played_world(load, tmp_path):
+    loaded = tmp_path / "loaded"
+    (tmp_path / "note.py").write_text(
+        "from pathlib import Path\nfrom libgz.classic import *\n\n\nclass Note(ModelPlugin):\n"
+        f"    def Load(self, model, sdf):\n        file = Path({str(loaded)!r})\n"
+        "        file.write_text((file.read_text() if file.exists() else '') + model.GetName())\n\n\n"
+        "GZ_REGISTER_MODEL_PLUGIN(Note)\n"
+    )
+    plugin = "<plugin name='note' filename='note.py'/>"
+    box, ball = (text.replace("</model>", f"{plugin}</model>") for text in (BOX, BALL))
+    core = load(world(box))
+    with LogRecord(core, tmp_path / "state.log"):
+        core.step(3)
+        attach(core).world.InsertModelString(f"<sdf version='1.6'>{ball}</sdf>")
+        core.step(3)
+    assert loaded.read_text() == "boxball"
+    with LogPlay(tmp_path / "state.log") as play:
+        while play.Step():
+            pass
+        assert {part.GetName() for part in play.world.children()} == {"box", "ball"}
+    assert loaded.read_text() == "boxball"
+
+
+def test_period_and_filter(load, tmp_path):
+    core = load(world(BOX, BALL))
+    with LogRecord(core, tmp_path / "state.log", period=0.05, filter="b*x"):
+        core.step(201)
+    states = log_of(tmp_path / "state.log")
+    assert [s.iterations for s in states] == [0, 50, 100, 150, 200]
+    assert all(set(s.poses) == {"box::link"} for s in states)
+    for words, wanted in (("", "ab"), ("b", "b"), ("a|b", "ab"), ("?", "ab"), ("[", ""), ("[a]*", "a")):
+        assert "".join(filter(NamePattern(words), "ab")) == wanted
+    assert NamePattern("outer")("outer::inner")
+    assert NamePattern("outer::inner")("outer::inner::x")
+    assert not NamePattern("inner")("outer::inner")
+
+
+def test_a_reset_is_recorded_too(load, tmp_path):
+    core = load(world(BOX))
+    with LogRecord(core, tmp_path / "state.log"):
+        core.step(5)
+        core.Reset()
+        core.step(3)
+    assert [s.iterations for s in log_of(tmp_path / "state.log")] == [0, 1, 2, 3, 4, 5, 1, 2, 3]
+
+
+def test_sensors_see_in_a_played_world_what_they_saw(load, tmp_path):
+    fan = "<samples>5</samples><min_angle>-0.2</min_angle><max_angle>0.2</max_angle>"
+    scan = f"<scan><horizontal>{fan}</horizontal></scan>"
+    ray = f"<sensor name='ray' type='ray'><always_on>1</always_on><ray>{scan}<range><max>9</max></range></ray></sensor>"
+    watcher = model("watcher", "<static>1</static>", link("link", ray), pose="-4 0 0.5 0 0 0")
+    core = load(world(GROUND, watcher, BOX.replace("0 0 5", "0 0 3")))
+    sensor = get_sensor("default::watcher::link::ray")
+    with LogRecord(core, tmp_path / "state.log"):
+        core.step(900)
+    expected = list(sensor.Ranges())
+    assert min(expected) < 4.0
+    core.close()
+    with LogPlay(tmp_path / "state.log") as play:
+        while play.Step():
+            pass
+        assert list(get_sensor("default::watcher::link::ray").Ranges()) == pytest.approx(expected, abs=1e-9)
+
+
+def test_classics_own_logs_are_read(tmp_path):
+    """One as Gazebo 7 writes them: several documents in a chunk, with declarations, scales and wrenches."""
+    first = f"<?xml version='1.0'?>\n<sdf version ='1.6'>\n{world(BOX)}</sdf>\n"
+    state = (
+        "<sdf version='1.6'><state world_name='default'><sim_time>{} 500000000</sim_time><real_time>1 0</real_time>"
+        "<wall_time>1400000000 5</wall_time><iterations>{}</iterations><model name='box'><pose>1 2 3 0 -0 0</pose>"
+        "<scale>1 1 1</scale><link name='link'><pose>1 2 {} 0 -0 0</pose><velocity>0 0 1 0 -0 0</velocity>"
+        "<acceleration>0 0 -9.8 0 -0 0</acceleration><wrench>0 0 -9.8 0 -0 0</wrench></link></model></state></sdf>\n"
+    )
+    chunks = [
+        ("txt", first),
+        (
+            "zlib",
+            base64.b64encode(zlib.compress((state.format(1, 1500, 3) + state.format(2, 2500, 4)).encode())).decode(),
+        ),
+        ("bz2", base64.b64encode(bz2.compress(state.format(3, 3500, 5).encode())).decode()),
+    ]
+    body = "".join(f"<chunk encoding='{e}'>\n<![CDATA[{text}]]>\n</chunk>\n" for e, text in chunks)
+    header = (
+        "<header><log_version>1.0</log_version><gazebo_version>7.0.0</gazebo_version><rand_seed>42</rand_seed></header>"
+    )
+    path = tmp_path / "state.log"
+    path.write_text(f"<?xml version='1.0'?>\n<gazebo_log>\n{header}\n{body}</gazebo_log>\n")
+    assert LogReader(path).header == ("1.0", "7.0.0", 42)
+    with LogPlay(path) as play:
+        heights = [(play.core.GetSimTime(), play.world.ModelByName("box").WorldPose().pos.z)]
+        while play.Step():
+            heights.append((play.core.GetSimTime(), play.world.ModelByName("box").WorldPose().pos.z))
+    assert heights == [(1.5, 3.0), (2.5, 4.0), (3.5, 5.0)]
+
+
+def test_a_log_whose_end_is_missing_is_read_as_far_as_it_goes(load, tmp_path):
+    core = load(world(BOX))
+    with LogRecord(core, tmp_path / "state.log", encoding="txt") as record:
+        core.step(500)
+    text = record.path.read_text()
+    cut = tmp_path / "cut.log"
+    cut.write_text(text[: text.rindex("<chunk") + 1000])
+    states = log_of(cut)
+    assert 0 < len(states) < 501
+    assert [s.iterations for s in states] == list(range(len(states)))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("", "is not a log"),
+        ("<sdf version='1.6'/>", "is not a log file"),
+        ("<gazebo_log><header/></gazebo_log>", "begins with no world"),
+        ("<gazebo_log><header/><chunk encoding='zip'>x</chunk></gazebo_log>", "bad encoding 'zip'; allowed are zlib"),
+        ("<gazebo_log><header/><chunk encoding='zlib'>!!</chunk></gazebo_log>", ":1: <chunk>: is damaged"),
+        ("<gazebo_log><header/><chunk encoding='bz2'>AAAA</chunk></gazebo_log>", ":1: <chunk>: is damaged"),
+    ],
+)
+def test_what_is_no_log_is_told(tmp_path, text, said):
+    path = tmp_path / "state.log"
+    path.write_text(text)
+    with pytest.raises(WorldFileError, match=said):
+        LogPlay(path)
+    with pytest.raises(WorldFileError, match="cannot be read: No such file"):
+        LogReader(tmp_path / "none.log")
+
+
+def test_bad_arguments_and_worlds_that_cannot_be_recorded(load, tmp_path):
+    core = load(world(BOX))
+    with pytest.raises(ParameterError, match=r"bad log encoding 'gzip'.*allowed are zlib, bz2, txt"):
+        LogRecord(core, tmp_path / "state.log", encoding="gzip")
+    with pytest.raises(ParameterError, match="bad log period nan s"):
+        LogRecord(core, tmp_path / "state.log", period=float("nan"))
+    (tmp_path / "file").touch()
+    with pytest.raises(WorldFileError, match="cannot be written"):
+        LogRecord(core, tmp_path / "file" / "state.log")
+
+
+def test_a_full_disk_ends_the_log_and_not_the_run(load, tmp_path, caplog):
+    core = load(world(BOX))
+    with LogRecord(core, tmp_path / "state.log", encoding="txt") as record:
+        record._writer._file.close()
+        record._writer._file = Path("/dev/full").open("w")  # noqa: SIM115
+        core.step(1000)
+        assert not record.running
+    assert core.iterations == 1000
+    assert caplog.text.count("cannot be written: No space left on device; it ends here") == 1
+
+
+def test_topics_begin_and_end_a_log(load, tmp_path):
+    from libgz.classic.log import RecordControl
+
+    core = load(world(BOX))
+    control = RecordControl(attach(core).world)
+    node, told = Node(), []
+    node.Init("default")
+    publisher, subscriber = (
+        node.Advertise(msgs.LogControl, "~/log/control"),
+        node.Subscribe("~/log/status", told.append),
+    )
+    publisher.Publish(msgs.LogControl(start=True, base_path=str(tmp_path / "here"), encoding="txt"))
+    core.step(11)
+    assert control.record.running
+    publisher.Publish(msgs.LogControl(stop=True))
+    core.step(5)
+    assert [bool(message.log_file.full_path) for message in told] == [True, False]
+    assert told[0].log_file.full_path == str(tmp_path / "here" / "state.log")
+    assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, 12))
+    subscriber.Unsubscribe()
+    control.close()
+
+
+def tool(place, *words):  # noqa: F811
+    done = subprocess.run(
+        [sys.executable, "-m", "libgz.apps.libgz", *map(str, words)],
+        env=place,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
+    path = tmp_path / "w.world"
+    path.write_text(f"<sdf version='1.6'>{world(GROUND, BOX, BALL)}</sdf>")
+    folder = tmp_path / "logs"
+    done = run(place, path, "--record_path", folder, "--record_period", 0.01, "--iters", 301, "--seed", 7, "--verbose")
+    assert done.returncode == 0, done.stderr
+    assert f"recording to [{folder}/state.log]" in done.stderr + done.stdout
+    code, said, _ = tool(place, "log", "-f", folder / "state.log")
+    assert code == 0
+    for line in ("Random Seed:    7", "Duration:       0.300000 s", "Steps:          31", "Encoding:       zlib"):
+        assert line in said
+    assert "Models:         ball, box, ground_plane" in said
+    code, said, _ = tool(place, "log", "-f", folder / "state.log", "-e", "--filter", "box", "-z", 10)
+    assert code == 0
+    assert said.count('<model name="box">') == 4
+    assert "ball" not in said
+    played = run(place, "-p", folder / "state.log", "--iters", 99, "--verbose")
+    assert played.returncode == 0, played.stderr
+    assert f"playing [{folder}/state.log], recorded by libgz" in played.stderr + played.stdout
+    assert run(place, "-p", tmp_path / "none.log", "--iters", 1).returncode == 255
+    assert tool(place, "log")[0::2] == (1, "libgz: which log? -f FILE; or -d 1 and -d 0 for a running server\n")
+
+
+def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):  # noqa: F811
+    path = tmp_path / "w.world"
+    path.write_text(f"<sdf version='1.6'>{world(BOX)}</sdf>")
+    assert run(place, path, "-r", "--record_encoding", "bz2", "--iters", 5).returncode == 0
+    (found,) = Path(place["HOME"]).glob(".gazebo/log/*/gzserver/state.log")
+    assert len(log_of(found)) == 6

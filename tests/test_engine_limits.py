@@ -1,0 +1,234 @@
+"""What would make ODE end the process, or lose its way: refused, mended, or passed over, and told."""
+
+import logging
+import math
+
+import numpy as np
+import pytest
+from engine_parts import INF, box, solid
+
+import libgz
+from libgz.errors import ParameterError
+from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
+from libgz.ode.native_step import native_path
+from libgz.physics.engine import Engine, Space
+
+FORMS = ["native", "python"]
+
+
+@pytest.fixture(params=FORMS)
+def form(request, monkeypatch):
+    if request.param == "native" and native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    monkeypatch.setenv("LIBGZ_STEP", request.param)
+    return request.param
+
+
+def in_both_forms(run, monkeypatch):
+    """What `run` returns in either form of the step."""
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    results = []
+    for name in FORMS:
+        monkeypatch.setenv("LIBGZ_STEP", name)
+        results.append(run())
+    return results
+
+
+def test_small_bodies_far_away(form):
+    engine = Engine(gravity=(0, 0, 0))
+    body = solid(engine, box(0.1, 0.1, 0.1), position=(1e8, -1e8, 1e8))
+    engine.step()
+    assert tuple(body.GetPosition()) == (1e8, -1e8, 1e8)
+    for bad in (1.1e8, -3e8, math.nan, math.inf):
+        with pytest.raises(ParameterError, match="position"):
+            body.SetPosition((0, bad, 0))
+    with pytest.raises(ParameterError, match="relative position"):
+        body.geoms[0].SetRelativePosition((1e8, 0, 0))
+
+
+def test_bodies_that_run_away_are_halted_alike_in_both_forms(monkeypatch, caplog):
+    def run():
+        engine = Engine(step_time=0.1)
+        names = ("flung", "pushed", "spun", "calm")
+        bodies = [solid(engine, box(0.1, 0.1, 0.1), position=(3.0 * i, 0, 1)) for i in range(4)]
+        for body, name in zip(bodies, names, strict=True):
+            body.bodyName = name
+        bodies[0].SetPosition((1e8, 0, 0))
+        for i in range(150):
+            bodies[0].SetLinearVel((9.9e6, 0, 0))
+            if i == 3:
+                bodies[1].AddForce(1e300, 0, 0)
+            if i == 4:
+                bodies[2].SetAngularVel((0, 1e9, 0))
+            engine.step()
+        assert bodies[0].GetPosition().x == pytest.approx(1e8, rel=1.1)
+        assert bodies[1].GetPosition().x == pytest.approx(3.0)
+        assert bodies[3].GetPosition().z < -1000
+        return engine.states.tobytes()
+
+    with caplog.at_level(logging.ERROR):
+        native, python = in_both_forms(run, monkeypatch)
+    assert native == python
+    for name in ("flung", "pushed", "spun"):
+        assert caplog.text.count(f"body {name} ran away and was halted") == 2
+    assert "calm" not in caplog.text
+
+
+@pytest.mark.parametrize("kind", [libgz.Hinge2Joint, libgz.UniversalJoint])
+def test_axes_in_any_order_and_never_parallel(form, kind):
+    engine = Engine(gravity=(0, 0, 0))
+    one, two = (solid(engine, box(0.1, 0.1, 0.1), position=(x, 0, 0)) for x in (0, 1))
+    joint = kind(engine)
+    joint.Attach(one, two)
+    joint.SetAnchor((0.5, 0, 0))
+    joint.SetAxis1((0, 2, 0))  # which is where ODE has the second one
+    joint.SetAxis2((1, 0, 0))  # which is where ODE has the first one
+    assert tuple(joint.GetAxis1()) == pytest.approx((0, 1, 0))
+    assert tuple(joint.GetAxis2()) == pytest.approx((1, 0, 0))
+    for misuse in (
+        lambda: joint.SetAxis1((-3, 0, 0)),
+        lambda: joint.SetAxis2((0, 1, 0)),
+        lambda: joint.SetAxes((0, 0, 1), (0, 0, 1)),
+    ):
+        with pytest.raises(ParameterError, match="parallel; SetAxes sets both at once"):
+            misuse()
+    engine.step()
+    joint.SetAxes((1, 0, 0), (0, 1, 0))
+    engine.step()
+    assert tuple(joint.GetAxis1()) == pytest.approx((1, 0, 0))
+
+
+def test_hinge2_without_bodies_has_no_axes(form):
+    joint = libgz.Hinge2Joint(Engine())
+    for getter in (joint.GetAxis1, joint.GetAxis2):
+        with pytest.raises(ParameterError, match="attached to two bodies"):
+            getter()
+
+
+@pytest.mark.parametrize(
+    ("parameter", "bad"),
+    [
+        (libgz.dParamLoStop, INF),
+        (libgz.dParamHiStop, -INF),
+        (libgz.dParamLoStop2, INF),
+        (libgz.dParamVel, INF),
+        (libgz.dParamVel2, -1e300),
+        (libgz.dParamCFM, -1.0),
+        (libgz.dParamStopCFM, INF),
+        (libgz.dParamStopERP, INF),
+        (libgz.dParamSuspensionCFM2, -1.0),
+        (libgz.dParamBounce, INF),
+    ],
+)
+def test_joint_parameters_that_ode_cannot_reckon_with(parameter, bad):
+    joint = libgz.UniversalJoint(Engine())
+    with pytest.raises(ParameterError, match=r"dParam\w+ is .*; it must be within"):
+        joint.SetParam(parameter, bad)
+
+
+def test_settings_that_ode_cannot_reckon_with():
+    engine = Engine()
+    for settings in ((INF, 0, 1), (0.2, INF, 1), (math.nan, 0, 1), (0.2, 0, -1)):
+        with pytest.raises(ParameterError):
+            engine.set_constraints(*settings)
+    with pytest.raises(ParameterError, match="bounce is inf"):
+        solid(engine, box(1, 1, 1)).geoms[0].SetBounce(INF)
+
+
+def test_joint_parameters_without_bounds():
+    engine = Engine()
+    joint = libgz.HingeJoint(engine)
+    joint.Attach(solid(engine, box(1, 1, 1)), None)
+    for parameter, value in ((libgz.dParamLoStop, -INF), (libgz.dParamHiStop, INF), (libgz.dParamFMax, INF)):
+        joint.SetParam(parameter, value)
+        assert joint.GetParam(parameter) == value
+    engine.step()
+
+
+def mesh(corners, triangles):
+    return lambda body, space: libgz.TriMeshGeom(body, space, corners, triangles)
+
+
+def test_meshes_of_one_triangle_meet_other_meshes(form):
+    engine = Engine(gravity=(0, 0, 0))
+    flat, upright = [(-1, -1, 0), (1, -1, 0), (0, 1, 0)], [(0, 0, -1), (0, 0, 1), (0, -0.5, 0)]
+    bodies = [solid(engine, mesh(corners, [(0, 1, 2)])) for corners in (flat, upright)]
+    engine.step()
+    assert engine.contact_count > 0
+    assert all(len(body.geoms[0].triangles) == 1 for body in bodies)
+
+
+@pytest.mark.parametrize(
+    ("corners", "triangles", "told"),
+    [
+        ([(0, 0, 0), (1, 0, 0), (0, 1e30, 0)], [(0, 1, 2)], "a vertex lies at 1e"),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, -2)], "names vertex -2; there are 3"),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 3)], "names vertex 3; there are 3"),
+        ([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [0, 1], r"triangles have shape \(2,\)"),
+        ([0, 0, 0, 1], [(0, 1, 2)], "vertices have shape"),
+    ],
+)
+def test_meshes_that_are_none(corners, triangles, told):
+    with pytest.raises(ParameterError, match=told):
+        mesh(corners, triangles)(libgz.Body(Engine()), None)
+
+
+def test_a_pair_that_baffles_ode_is_passed_over(monkeypatch, caplog):
+    """A box so wide that the cells of a height field under it cannot be counted."""
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    monkeypatch.setenv("LIBGZ_STEP", "native")
+    engine = Engine()
+    ground, space = libgz.Body(engine, "ground", dummy=True), Space(engine)
+    libgz.HeightfieldGeom(ground, space, np.zeros((3, 3)), 0.01, 0.01)
+    ground.SetPose(GzPose(GzVector(1, 2, 3), GzQuaternFromEuler(0, 0, 1)))
+    wide = solid(engine, box(1e8, 1e8, 1), position=(0, 0, 3.2))
+    wide.bodyName = "wide"
+    ball = solid(engine, lambda b, s: libgz.SphereGeom(b, s, 0.5), position=(0, 0, 9))
+    with caplog.at_level(logging.ERROR):
+        for _ in range(5):
+            engine.step()
+    told = "ODE could not tell where"
+    assert caplog.text.count(told) == 1
+    assert "BoxGeom of wide" in caplog.text
+    assert "HeightfieldGeom of ground" in caplog.text
+    fall = 9.8 * 0.02**2 * 15
+    assert tuple(wide.GetPosition()) == pytest.approx((0, 0, 3.2 - fall))
+    assert tuple(ball.GetPosition()) == pytest.approx((0, 0, 9 - fall))
+
+
+def test_a_step_that_ode_cannot_solve_is_told(monkeypatch, caplog):
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    monkeypatch.setenv("LIBGZ_STEP", "native")
+    engine = Engine(gravity=(0, 0, 0))
+    one, two = (solid(engine, box(0.1, 0.1, 0.1), position=(x, 0, 0)) for x in (0, 1))
+    joint = libgz.UniversalJoint(engine)
+    joint.Attach(one, two)
+    joint.SetAxes((0, 0, 1), (0, 1, 0))
+    two.SetRotation((0.5, 0.5, 0.5, 0.5))  # y to z, which brings the axes together
+    two.SetLinearVel((1, 0, 0))
+    with caplog.at_level(logging.ERROR):
+        engine.step()
+        engine.step()
+    assert caplog.text.count("step 1 was given up, and nothing moved in it") == 1
+    two.SetRotation((1, 0, 0, 0))
+    engine.step()
+    assert two.GetPosition().x > 1.0
+
+
+def test_rays_agree_on_height_fields_in_both_forms(monkeypatch):
+    def run():
+        engine = Engine()
+        ground, space = libgz.Body(engine, dummy=True), Space(engine)
+        libgz.HeightfieldGeom(ground, space, [[0, 1, 0], [1, 2, 1], [0, 0, 3]], 4.0, 4.0)
+        angles = np.linspace(0, 2 * math.pi, 60)
+        rays = np.zeros((60, 7))
+        rays[:, 3], rays[:, 5], rays[:, 6] = np.cos(angles), np.sin(angles), 50.0
+        ranges, rows = np.empty(60), np.empty(60, dtype=np.int64)
+        engine.scan(np.array([0.3, 0.2, 6.0, 1, 0, 0, 0]), rays, 0, ranges, rows)
+        return ranges.tobytes(), rows.tobytes()
+
+    native, python = in_both_forms(run, monkeypatch)
+    assert native == python

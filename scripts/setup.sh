@@ -37,7 +37,7 @@ if [ -n "$missing" ]; then
     rm -f "$log"
 fi
 
-[ -x .venv/bin/python ] || python3 -m venv .venv
+.venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
 # Install anew when a file was added or removed, or what is built has changed: the installed tree links to ours.
 state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg setup.py pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c; } | cksum)

@@ -1,6 +1,7 @@
 """How commands end: by signals, without readers or streams, on full disks. Always in a sentence, or in silence."""
 
 import argparse
+import errno
 import logging
 import os
 import re
@@ -98,6 +99,23 @@ def test_an_interrupt_is_an_exit_code():
     assert as_command("gazebo", interrupted=0)(main)() == 0
 
 
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        (OSError(errno.ENOSPC, FULL), f"gz: its output: {FULL}\n"),
+        (OSError(errno.EACCES, "Permission denied", "a.txt"), "gz: a.txt: Permission denied\n"),
+        (ConnectionRefusedError(errno.ECONNREFUSED, "refused"), f"gz: [Errno {errno.ECONNREFUSED}] refused\n"),
+        (TimeoutError("too late"), "gz: too late\n"),
+    ],
+)
+def test_what_the_system_refuses_is_one_sentence(capsys, fault, told):
+    def main(_arguments):
+        raise fault
+
+    assert as_command("gz", failed=255)(main)() == 255
+    assert capsys.readouterr().err == told
+
+
 def test_an_interrupt_while_a_world_loads(wire, tmp_path):
     (tmp_path / "early.py").write_text(
         "import os, signal, libgz\n"
@@ -187,9 +205,22 @@ def test_a_world_that_does_not_run_says_so():
         world.step()
     world.Initialize()
     world.step()
+    for seconds in (-1.0, float("nan"), float("inf")):
+        with pytest.raises(ParameterError, match=r"time \[s\]"):
+            world.run(seconds)
     world.close()
     with pytest.raises(libgz.ClosedError, match="the world is closed"):
         world.step()
+
+
+@pytest.mark.parametrize(
+    "words", [["--size", "99999x99999"], ["--size", "0x1"], ["--pose", "nan 0 1 0 0 0"], ["--pose", "0 0 inf 0 0 0"]]
+)
+def test_views_that_cannot_be_drawn(capsys, words):
+    with pytest.raises(SystemExit) as end:
+        toolbox.main(["picture", str(WORLD), *words])
+    assert end.value.code == 2
+    assert capsys.readouterr().err.startswith(f"libgz picture: argument {words[0]}: invalid ")
 
 
 def test_a_place_that_is_no_number(capsys):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import functools
 import logging
 import os
@@ -18,6 +19,7 @@ from libgz.errors import ParameterError
 __all__ = ["INTERRUPTED", "USAGE_ERROR", "LogFile", "Parser", "as_command", "set_up_classic_console", "set_up_messages"]
 
 USAGE_ERROR = 2
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # as shells tell of programs that signals ended
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
@@ -33,12 +35,13 @@ class Parser(argparse.ArgumentParser):
 _Main: TypeAlias = Callable[[Sequence[str] | None], int]
 
 
-def as_command(name: str, interrupted: int = INTERRUPTED) -> Callable[[_Main], Callable[..., int]]:
+def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Callable[[_Main], Callable[..., int]]:
     """Make a main function end well whatever becomes of its streams: one sentence, or nothing, and an exit code.
 
     Args:
         name: of the command.
         interrupted: exit code for a SIGINT that the function does not take itself.
+        failed: exit code for a file or stream that cannot be used.
     """
 
     def decorate(main: _Main) -> Callable[..., int]:
@@ -58,8 +61,9 @@ def as_command(name: str, interrupted: int = INTERRUPTED) -> Callable[[_Main], C
             except OSError as fault:
                 _give_up_output()
                 with contextlib.suppress(OSError):
-                    print(f"{name}: {fault.filename or 'its output'}: {fault.strerror or fault}", file=sys.stderr)
-                return 1
+                    where = fault.filename or ("its output" if fault.errno in NO_ROOM else None)
+                    print(f"{name}: {where}: {fault.strerror}" if where else f"{name}: {fault}", file=sys.stderr)
+                return failed
 
         return command
 
@@ -80,9 +84,14 @@ def _open_streams() -> None:
 
 
 def _give_up_output() -> None:
-    """What is still to be written would fail once more when Python ends."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    """What is still to be written, and cannot be, would fail once more when Python ends."""
+    try:
+        sys.stdout.flush()
+    except (OSError, ValueError):
+        with contextlib.suppress(OSError, ValueError):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, sys.stdout.fileno())
+            os.close(nowhere)
 
 
 class _Console(logging.StreamHandler[TextIO]):

@@ -132,7 +132,7 @@ class Run:
         return 0
 
 
-@as_command("gzclient", interrupted=0)
+@as_command("gzclient", interrupted=0, failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run, or the server ended."""
     words = list(sys.argv[1:] if arguments is None else arguments)

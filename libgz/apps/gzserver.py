@@ -276,7 +276,7 @@ def _find_world(name: str) -> Path:
         raise NotFoundError(f"Could not open file[{name}]: {fault}") from None
 
 
-@as_command("gzserver", interrupted=0)
+@as_command("gzserver", interrupted=0, failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, SIGINT and SIGTERM included; 255 it could not run."""
     words = list(sys.argv[1:] if arguments is None else arguments)

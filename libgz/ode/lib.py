@@ -154,6 +154,9 @@ def _absent(name: str, library: str) -> Callable[..., Any]:
     return explain
 
 
+_loading = threading.Lock()  # the first worlds of two threads may come at once
+
+
 @functools.cache
 def ode() -> OdeLibrary:
     """The ODE library, loaded once per process.
@@ -161,4 +164,10 @@ def ode() -> OdeLibrary:
     Raises:
         LibraryError: it is absent or unfit; the message says how to install it.
     """
+    with _loading:
+        return _the_library()
+
+
+@functools.cache
+def _the_library() -> OdeLibrary:
     return OdeLibrary()

@@ -59,8 +59,13 @@ class NativeStep:
     @classmethod
     def _bind(cls, path: Path) -> ctypes.CDLL:
         """Load the shared object and hand it ODE's addresses, once."""
-        if cls._library is not None:
+        with _in_ode:
+            if cls._library is None:
+                cls._library = cls._load(path)
             return cls._library
+
+    @staticmethod
+    def _load(path: Path) -> ctypes.CDLL:
         library = ctypes.CDLL(str(path))
         library.gz_step_needs.restype = ctypes.POINTER(ctypes.c_char_p)
         library.gz_step_context_size.restype = ctypes.c_size_t
@@ -81,7 +86,6 @@ class NativeStep:
             names.append(name.decode())
         addresses = (c_void_p * len(names))(*(ode().address(name) for name in names))
         library.gz_step_bind(addresses)
-        cls._library = library
         return library
 
     def step(self) -> int:

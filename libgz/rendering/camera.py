@@ -70,7 +70,13 @@ class Camera:
         return self._scene.blind
 
     def SetPose(self, pose: GzPose) -> None:
-        """Global pose [m]; pictures from the next `Update` on are taken from there."""
+        """Global pose [m]; pictures from the next `Update` on are taken from there.
+
+        Raises:
+            ParameterError: there is a number in it that is none.
+        """
+        if not all(map(math.isfinite, (*pose.pos, *pose.rot))):
+            raise ParameterError(f"the camera's pose is {pose}; it must be finite")
         self.pose = pose
 
     def GetPose(self) -> GzPose:

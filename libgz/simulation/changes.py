@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from libgz.simulation.model import Model
     from libgz.simulation.world import World
 
-__all__ = ["delete_models", "family_of", "insert_models", "unlock_interfaces"]
+__all__ = ["delete_models", "end_model", "family_of", "insert_models", "unlock_interfaces"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -81,6 +81,17 @@ def delete_models(world: World, models: list[Model]) -> None:
     for model in reversed(leaving):
         model.Detach()
         model.close()
+
+
+def end_model(model: Model) -> None:
+    """Call `Fini` at the end of a world; not of a model whose `Init` the failing start of the world never reached."""
+    if model.node is not None and model.initialized is None:
+        return
+    try:
+        model.Fini()
+    except Exception as fault:  # noqa: BLE001 - a plugin's; the others must still end
+        level = logging.DEBUG if model.initialized is False else logging.ERROR
+        log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
 
 
 def unlock_interfaces(world: World, model: Model) -> None:

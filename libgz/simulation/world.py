@@ -16,11 +16,11 @@ from libgz.errors import ClosedError, GazeboError, PluginError
 from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
-from libgz.physics.check import finite
+from libgz.physics.check import finite, not_negative
 from libgz.physics.engine import Engine
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation.agenda import Agenda
-from libgz.simulation.changes import delete_models, family_of, insert_models, unlock_interfaces
+from libgz.simulation.changes import delete_models, end_model, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.event import WorldEvents, everywhere
@@ -289,13 +289,7 @@ class World(Lookup, Loader, Clock, Agenda):
         for companion in self.companions:
             companion.close()
         for model in self.models:
-            if model.node is not None and model.initialized is None:
-                continue  # the start failed before its Init
-            try:
-                model.Fini()
-            except Exception as fault:  # noqa: BLE001 - a plugin's; the others must still end
-                level = logging.DEBUG if model.initialized is False else logging.ERROR
-                log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
+            end_model(model)
         self.sim.destroy()
         self.gz_server.stop()
         return 0
@@ -326,9 +320,10 @@ class World(Lookup, Loader, Clock, Agenda):
         """Run until that much more sim time [s] has passed, as fast as it goes.
 
         Raises:
-            ParameterError: it is NaN or infinite.
+            ParameterError: it is negative, NaN or infinite.
         """
-        self.step(round(finite(seconds, "time to run [s]") / self.engine.step_time))
+        what = "time to run [s]"
+        self.step(round(finite(not_negative(seconds, what), what) / self.engine.step_time))
 
     def Step(self) -> int:
         """One step: buttons, models, physics, followers, clock, news to clients; 0.

@@ -206,7 +206,7 @@ def test_a_world_that_does_not_run_says_so():
     world.Initialize()
     world.step()
     for seconds in (-1.0, float("nan"), float("inf")):
-        with pytest.raises(ParameterError, match=r"time \[s\]"):
+        with pytest.raises(ParameterError, match=r"time to run \[s\]"):
             world.run(seconds)
     world.close()
     with pytest.raises(libgz.ClosedError, match="the world is closed"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 import functools
-import os
 import threading
 from collections.abc import Callable
 from ctypes import c_int64, c_void_p
@@ -20,18 +19,7 @@ from libgz.ode.lib import ode
 __all__ = ["NativeStep", "native_path"]
 
 
-# ODE's solver and mesh colliders keep memory that all worlds of a process share: two steps at once crash. Only the
-# native step gives the interpreter lock up while it is in ODE, so it takes this one.
-_in_ode = threading.Lock()
-
-
-def _forked() -> None:
-    """A child must not wait for a thread that it does not have."""
-    global _in_ode
-    _in_ode = threading.Lock()
-
-
-os.register_at_fork(after_in_child=_forked)
+_loading = threading.Lock()
 
 
 def native_path() -> Path | None:
@@ -59,7 +47,7 @@ class NativeStep:
     @classmethod
     def _bind(cls, path: Path) -> ctypes.CDLL:
         """Load the shared object and hand it ODE's addresses, once."""
-        with _in_ode:
+        with _loading:
             if cls._library is None:
                 cls._library = cls._load(path)
             return cls._library
@@ -90,19 +78,16 @@ class NativeStep:
 
     def step(self) -> int:
         """Collide, step and copy all states out."""
-        with _in_ode:
-            done: int = self._step()
+        done: int = self._step()
         return done
 
     def collide(self) -> None:
         """Find contacts and make joints of them."""
-        with _in_ode:
-            self._shared.gz_collide(self._address)
+        self._shared.gz_collide(self._address)
 
     def solve(self) -> int:
         """Move everything, empty the contact group, copy all states out."""
-        with _in_ode:
-            return int(self._shared.gz_solve(self._address))
+        return int(self._shared.gz_solve(self._address))
 
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step."""
@@ -129,8 +114,7 @@ class NativeStep:
     ) -> None:
         """Cast rays from a frame."""
         where, what = frame.ctypes.data, rays.ctypes.data
-        with _in_ode:
-            self._scan(self._address, where, what, len(rays), owner, ranges.ctypes.data, rows.ctypes.data)
+        self._scan(self._address, where, what, len(rays), owner, ranges.ctypes.data, rows.ctypes.data)
 
     def scanner(
         self,
@@ -143,15 +127,9 @@ class NativeStep:
         """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
         frame_, rays_, ranges_, rows_ = (array.ctypes.data_as(c_void_p) for array in (frame, rays, ranges, rows))
         count, number = c_int64(len(rays)), c_int64(owner)
-        cast = functools.partial(
+        return functools.partial(
             self._quick_scan, c_void_p(self._address), frame_, rays_, count, number, ranges_, rows_
         )
-
-        def scan() -> None:
-            with _in_ode:
-                cast()
-
-        return scan
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

@@ -185,11 +185,12 @@ class PythonStep:
         for row in sorted(self._tables.pushing):
             if self._tables.joint_ids[row]:
                 push_joint(ode_, self._tables, row, unwind=bool(context.classic))
-        bodies = [(row, body) for row, body in enumerate(self._tables.body_ids[: context.body_count].tolist()) if body]
         context.halted = 0
-        for row, body in bodies:
-            if self._motions.halt(body):
-                context.halted = row + 1
+        bodies = self._bodies() if context.classic or context.watch else []
+        if context.classic:  # in legacy worlds it would take as long as the step itself
+            for row, body in bodies:
+                if self._motions.halt(body):
+                    context.halted = row + 1
         if context.watch:
             for row, _ in bodies:
                 watch_body(ode_, self._tables, row)
@@ -201,8 +202,13 @@ class PythonStep:
         context.steps += 1
         if context.classic:
             self._read_joints()  # their turns must be counted
-        context.lost = sum(self._motions.is_lost(body, context.farthest) for _, body in bodies)
+            context.lost = sum(self._motions.is_lost(body, context.farthest) for _, body in bodies)
         return NOT_ALL_WELL if done and (context.halted or context.lost) else int(done != 0)
+
+    def _bodies(self) -> list[tuple[int, int]]:
+        """Rows and handles of all bodies."""
+        handles = self._tables.body_ids[: self._context.body_count].tolist()
+        return [(row, body) for row, body in enumerate(handles) if body]
 
     def _raise_fault(self) -> None:
         fault, self._fault = self._fault, None

@@ -7,6 +7,7 @@
  */
 #include <float.h>
 #include <math.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -721,7 +722,7 @@ static void read_joints(context *c)
 }
 
 /* The first half of a step: find contacts and make joints of them. */
-void gz_collide(context *c)
+static void find_contacts(context *c)
 {
     c->contact_count = c->record_count = 0;
     dSpaceCollide(c->space, c, collide);
@@ -836,7 +837,7 @@ enum { NOT_ALL_WELL = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
  * NOT_ALL_WELL: what happened stands in the context. */
-int gz_solve(context *c)
+static int solve(context *c)
 {
     volatile int done = 1; /* as it stays when the step is given up */
     dRandSetSeed((unsigned long)c->seed);
@@ -866,10 +867,48 @@ int gz_solve(context *c)
     return done != 0;
 }
 
+/* ODE's solver and mesh colliders keep memory that all worlds of a process share, and ctypes lets other threads run
+ * while these are called: one of them at a time. */
+static pthread_mutex_t in_ode = PTHREAD_MUTEX_INITIALIZER;
+
+/* A child must not wait for a thread that it does not have. */
+static void free_in_child(void)
+{
+    pthread_mutex_init(&in_ode, NULL);
+}
+
+static void enter_ode(void)
+{
+    static int told;
+    pthread_mutex_lock(&in_ode);
+    if (!told)
+        told = !pthread_atfork(NULL, NULL, free_in_child);
+}
+
+void gz_collide(context *c)
+{
+    enter_ode();
+    find_contacts(c);
+    pthread_mutex_unlock(&in_ode);
+}
+
+int gz_solve(context *c)
+{
+    int done;
+    enter_ode();
+    done = solve(c);
+    pthread_mutex_unlock(&in_ode);
+    return done;
+}
+
 int gz_step(context *c)
 {
-    gz_collide(c);
-    return gz_solve(c);
+    int done;
+    enter_ode();
+    find_contacts(c);
+    done = solve(c);
+    pthread_mutex_unlock(&in_ode);
+    return done;
 }
 
 void gz_read(context *c)
@@ -946,8 +985,8 @@ static int may_hit(const double *start, const double *dir, double length, const 
 /* Cast `count` rays, each 7 doubles in the sensor's frame: start, unit direction, length.
  * `frame` is that frame: position and quaternion. Geoms of the body numbered `owner` are not seen (0: all are).
  * Out: for each ray the distance from its start, DBL_MAX if nothing was hit, and the geom's row, or -1. */
-void gz_scan(context *c, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
-             int64_t *rows)
+static void scan(context *c, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
+                 int64_t *rows)
 {
     gathering g = {c, owner, NULL, 0, 0};
     double *world_rays = malloc((size_t)(count > 0 ? count : 1) * 6 * sizeof(double));
@@ -1008,4 +1047,12 @@ void gz_scan(context *c, const double *frame, const double *rays, int64_t count,
     }
     free(g.list);
     free(world_rays);
+}
+
+void gz_scan(context *c, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
+             int64_t *rows)
+{
+    enter_ode();
+    scan(c, frame, rays, count, owner, ranges, rows);
+    pthread_mutex_unlock(&in_ode);
 }

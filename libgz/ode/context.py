@@ -7,7 +7,7 @@ import math
 import sys
 from collections.abc import Callable
 from ctypes import c_double, c_int64, c_uint64, c_void_p
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ __all__ = [
     "MOST_CONTACTS",
     "NO_HIT",
     "Motions",
+    "RayScan",
     "Step",
     "StepContext",
     "Tables",
@@ -122,6 +123,24 @@ class Tables(Protocol):
 NOT_ALL_WELL = 2  # what a step returns besides 1 and 0: what happened stands in the context
 
 
+class RayScan(NamedTuple):
+    """Rays of a sensor, and what they meet.
+
+    Attributes:
+        frame: position [m] and quaternion of the sensor, shape (7,), global.
+        rays: start [m], unit direction and length [m] of each ray in that frame, shape (n, 7).
+        owner: number of the body whose geoms the rays do not see; 0 for none.
+        ranges: out, distance from the start [m], shape (n,); the largest float where nothing was hit.
+        rows: out, row of the geom that was hit, shape (n,); -1 for none.
+    """
+
+    frame: NDArray[np.float64]
+    rays: NDArray[np.float64]
+    owner: int
+    ranges: NDArray[np.float64]
+    rows: NDArray[np.int64]
+
+
 class Step(Protocol):
     """Either form."""
 
@@ -150,25 +169,8 @@ class Step(Protocol):
     def forget(self, geom: int) -> None:
         """Drop what is remembered of a geom, because it was destroyed or given to another body."""
 
-    def scan(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> None:
-        """Cast rays from a frame; see gz_scan in step.c."""
-
-    def scanner(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> Callable[[], object]:
-        """`scan` with these arguments, to be called again and again."""
+    def scanner(self, scan: RayScan) -> Callable[[], object]:
+        """A scan ready to be made, again and again; see gz_scan in step.c."""
 
 
 def read_body(ode_: OdeLibrary, tables: Tables, row: int) -> None:

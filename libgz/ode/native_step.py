@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
-from libgz.ode.context import CONTACT, StepContext
+from libgz.ode.context import CONTACT, RayScan, StepContext
 from libgz.ode.lib import ode
 
 __all__ = ["NativeStep", "native_path"]
@@ -39,9 +39,8 @@ class NativeStep:
         self._context = context
         self._address = ctypes.addressof(context)
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
-        self._scan = self._shared.gz_scan
-        self._quick_scan = self._shared["gz_scan"]  # as above
-        self._quick_scan.restype = None
+        self._scan = self._shared["gz_scan"]  # as above
+        self._scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
 
     @classmethod
@@ -63,8 +62,6 @@ class NativeStep:
         library.gz_forget_contacts.argtypes = [c_void_p]
         library.gz_forget_contacts.restype = None
         library.gz_read.argtypes = [c_void_p]
-        library.gz_scan.argtypes = [c_void_p, c_void_p, c_void_p, c_int64, c_int64, c_void_p, c_void_p]
-        library.gz_scan.restype = None
         if library.gz_step_context_size() != ctypes.sizeof(StepContext):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
         names = []
@@ -104,32 +101,13 @@ class NativeStep:
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c remembers no geom."""
 
-    def scan(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> None:
-        """Cast rays from a frame."""
-        where, what = frame.ctypes.data, rays.ctypes.data
-        self._scan(self._address, where, what, len(rays), owner, ranges.ctypes.data, rows.ctypes.data)
-
-    def scanner(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> Callable[[], object]:
+    def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
-        frame_, rays_, ranges_, rows_ = (array.ctypes.data_as(c_void_p) for array in (frame, rays, ranges, rows))
-        count, number = c_int64(len(rays)), c_int64(owner)
-        return functools.partial(
-            self._quick_scan, c_void_p(self._address), frame_, rays_, count, number, ranges_, rows_
+        frame, rays, ranges, rows = (
+            array.ctypes.data_as(c_void_p) for array in (scan.frame, scan.rays, scan.ranges, scan.rows)
         )
+        count, owner = c_int64(len(scan.rays)), c_int64(scan.owner)
+        return functools.partial(self._scan, c_void_p(self._address), frame, rays, count, owner, ranges, rows)
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:

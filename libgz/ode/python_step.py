@@ -17,6 +17,7 @@ from libgz.ode.context import (
     NO_HIT,
     NOT_ALL_WELL,
     Motions,
+    RayScan,
     StepContext,
     Tables,
     push_joint,
@@ -228,15 +229,12 @@ class PythonStep:
         for row in tables.joint_ids[: context.joint_count].nonzero()[0].tolist():
             read_joint(self._ode, tables, row, unwind=bool(context.classic))
 
-    def scan(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> None:
-        """Cast rays from a frame."""
+    def scanner(self, scan: RayScan) -> Callable[[], object]:
+        """A scan ready to be made."""
+        return functools.partial(self._scan, scan)
+
+    def _scan(self, scan: RayScan) -> None:
+        frame, rays, owner, ranges, rows = scan
         ranges[:] = NO_HIT
         rows[:] = -1
         if not len(rays):
@@ -263,17 +261,6 @@ class PythonStep:
                     continue
                 if ode_.dCollide(context.ray, geom, 1, hit_address, hit_size) and hit.depth < ranges[i]:
                     ranges[i], rows[i] = hit.depth, row
-
-    def scanner(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> Callable[[], object]:
-        """A scan ready to be made."""
-        return functools.partial(self.scan, frame, rays, owner, ranges, rows)
 
     def _gather(self, owner: int) -> list[tuple[int, int, list[float]]]:
         """(geom, row, bounding box) of all geoms whose box meets the probe's, without those of body `owner`."""

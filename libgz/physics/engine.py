@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, GazeboError
-from libgz.ode.context import Step, StepContext, read_body, read_joint
+from libgz.ode.context import RayScan, Step, StepContext, read_body, read_joint
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
@@ -414,34 +414,18 @@ class Engine(EngineSettings):
         ranges: NDArray[np.float64],
         rows: NDArray[np.int64],
     ) -> None:
-        """Cast rays.
+        """Cast rays; the arguments are those of a `RayScan`. `geoms` maps rows to geoms."""
+        self.scanner(RayScan(frame, rays, owner, ranges, rows))()
 
-        Args:
-            frame: position [m] and quaternion of the sensor, shape (7,), global.
-            rays: start [m], unit direction and length [m] of each ray in that frame, shape (n, 7).
-            owner: number of the body whose geoms the rays do not see; 0 for none.
-            ranges: out, distance from the start [m], shape (n,); the largest float where nothing was hit.
-            rows: out, row of the geom that was hit, shape (n,); -1 for none. `geoms` maps rows to geoms.
-        """
-        self._ode.ensure_thread()
-        self.step_form.scan(frame, rays, owner, ranges, rows)
+    def scanner(self, scan: RayScan) -> Callable[[], None]:
+        """A scan ready to be made again and again: that costs less than as many calls of `scan`."""
+        ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(scan)
 
-    def scanner(
-        self,
-        frame: NDArray[np.float64],
-        rays: NDArray[np.float64],
-        owner: int,
-        ranges: NDArray[np.float64],
-        rows: NDArray[np.int64],
-    ) -> Callable[[], None]:
-        """What `scan` does with these arrays, to be called again and again: it costs less than as many scans."""
-        ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(frame, rays, owner, ranges, rows)
-
-        def scan() -> None:
+        def make() -> None:
             ensure_thread()
             cast()
 
-        return scan
+        return make
 
     def close(self) -> None:
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""

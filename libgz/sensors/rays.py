@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPositionAdd, GzVector, rotate
+from libgz.ode.context import RayScan
 from libgz.physics.check import finite_tuple
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class RayProximity:
         self.ranges: NDArray[np.float64] = np.full(rayCount, sys.float_info.max)
         self.rows: NDArray[np.int64] = np.full(rayCount, -1, dtype=np.int64)
         self._frame = np.zeros(7)
-        self._scan = self.engine.scanner(self._frame, self._rays, body.number, self.ranges, self.rows)
+        self._scan = self.engine.scanner(RayScan(self._frame, self._rays, body.number, self.ranges, self.rows))
         self.engine.ray_bundles.add(self)
 
     def SetRay(self, index: int, a: VectorLike, b: VectorLike) -> None:

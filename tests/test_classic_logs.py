@@ -304,7 +304,7 @@ def tool(place, *words):  # noqa: F811
 
 def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
     path = tmp_path / "w.world"
-    path.write_text(f"<sdf version='1.6'>{world(GROUND, BOX, BALL)}</sdf>")
+    path.write_text(f"<sdf version='1.6'>{world(GROUND, BOX, BALL)}</sdf>".replace("'default'", "'hall &amp; yard'"))
     folder = tmp_path / "logs"
     done = run(place, path, "--record_path", folder, "--record_period", 0.01, "--iters", 301, "--seed", 7, "--verbose")
     assert done.returncode == 0, done.stderr
@@ -318,6 +318,7 @@ def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
     assert code == 0
     assert said.count('<model name="box">') == 4
     assert "ball" not in said
+    assert said.count('<state world_name="hall &amp; yard">') == 4
     played = run(place, "-p", folder / "state.log", "--iters", 99, "--verbose")
     assert played.returncode == 0, played.stderr
     assert f"playing [{folder}/state.log], recorded by libgz" in played.stderr + played.stdout

@@ -78,7 +78,7 @@ def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogStat
 def _print_state(state: LogState, wanted: NamePattern) -> None:
     state.poses = {n: pose for n, pose in state.poses.items() if wanted(n.rpartition("::")[0] or n)}
     if state.poses or state.insertions or state.deletions:
-        sys.stdout.write(state.text("default", NEWEST))
+        sys.stdout.write(state.text(NEWEST))
 
 
 def _print_info(reader: LogReader) -> None:

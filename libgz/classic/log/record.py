@@ -123,7 +123,7 @@ class LogRecord:
         if writer is None:
             return
         self._tell_new()
-        state = LogState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations)
+        state = LogState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations, world=core.name)
         state.insertions, self._insertions = self._insertions, []
         state.deletions, self._deletions = self._deletions, []
         for model in self._world.all_models():
@@ -132,7 +132,7 @@ class LogRecord:
         for light in self._world.Lights():
             self._add_light(light, state)
         try:
-            writer.add(state.text(self._world.Name(), NEWEST))
+            writer.add(state.text(NEWEST))
         except WorldFileError as fault:
             log.error("%s; it ends here", fault)
             self.Stop()

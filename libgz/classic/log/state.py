@@ -25,6 +25,7 @@ class LogState:
         velocities: of links, linear and angular [m/s, rad/s], by scoped name.
         insertions: SDF texts of models and lights that have come.
         deletions: names of models and lights that have gone.
+        world: the world's name.
     """
 
     sim_time: float
@@ -35,6 +36,7 @@ class LogState:
     velocities: dict[str, tuple[GzVector, GzVector]] = field(default_factory=dict)
     insertions: list[str] = field(default_factory=list)
     deletions: list[str] = field(default_factory=list)
+    world: str = "default"
 
     @classmethod
     def parse(cls, element: etree._Element) -> LogState:
@@ -49,6 +51,7 @@ class LogState:
                 _seconds(element.findtext("real_time")),
                 _seconds(element.findtext("wall_time")),
                 int(element.findtext("iterations") or 0),
+                world=element.get("world_name", "default"),
             )
             for model in element.iterchildren("model"):
                 state._add_model(model, "")
@@ -74,10 +77,10 @@ class LogState:
         for inner in model.iterchildren("model"):
             self._add_model(inner, f"{name}::")
 
-    def text(self, world: str, version: str) -> str:
+    def text(self, version: str) -> str:
         """As an SDF document with a `<state>`."""
         words = [
-            f"<sdf version='{version}'>\n<state world_name={quoteattr(world)}>\n",
+            f"<sdf version='{version}'>\n<state world_name={quoteattr(self.world)}>\n",
             f"<sim_time>{_time(self.sim_time)}</sim_time>\n<real_time>{_time(self.real_time)}</real_time>\n",
             f"<wall_time>{_time(self.wall_time)}</wall_time>\n<iterations>{self.iterations}</iterations>\n",
         ]

@@ -125,14 +125,24 @@ const char *const *gz_step_needs(void)
 /* ODE's assertions end the process. In the middle of solving they mean that numbers ran away, and then the step is
  * given up: what is left behind is mended by who called (Engine). Where the contacts of a pair are looked for, the pair
  * is given up. */
-static __thread jmp_buf given_up;
+/* GCC's own jump saves three words where the library's saves all registers, and that for each pair of geoms. */
+#ifdef __GNUC__
+typedef void *jump[5];
+#define SET_JUMP(place) __builtin_setjmp(place)
+#define JUMP_BACK(place) __builtin_longjmp(place, 1)
+#else
+typedef jmp_buf jump;
+#define SET_JUMP(place) setjmp(place)
+#define JUMP_BACK(place) longjmp(place, 1)
+#endif
+static __thread jump given_up;
 static __thread int guarded;
 static message_handler *other_handler;
 
 static void on_assertion(int number, const char *text, va_list arguments)
 {
     if (guarded)
-        longjmp(given_up, 1);
+        JUMP_BACK(given_up);
     if (other_handler)
         other_handler(number, text, arguments);
 }
@@ -281,7 +291,7 @@ static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_
         memcpy(rotation[k], dGeomGetRotation(geoms[k]), sizeof rotation[k]);
     }
     guarded = 1;
-    if (setjmp(given_up)) {
+    if (SET_JUMP(given_up)) {
         guarded = 0;
         for (k = 0; moved && k < 2; k++) {
             memcpy((double *)dGeomGetPosition(geoms[k]), position[k], sizeof position[k]);
@@ -849,7 +859,7 @@ static int solve(context *c)
         watch_bodies(c);
     c->gave_up = 0;
     guarded = 1;
-    if (setjmp(given_up))
+    if (SET_JUMP(given_up))
         c->gave_up = 1;
     else
         done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);

@@ -7,6 +7,7 @@ import contextlib
 import errno
 import functools
 import logging
+import math
 import os
 import signal
 import sys
@@ -16,7 +17,17 @@ from typing import NoReturn, TextIO, TypeAlias
 
 from libgz.errors import ParameterError
 
-__all__ = ["INTERRUPTED", "USAGE_ERROR", "LogFile", "Parser", "as_command", "set_up_classic_console", "set_up_messages"]
+__all__ = [
+    "INTERRUPTED",
+    "USAGE_ERROR",
+    "LogFile",
+    "Parser",
+    "as_command",
+    "number_from_zero",
+    "set_up_classic_console",
+    "set_up_messages",
+    "whole_number",
+]
 
 USAGE_ERROR = 2
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
@@ -30,6 +41,32 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and end with exit code 2."""
         self.exit(USAGE_ERROR, f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
+
+
+def whole_number(name: str) -> Callable[[str], int]:
+    """What turns an argument into a whole number from 0 on; `name` is what a message calls it."""
+
+    def read(text: str) -> int:
+        number = int(text)
+        if number < 0:
+            raise ValueError
+        return number
+
+    read.__name__ = name
+    return read
+
+
+def number_from_zero(name: str) -> Callable[[str], float]:
+    """What turns an argument into a finite number that is not negative; `name` is what a message calls it."""
+
+    def read(text: str) -> float:
+        number = float(text)
+        if not 0.0 <= number < math.inf:
+            raise ValueError
+        return number
+
+    read.__name__ = name
+    return read
 
 
 _Main: TypeAlias = Callable[[Sequence[str] | None], int]

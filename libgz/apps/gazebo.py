@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz._version import __version__
-from libgz.apps.console import USAGE_ERROR, Parser, as_command, set_up_messages
+from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero, set_up_messages, whole_number
 from libgz.apps.record import Recorder
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.rendering.context import CHOICES, prefer
@@ -30,25 +30,10 @@ STATUS_PERIOD = 0.2  # [s] of real time
 
 def _server_id(text: str) -> int | None:
     """A server id; None for `auto`."""
-    if text == "auto":
-        return None
-    number = int(text)
-    if number < 0:
-        raise ValueError
-    return number
+    return None if text == "auto" else whole_number("server id")(text)
 
 
 _server_id.__name__ = "server id"
-
-
-def _rate(text: str) -> float:
-    number = float(text)
-    if not 0.0 <= number < float("inf"):
-        raise ValueError
-    return number
-
-
-_rate.__name__ = "rate"
 
 
 def _seconds(text: str) -> float | None:
@@ -59,17 +44,6 @@ def _seconds(text: str) -> float | None:
 
 
 _seconds.__name__ = "number of seconds"
-
-
-def _count(text: str) -> int:
-    """A seed: numpy takes none below 0."""
-    number = int(text)
-    if number < 0:
-        raise ValueError
-    return number
-
-
-_count.__name__ = "whole number from 0"
 
 
 def _wire_version(text: str) -> int:
@@ -114,12 +88,18 @@ def make_parser() -> argparse.ArgumentParser:
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")
     add(
         "--rate",
-        type=_rate,
+        type=number_from_zero("rate"),
         default=None,
         metavar="R",
         help="simulated seconds per second of real time, 0 for as fast as possible (default: the world's speed)",
     )
-    add("--seed", type=_count, default=0, metavar="N", help="seed of everything random (default 0)")
+    add(
+        "--seed",
+        type=whole_number("whole number from 0"),
+        default=0,
+        metavar="N",
+        help="seed of everything random (default 0)",
+    )
     add(
         "--wire-version",
         type=_wire_version,

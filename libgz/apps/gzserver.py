@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import LogFile, as_command, set_up_classic_console
+from libgz.apps.console import LogFile, as_command, set_up_classic_console, whole_number
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.classic.common import LogFormatter, gzlog
 from libgz.classic.loading import new_plugin
@@ -87,16 +87,6 @@ class Version(argparse.Action):
         parser.exit(FAILED)
 
 
-def _count(text: str) -> int:
-    number = int(text)
-    if number < 0:
-        raise ValueError
-    return number
-
-
-_count.__name__ = "number"
-
-
 def make_parser() -> argparse.ArgumentParser:
     """The options of Gazebo 11's gzserver."""
     parser = Parser(prog="gzserver", description="gzserver -- Run the Gazebo server.", add_help=False)
@@ -109,9 +99,9 @@ def make_parser() -> argparse.ArgumentParser:
     add("-e", "--physics", default="ode", help="physics engine; there is ode")
     add("-o", "--profile", help="name of the <physics> element to use")
     add("-s", "--server-plugin", action="append", default=[], help="System plugin to load; may be given several times")
-    add("--seed", type=_count, help="seed of everything random (default: the process's number)")
-    add("--iters", type=_count, help="end after so many iterations, or with the log")
-    add("--server-id", type=_count, help="serve the interfaces of old client programs under this id")
+    add("--seed", type=whole_number("number"), help="seed of everything random (default: the process's number)")
+    add("--iters", type=whole_number("number"), help="end after so many iterations, or with the log")
+    add("--server-id", type=whole_number("number"), help="serve the interfaces of old client programs under this id")
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]

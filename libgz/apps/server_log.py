@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 import contextlib
 import logging
-import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from libgz.apps.console import number_from_zero
 from libgz.classic.log import ENCODINGS, LogPlay, LogRecord, PlaybackControl, RecordControl
 from libgz.classic.server import attach
 from libgz.simulation.world import World
@@ -18,23 +18,18 @@ __all__ = ["add_log_options", "keep_log"]
 log = logging.getLogger("libgz.classic")
 
 
-def _seconds(text: str) -> float:
-    number = float(text)
-    if not 0.0 <= number < math.inf:
-        raise ValueError
-    return number
-
-
-_seconds.__name__ = "number of seconds"
-
-
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """Add classic's options."""
     add = parser.add_argument
     add("-p", "--play", metavar="LOG", help="play a log file in place of a world")
     add("-r", "--record", action="store_true", help="record a log file; so do the next four options")
     add("--record_path", metavar="FOLDER", help="where state.log is written (default ~/.gazebo/log/<time>/gzserver)")
-    add("--record_period", type=_seconds, metavar="S", help="least sim time between two states (default: each step)")
+    add(
+        "--record_period",
+        type=number_from_zero("number of seconds"),
+        metavar="S",
+        help="least sim time between two states (default: each step)",
+    )
     add("--record_encoding", choices=tuple(ENCODINGS), help="how states are written (default zlib)")
     add("--record_filter", metavar="NAMES", help="record models of these names: a pattern with * or a regex")
 

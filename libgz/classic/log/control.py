@@ -50,8 +50,7 @@ class RecordControl:
 
     def _tell(self) -> None:
         status = msgs.LogStatus()
-        now = self._world.SimTime()
-        status.sim_time.sec, status.sim_time.nsec = now.sec, now.nsec
+        msgs.Set(status.sim_time, self._world.SimTime())
         if self.record is not None and self.record.running:
             path = self.record.path
             status.log_file.uri = status.log_file.full_path = str(path)
@@ -92,7 +91,7 @@ class PlaybackControl:
         if message.forward:
             play.Forward()
         if message.HasField("seek"):
-            play.Seek(message.seek.sec + 1e-9 * message.seek.nsec)
+            play.Seek(msgs.ConvertIgn(message.seek).Double())
         if message.HasField("pause"):
             play.core.paused = message.pause
         if message.multi_step > 0:

@@ -6,7 +6,7 @@ import logging
 import os
 from collections.abc import Iterator
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from lxml import etree
 
@@ -16,7 +16,6 @@ from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.server import attach
 from libgz.errors import WorldFileError
-from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.simulation.world import World as CoreWorld
 
@@ -80,7 +79,7 @@ class LogPlay:
         except BaseException:
             self.core.close()
             raise
-        self._at_start = {part.GetName(): _text(part.GetSDF()) for part in self.world.children()}
+        self._at_start = {part.GetName(): part.GetSDF() for part in self.world.children()}
         self.Rewind()
 
     def _first(self) -> SdfFile:
@@ -93,7 +92,7 @@ class LogPlay:
     def _read(self, text: str, what: str) -> SdfFile:
         """SDF of the log, without the plugins that would act in it."""
         file = SdfFile.from_string(text, f"{self.reader.path}: <{what}>", self.reader.path.parent)
-        for element in [found for found in _all(file.root) if found.name == "plugin"]:
+        for element in list(file.root.find("plugin")):
             if element.parent is not None and element.parent.name != "visual":
                 element.parent.RemoveChild(element)
         return file
@@ -150,7 +149,9 @@ class LogPlay:
         for name in here - self._at_start.keys():
             self.world.RemoveModel(name)
         for name in self._at_start.keys() - here:
-            self._insert(self._at_start[name])
+            element = self._at_start[name]
+            if element is not None:
+                self.world.InsertModelSDF(element)
 
     def _insert(self, text: str) -> None:
         version = self.core.sdf.version if self.core.sdf is not None else "1.6"
@@ -222,13 +223,3 @@ class LogPlay:
         self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.core.close()
-
-
-def _all(element: Element) -> Iterator[Element]:
-    for child in element.children:
-        yield child
-        yield from _all(child)
-
-
-def _text(element: Any) -> str:
-    return element.ToString() if element is not None else ""

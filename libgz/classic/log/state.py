@@ -47,9 +47,9 @@ class LogState:
         """
         try:
             state = cls(
-                _seconds(element.findtext("sim_time")),
-                _seconds(element.findtext("real_time")),
-                _seconds(element.findtext("wall_time")),
+                Time.from_sdf(element.findtext("sim_time", "0 0")).Double(),
+                Time.from_sdf(element.findtext("real_time", "0 0")).Double(),
+                Time.from_sdf(element.findtext("wall_time", "0 0")).Double(),
                 int(element.findtext("iterations") or 0),
                 world=element.get("world_name", "default"),
             )
@@ -117,11 +117,6 @@ class LogState:
 def _time(seconds: float) -> str:
     time = Time(seconds)
     return f"{time.sec} {time.nsec}"
-
-
-def _seconds(text: str | None) -> float:
-    words = (text or "0 0").split()
-    return float(words[0]) + 1e-9 * float(words[1] if len(words) > 1 else 0.0)
 
 
 def _numbers(text: str | None, count: int) -> list[float]:

@@ -72,10 +72,7 @@ def delete_models(world: World, models: list[Model]) -> None:
     """Let models go: their interfaces, then their bodies and joints. Those that are gone already are passed over."""
     leaving = [model for model in models if model in world.models]
     for model in leaving:
-        try:
-            model.Fini()
-        except Exception as fault:  # noqa: BLE001 - a plugin's, or of a model whose Init failed
-            log.debug("Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
+        _call_fini(model, logging.DEBUG)  # its Init may have failed
         _destroy_interfaces(world, model)
     world.forget(leaving)
     for model in reversed(leaving):
@@ -87,10 +84,14 @@ def end_model(model: Model) -> None:
     """Call `Fini` at the end of a world; not of a model whose `Init` the failing start of the world never reached."""
     if model.node is not None and model.initialized is None:
         return
+    _call_fini(model, logging.DEBUG if model.initialized is False else logging.ERROR)
+
+
+def _call_fini(model: Model, level: int) -> None:
+    """Let a model end; that it failed is told at a level of logging."""
     try:
         model.Fini()
     except Exception as fault:  # noqa: BLE001 - a plugin's; the others must still end
-        level = logging.DEBUG if model.initialized is False else logging.ERROR
         log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import libgz
 from libgz.convert.sdf import convert
-from libgz.simulation.sdf_model import SdfModel
+from libgz.sdfworld.model import SdfModel
 
 ROUNDS = 40
 SHAPES = (("box", "0.4 0.3 0.2"), ("sphere", "0.3"), ("cylinder", "0.3 0.4"))

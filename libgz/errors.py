@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 __all__ = [
     "ClosedError",
+    "Diagnostic",
+    "Diagnostics",
     "GazeboError",
     "InterfaceError",
     "LibraryError",
@@ -41,7 +44,7 @@ class LibraryError(GazeboError, OSError):
 
 
 class WorldFileError(GazeboError):
-    """A worldfile cannot be loaded; the message lists all faults, one line each."""
+    """A worldfile cannot be loaded; the message lists all errors, one line each."""
 
 
 class PluginError(GazeboError):
@@ -67,3 +70,47 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if not found:
         return ""
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
+
+
+@dataclass(frozen=True)
+class Diagnostic:
+    """One thing wrong in a worldfile or an SDF file. `str()` gives ``file:line: <element>: message``."""
+
+    file: str
+    line: int
+    element: str
+    message: str
+    severity: str  # "error" or "warning"
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}: <{self.element}>: {self.message}"
+
+
+@dataclass
+class Diagnostics:
+    """All errors of one file, in the order in which they were found; each is kept once."""
+
+    found: dict[Diagnostic, None] = field(default_factory=dict)
+
+    def add(self, error: Diagnostic) -> None:
+        """Take an error, if it is new."""
+        self.found.setdefault(error)
+
+    @property
+    def errors(self) -> list[Diagnostic]:
+        """Those that keep a world from loading."""
+        return [error for error in self.found if error.severity == "error"]
+
+    @property
+    def warnings(self) -> list[Diagnostic]:
+        """Those with which it loads all the same."""
+        return [error for error in self.found if error.severity == "warning"]
+
+    def raise_errors(self) -> None:
+        """Tell all errors at once.
+
+        Raises:
+            WorldFileError: there is at least one.
+        """
+        if self.errors:
+            raise WorldFileError("\n".join(map(str, self.errors)))

@@ -7,11 +7,11 @@ Dimensions were chosen for libgz after the mesh that its old world draws it with
 from __future__ import annotations
 
 from libgz.geometry import GzColor
+from libgz.legacy.model import Model
 from libgz.models.parts import DARK, GREY, fit
 from libgz.models.skin import SkinAttributes, clothe
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
+from libgz.legacy.model import Model
 from libgz.models.parts import GREY, fit
 from libgz.models.wheels import add_hinge
 from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
@@ -16,7 +17,6 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint
 from libgz.physics.two_axes import UniversalJoint
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from libgz.interfaces.power import Power
-from libgz.simulation.model import Model
+from libgz.legacy.model import Model
 
 __all__ = ["Battery"]
 

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import GzPose
 from libgz.interfaces.camera import GAZEBO_CAMERA_MAX_IMAGE_SIZE, Camera
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
-from libgz.rendering.camera import Camera as Eye
-from libgz.rendering.camera import horizontal_view
+from libgz.rendering.camera import Camera as Eye, horizontal_view
 from libgz.rendering.image import write_pnm
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import angle, boolean, integer, length, number, numbers, text
 from libgz.worldfile.node import WorldFileNode
@@ -110,9 +109,9 @@ class FrameSaver:
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
             write_pnm(self.directory / f"{self.count:04d}.pnm", image)
-        except (GazeboError, OSError) as fault:
+        except (GazeboError, OSError) as error:
             if not self._failed:
-                log.error("%s", fault)
+                log.error("%s", error)
             self._failed = True
         self.count += 1
 

@@ -8,8 +8,8 @@ from xml.sax.saxutils import unescape
 
 from libgz.errors import GazeboError
 from libgz.interfaces.factory import Factory as FactoryInterface
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
-from libgz.simulation.model import Model
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -69,5 +69,5 @@ class Factory(Model):
             else:
                 for model in self.world.InsertModel(text, f"factory.{self.GetId()}"):
                     log.info("factory %r added %r", self.GetId(), model)
-        except GazeboError as fault:
-            log.warning("factory %r: a client's request was not carried out: %s", self.GetId(), fault)
+        except GazeboError as error:
+            log.warning("factory %r: a client's request was not carried out: %s", self.GetId(), error)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 from libgz.geometry import GzColor
 from libgz.interfaces.gps import Gps
+from libgz.legacy.model import Model
+from libgz.models.utm import utm_to_geodetic
 from libgz.physics.body import Body
 from libgz.physics.geoms import CylinderGeom
-from libgz.sensors.utm import utm_to_geodetic
-from libgz.simulation.model import Model
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.worldfile.attributes import color, lengths, number, read
 from libgz.worldfile.file import WorldFile

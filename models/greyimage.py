@@ -36,7 +36,7 @@ def read_grey(path: Path) -> NDArray[np.float64]:
                 on_white = Image.new("RGBA", image.size, "white")
                 return np.asarray(Image.alpha_composite(on_white, image.convert("RGBA")).convert("L"), dtype=np.float64)
             return np.asarray(image.convert("L"), dtype=np.float64)
-    except (OSError, SyntaxError, ValueError) as fault:
-        if isinstance(fault, ParameterError):
+    except (OSError, SyntaxError, ValueError) as error:
+        if isinstance(error, ParameterError):
             raise
-        raise ParameterError(f"cannot read picture {str(path)!r}: {fault}") from None
+        raise ParameterError(f"cannot read picture {str(path)!r}: {error}") from None

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.geometry import GzColor, GzVector
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import PlaneGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, file, length, lengths, numbers, read, vector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -42,8 +42,8 @@ def read_gzb(path: Path) -> GzbFile:
     """
     try:
         data = path.read_bytes()
-    except OSError as fault:
-        raise ParameterError(f"cannot read terrain {str(path)!r}: {fault.strerror}") from None
+    except OSError as error:
+        raise ParameterError(f"cannot read terrain {str(path)!r}: {error.strerror}") from None
     numbers = np.frombuffer(data, dtype=">i4", count=len(data) // 4)
     if len(numbers) < HEADER or numbers[0] != VERSION:
         raise ParameterError(f"{str(path)!r} is no terrain file: it does not begin with the number {VERSION}")

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from libgz.geometry import GzColor
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

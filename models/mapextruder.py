@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.legacy.model import Model
 from libgz.models.contours import outlines, simplified
 from libgz.models.greyimage import read_grey
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geoms import BoxGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, file, length, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -63,8 +63,8 @@ class MapExtruder(Model):
             try:
                 solid = read_grey(values.imageFile) < values.threshold
                 self.walls = _walls(solid, values.errBound) * values.scale
-            except ParameterError as fault:
-                node.warn(f"{fault}; so there are no walls here")
+            except ParameterError as error:
+                node.warn(f"{error}; so there are no walls here")
         self._build(values, body)
 
     def _build(self, values: MapExtruderAttributes, body: Body) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -17,10 +17,10 @@ from libgz.geometry import (
     rotate,
 )
 from libgz.interfaces.guicam import GAZEBO_GUICAM_MAX_IMAGE_SIZE, Guicam, GuicamData
+from libgz.legacy.model import Model
 from libgz.models.camera import CameraAttributes, FrameSaver, check_optics, make_eye
 from libgz.physics.body import Body
 from libgz.rendering.camera import Camera as Eye
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import boolean, length, read

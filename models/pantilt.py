@@ -8,13 +8,13 @@ from typing import ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
 from libgz.interfaces.ptz import Ptz
+from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
 from libgz.ode.types import dParamFMax, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom
 from libgz.physics.joint import HingeJoint
-from libgz.simulation.model import Model
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import number, numbers, read

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from libgz.geometry import GzColor, GzVector
 from libgz.interfaces import gripper as codes
 from libgz.interfaces.gripper import Gripper
+from libgz.legacy.model import Model
 from libgz.ode.types import dParamBounce, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
-from libgz.sensors.rays import RayProximity
-from libgz.simulation.model import Model
+from libgz.physics.rays import RayProximity
 from libgz.simulation.world import World
 from libgz.worldfile.attributes import boolean, read
 from libgz.worldfile.file import WorldFile
@@ -252,7 +252,7 @@ class Pioneer2Gripper(Model):
         }
 
     def _old_state(self) -> dict[str, bool]:
-        """The same by the faults of the old server."""
+        """The same by the errors of the old server."""
         state = self.state()
         paddles, lift = self.told
         opened, closed, up, down = paddles < 0, paddles > 0, lift > 0, lift < 0

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from libgz.legacy.model import Model
 from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
 from libgz.physics.body import Body
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

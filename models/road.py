@@ -7,10 +7,10 @@ from pathlib import Path
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor
+from libgz.legacy.model import Model
 from libgz.models.roadfile import read_road
 from libgz.physics.body import Body
 from libgz.physics.surfaces import RoadGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, file, lengths, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -62,8 +62,8 @@ class Road(Model):
         if values.roadFile is not None:
             try:
                 self._build(values.roadFile, values.roadSpacing, node)
-            except ParameterError as fault:
-                node.warn(f"road {str(values.roadFile)!r}: {fault}; so there is no road here")
+            except ParameterError as error:
+                node.warn(f"road {str(values.roadFile)!r}: {error}; so there is no road here")
 
     def _build(self, path: Path, spacing: tuple[float, ...], node: WorldFileNode) -> None:
         """Read the file into the geom; lines that are no records become one warning."""

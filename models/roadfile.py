@@ -43,8 +43,8 @@ def read_road(path: Path, offset: GzVector) -> RoadFile:
     """
     try:
         lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError as fault:
-        raise ParameterError(f"cannot be read: {fault.strerror}") from None
+    except OSError as error:
+        raise ParameterError(f"cannot be read: {error.strerror}") from None
     road = RoadFile()
     for number, line in enumerate(lines, 1):
         words = line.split()

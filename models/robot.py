@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
 from libgz.interfaces.position import Position, PositionData
-from libgz.simulation.model import Model
+from libgz.legacy.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import number, read

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from libgz.geometry import GzColor
 from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial
 from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
-from libgz.sensors.rays import RayProximity
-from libgz.simulation.model import Model
+from libgz.physics.rays import RayProximity
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import angle, integer, length, number, read

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import (
     boolean,
     choice,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.geometry import GzPose, GzVector, GzVectorSub
+from libgz.legacy.model import Model
 from libgz.physics.geom import Geom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import file, rotation, vector
 
 __all__ = ["SkinAttributes", "clothe"]

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from libgz.geometry import GzColor
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import DomeGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import boolean, color, file, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from libgz.interfaces.sonar import Sonar, SonarData
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
-from libgz.sensors.rays import RayProximity
-from libgz.simulation.model import Model
+from libgz.physics.rays import RayProximity
 
 __all__ = ["PIONEER2AT_RING", "PIONEER2DX_RING", "SonarRing", "pioneer_ring"]
 

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.interfaces.stereo import Stereo
+from libgz.legacy.model import Model
 from libgz.models.camera import FrameSaver, RobotCameraAttributes, add_frustum, check_optics, make_eye, set_view
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.rendering.camera import Camera as Eye
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import boolean, length, read
 from libgz.worldfile.file import WorldFile

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor
+from libgz.legacy.model import Model
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.physics.body import Body
 from libgz.physics.surfaces import TerrainGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import color, file, length, numbers, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -58,8 +58,8 @@ class Terrain(Model):
             raise ParameterError("a terrain needs a <terrainFile> (.gzb), or a <dataFile> with a height map")
         try:
             self._build(values, node)
-        except ParameterError as fault:
-            node.warn(f"{fault}; so there is no ground here")
+        except ParameterError as error:
+            node.warn(f"{error}; so there is no ground here")
         self.ground.SetColor(values.color)
         self.ground.SetHardness(*values.surfaceHardness)
         self.ground.SetFriction(*values.surfaceFriction)

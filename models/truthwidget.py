@@ -6,8 +6,8 @@ import math
 
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
 from libgz.interfaces.truth import Truth
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
-from libgz.simulation.model import Model
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

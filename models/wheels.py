@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 
 from libgz.geometry import GzColor, GzQuaternFromAxis, VectorLike
+from libgz.legacy.model import Model
 from libgz.models.parts import GREY, fit
 from libgz.ode.types import (
     dParamFMax,
@@ -25,7 +26,6 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, SphereGeom, WheelGeom
 from libgz.physics.joint import BallJoint, HingeJoint
 from libgz.physics.two_axes import Hinge2Joint
-from libgz.simulation.model import Model
 
 __all__ = [
     "HARD",

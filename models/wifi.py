@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from libgz.geometry import GzVectorMag, GzVectorSub
 from libgz.interfaces.wifi import GAZEBO_WIFI_MAX_LINKS, GAZEBO_WIFI_QUAL_DBM, Wifi
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
-from libgz.simulation.model import Model
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import number, read, text
 from libgz.worldfile.file import WorldFile

@@ -61,9 +61,9 @@ def test_all_faults_at_once_in_order_of_lines(faulty):
 
 def test_json(faulty):
     done = libgz("check", "--json", faulty)
-    faults = json.loads(done.stdout)
+    diagnostics = json.loads(done.stdout)
     assert done.returncode == 1
-    assert faults[1] == {
+    assert diagnostics[1] == {
         "file": str(faulty),
         "line": 3,
         "element": "shape",
@@ -85,8 +85,8 @@ def test_warnings_are_errors_if_wanted(tmp_path):
 def test_what_is_inside_an_unused_element_is_told_with_it(tmp_path):
     path = tmp_path / "nested.world"
     path.write_text(HEAD + "<model:GroundPlane><optics><hfov>60</hfov></optics></model:GroundPlane></gz:world>")
-    (fault,) = check(path)
-    assert fault.element == "optics"
+    (error,) = check(path)
+    assert error.element == "optics"
 
 
 def test_ready_worlds_are_clean():
@@ -100,12 +100,12 @@ def test_files_that_are_no_worlds(tmp_path):
     later = tmp_path / "later.world"
     later.write_text("<?xml version='1.0'?>\n<sdf version='1.6'/>")
     absent = tmp_path / "absent.world"
-    assert {fault.line for fault in check(broken)} & {2, 3}
-    (fault,) = check(later)
-    assert (fault.line, fault.element) == (2, "sdf")
-    assert "Gazebo classic" in fault.message
-    (fault,) = check(absent)
-    assert str(fault.message).startswith("cannot read worldfile")
+    assert {error.line for error in check(broken)} & {2, 3}
+    (error,) = check(later)
+    assert (error.line, error.element) == (2, "sdf")
+    assert "Gazebo classic" in error.message
+    (error,) = check(absent)
+    assert str(error.message).startswith("cannot read worldfile")
     done = libgz("check", broken, later, absent)
     assert done.returncode == 1
     assert f"{later}:2: <sdf>: this is an SDF world" in done.stdout
@@ -117,10 +117,10 @@ def test_two_models_that_want_one_interface(tmp_path):
         HEAD + "<model:Pioneer2AT><id>r</id></model:Pioneer2AT>\n<model:Pioneer2DX><id>r</id>\n"
         "<model:SickLMS200><id>r</id></model:SickLMS200></model:Pioneer2DX></gz:world>"
     )
-    (fault,) = check(path)
-    assert (fault.line, fault.severity) == (3, "warning")
-    assert fault.message.startswith("does not serve position.r and power.r and sonar.r")
-    assert "<model:Pioneer2AT>, line 2, does" in fault.message
+    (error,) = check(path)
+    assert (error.line, error.severity) == (3, "warning")
+    assert error.message.startswith("does not serve position.r and power.r and sonar.r")
+    assert "<model:Pioneer2AT>, line 2, does" in error.message
 
 
 def test_ids_that_no_interface_can_have(tmp_path):
@@ -129,9 +129,9 @@ def test_ids_that_no_interface_can_have(tmp_path):
         HEAD + "<model:SimpleSolid><id>a.b</id></model:SimpleSolid>\n<model:Pioneer2AT>\n<id>a.b</id>"
         "</model:Pioneer2AT></gz:world>"
     )
-    (fault,) = check(path)
-    assert (fault.line, fault.element, fault.severity) == (4, "id", "error")
-    assert "invalid id [a.b] (must not contain '.')" in fault.message
+    (error,) = check(path)
+    assert (error.line, error.element, error.severity) == (4, "id", "error")
+    assert "invalid id [a.b] (must not contain '.')" in error.message
 
 
 def test_elements_that_are_almost_models_or_settings(tmp_path):
@@ -168,9 +168,9 @@ def test_pictures_and_skins_that_cannot_be_read(tmp_path):
 def test_the_ninth_light_stays_dark(tmp_path):
     path = tmp_path / "lights.world"
     path.write_text(HEAD + "<model:LightSource/>\n" * 9 + "</gz:world>")
-    (fault,) = check(path)
-    assert fault.line == 10
-    assert "first 8 lights" in fault.message
+    (error,) = check(path)
+    assert error.line == 10
+    assert "first 8 lights" in error.message
 
 
 PLUGIN = """
@@ -194,8 +194,8 @@ def test_plugins_are_loaded_but_not_started_and_nothing_is_left(wire, tmp_path):
     path = tmp_path / "cup.world"
     text = HEAD + "<model:Cup><plugin>CheckedCup.py</plugin><fail>{}</fail></model:Cup></gz:world>"
     path.write_text(text.format("true"))
-    (fault,) = check(path)
-    assert "RuntimeError: it leaks" in fault.message
+    (error,) = check(path)
+    assert "RuntimeError: it leaks" in error.message
     path.write_text(text.format("false"))
     assert check(path) == []
     assert not trace.exists()

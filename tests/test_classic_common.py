@@ -10,8 +10,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from libgz.classic.common import (
     PID,
@@ -33,8 +32,7 @@ from libgz.classic.common import (
     gzthrow,
     gzwarn,
 )
-from libgz.classic.math import PID as MATH_PID
-from libgz.classic.math import Quaterniond, Vector3d
+from libgz.classic.math import PID as MATH_PID, Quaterniond, Vector3d
 from libgz.errors import GazeboError, NotFoundError, ParameterError
 from libgz.sdf.paths import find_uri
 from libgz.sdf.value import parse

@@ -398,5 +398,5 @@ def test_client_frames_saves_five_frames(system_gui_server, tmp_path):
             time.sleep(0.05)
         time.sleep(0.3)  # for more, if they were to come
         client.send_signal(signal.SIGINT)
-        fault = client.communicate(timeout=60)[1]
-    assert len([*folder.glob("*.jpg")]) == 5, fault
+        error = client.communicate(timeout=60)[1]
+    assert len([*folder.glob("*.jpg")]) == 5, error

@@ -27,7 +27,7 @@ ARM = """<model name='arm'><pose>0 5 2 0 0 0</pose><link name='base'/><link name
 
 
 def sdf(inside):
-    return f"<sdf version='1.6'><world name='faults'>{inside}</world></sdf>"
+    return f"<sdf version='1.6'><world name='errors'>{inside}</world></sdf>"
 
 
 @pytest.fixture
@@ -38,7 +38,7 @@ def core():
 
 @pytest.fixture
 def view(core):
-    return physics.get_world("faults")
+    return physics.get_world("errors")
 
 
 @pytest.fixture
@@ -187,7 +187,7 @@ def test_an_animation_that_leads_nowhere_ends(core, view, caplog):
 
 def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
     node = transport.Node()
-    node.Init("faults")
+    node.Init("errors")
     publisher = node.Advertise(msgs.Vector3d, "~/x")
     way = common.PoseAnimation("way", 0.002, False)
     for time in (0, 0.002):
@@ -205,7 +205,7 @@ def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
     name = fail.__qualname__
     assert sorted(told) == [
         "a callback of event WorldUpdateEnd failed and is called no more:",
-        f"the callback {name} of topic /gazebo/faults/x failed and is called no more:",
+        f"the callback {name} of topic /gazebo/errors/x failed and is called no more:",
         "the end of the animation of box failed and is called no more:",
     ]
 
@@ -249,7 +249,7 @@ def out(self):
     self.model.WorldPose()"""
     with plugin(body) as core:
         core.step(3)
-        assert physics.get_world("faults").ModelByName("box") is None
+        assert physics.get_world("errors").ModelByName("box") is None
     assert "Exception" not in caplog.text
 
 
@@ -258,14 +258,14 @@ def out(self):
 
 def test_a_contact_filter_tells_of_its_collisions_only(core, view):
     manager = view.Physics().GetContactManager()
-    topic = manager.CreateFilter("box::mine", ["faults::box::link::c"])
+    topic = manager.CreateFilter("box::mine", ["errors::box::link::c"])
     other = manager.CreateFilter("arm", "arm::leaf::c")
     assert topic == "~/box/mine/contacts"
     assert manager.HasFilter("box::mine")
     assert manager.GetFilterCount() == 2
     heard = {topic: [], other: []}
     node = transport.Node()
-    node.Init("faults")
+    node.Init("errors")
     kept = [node.Subscribe(name, told.append) for name, told in heard.items()]
     core.step(4)
     assert kept
@@ -312,7 +312,7 @@ def test_messages_tell_what_cpp_idioms_are_in_python():
 
 def test_many_steps_that_are_asked_for_do_not_hold_the_server(core, view):
     node = transport.Node()
-    node.Init("faults")
+    node.Init("errors")
     control = node.Advertise(msgs.WorldControl, "~/world_control")
     control.Publish(msgs.WorldControl(pause=True, multi_step=4_000_000_000))
     core.step(10)

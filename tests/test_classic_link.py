@@ -184,8 +184,8 @@ def test_who_publishes_and_who_listens(uri, node):
             wait(lambda: len(manager.TopicInfo("/gazebo/w/a").publisher) == 1)
             try:
                 node.Advertise(msgs.Pose, "~/a")
-            except ValueError as fault:
-                print(fault, flush=True)
+            except ValueError as error:
+                print(error, flush=True)
             input()
             """,
             stdin=subprocess.PIPE,

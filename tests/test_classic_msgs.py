@@ -8,8 +8,7 @@ import types
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from libgz.classic import msgs
 from libgz.classic.common import Time

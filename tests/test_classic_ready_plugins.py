@@ -158,8 +158,8 @@ def test_position_is_driven_by_a_client_in_another_process(run, monkeypatch, tmp
         core.step()
         if client.poll() is not None:
             break
-    out, fault = client.communicate(timeout=10)
-    assert client.returncode == 0, fault
+    out, error = client.communicate(timeout=10)
+    assert client.returncode == 0, error
     assert float(out) >= 0.2
     assert world.ModelByName("pioneer2dx").WorldPose().Pos().X() > 0.18
 

@@ -7,7 +7,7 @@ import pytest
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Color, Pose3d, Vector3d
-from libgz.simulation.sdf_settings import settings_of
+from libgz.sdfworld.settings import settings_of
 
 BOX = """
 <model name='{name}'><pose>{pose}</pose>

@@ -13,9 +13,7 @@ import types
 import pytest
 
 import libgz
-from libgz.apps import gazebo as command
-from libgz.apps import libgz as toolbox
-from libgz.apps import model, record
+from libgz.apps import gazebo as command, libgz as toolbox, model, record
 from libgz.apps.console import INTERRUPTED, LogFile, as_command
 from libgz.errors import GazeboError, ParameterError
 from libgz.worldfile.attributes import installed_worlds
@@ -100,7 +98,7 @@ def test_an_interrupt_is_an_exit_code():
 
 
 @pytest.mark.parametrize(
-    ("fault", "told"),
+    ("error", "told"),
     [
         (OSError(errno.ENOSPC, FULL), f"gz: its output: {FULL}\n"),
         (OSError(errno.EACCES, "Permission denied", "a.txt"), "gz: a.txt: Permission denied\n"),
@@ -108,9 +106,9 @@ def test_an_interrupt_is_an_exit_code():
         (TimeoutError("too late"), "gz: too late\n"),
     ],
 )
-def test_what_the_system_refuses_is_one_sentence(capsys, fault, told):
+def test_what_the_system_refuses_is_one_sentence(capsys, error, told):
     def main(_arguments):
-        raise fault
+        raise error
 
     assert as_command("gz", failed=255)(main)() == 255
     assert capsys.readouterr().err == told

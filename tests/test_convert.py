@@ -31,10 +31,10 @@ from libgz.convert.sdf import convert
 from libgz.convert.shapes import is_shape
 from libgz.errors import ParameterError
 from libgz.geometry import GzHomoFromQuatern, GzQuaternNormal
+from libgz.legacy.factory import GZ_REGISTER_STATIC
 from libgz.models import MODELS
 from libgz.physics.geoms import HeightfieldGeom, PlaneGeom
 from libgz.reference.catalogue import entry
-from libgz.simulation.factory import GZ_REGISTER_STATIC
 from libgz.worldfile.attributes import installed_worlds
 
 ROOT = Path(__file__).parent.parent

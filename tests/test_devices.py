@@ -9,7 +9,7 @@ import pytest
 import libgz
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.interfaces import gripper as codes
-from libgz.sensors.utm import utm_to_geodetic
+from libgz.models.utm import utm_to_geodetic
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 GROUND = "<model:GroundPlane/>"

@@ -19,7 +19,7 @@ SOURCES = {
 
 # Who may import whom: downwards only. One row is one level.
 LEVELS = [
-    {"errors", "fault", "geometry", "ode", "_version"},
+    {"errors", "error", "geometry", "ode", "_version"},
     {"physics", "worldfile", "sdf", "transport"},
     {"sensors", "rendering", "interfaces"},
     {"simulation", "clib"},
@@ -130,8 +130,8 @@ def test_a_star_import_brings_every_public_name():
 def test_a_wrong_name_is_answered_with_the_right_one():
     try:
         _ = libgz.Wordl
-    except AttributeError as fault:
-        assert "did you mean 'World'" in str(fault)
+    except AttributeError as error:
+        assert "did you mean 'World'" in str(error)
     else:
         raise AssertionError("no error")
 

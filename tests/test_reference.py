@@ -8,12 +8,12 @@ from lxml import etree
 
 import libgz
 from libgz.errors import NotFoundError
+from libgz.legacy.model import CommonAttributes
 from libgz.models import MODELS
 from libgz.models.simplesolid import SimpleSolidAttributes
 from libgz.reference.catalogue import entries, entry
 from libgz.reference.grammar import grammar
 from libgz.reference.pages import pages, write_pages
-from libgz.simulation.model import CommonAttributes
 from libgz.transport.interface import Interface
 from libgz.worldfile.attributes import attributes_of, installed_worlds, written
 from libgz.worldfile.file import WorldFile
@@ -36,7 +36,7 @@ def test_examples_load_without_a_word_and_declarations_are_what_is_read(name):
         world.Load(file)
         node = next(model for model in world.models if model.GetName() == name).node
         declared = {*attributes_of(entry(name).kind.attributes), *attributes_of(CommonAttributes), "enabled"}
-        assert not file.faults.found
+        assert not file.diagnostics.found
         assert set(node.asked) <= declared
         assert set(attributes_of(entry(name).kind.attributes)) <= set(node.asked)
 

@@ -439,8 +439,8 @@ def test_a_damaged_skin_keeps_what_came_before(tmp_path, caplog):
         path.write_bytes(whole[:length])
         try:
             read_skin(path)
-        except libgz.errors.GazeboError as fault:
-            assert str(path) in str(fault)
+        except libgz.errors.GazeboError as error:
+            assert str(path) in str(error)
 
 
 def test_a_skin_of_another_format(tmp_path):

@@ -1,12 +1,11 @@
-"""SDF documents: defaults by version, getters, faults, includes."""
+"""SDF documents: defaults by version, getters, errors, includes."""
 
 import math
 import subprocess
 import sys
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from libgz.errors import NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzColor, GzPose, GzQuaternToEuler, GzVector
@@ -29,12 +28,12 @@ def read(body, version="1.6", **options):
 
 def model(body, version="1.6"):
     file = read(f"<model name='m'>{body}</model>", version)
-    assert file.faults.found == {}
+    assert file.diagnostics.found == {}
     return file.root.child("model")
 
 
 def texts(file):
-    return [str(fault) for fault in file.faults.found]
+    return [str(error) for error in file.diagnostics.found]
 
 
 # Descriptions ----------------------------------------------------------------------------------------------------
@@ -167,10 +166,10 @@ def test_printed_documents_read_the_same():
     text = file.root.ToString()
     again = SdfFile.from_string(text)
     assert again.root.ToString() == text
-    assert again.faults.errors == []
+    assert again.diagnostics.errors == []
 
 
-# Faults ----------------------------------------------------------------------------------------------------------
+# Errors ----------------------------------------------------------------------------------------------------------
 
 
 def test_all_faults_at_once_with_their_lines():
@@ -179,13 +178,13 @@ def test_all_faults_at_once_with_their_lines():
         "<joint name='j' type='revolute'><parent>a</parent></joint></model>",
         label="x.sdf",
     )
-    assert [str(f) for f in file.faults.errors] == [
+    assert [str(f) for f in file.diagnostics.errors] == [
         "x.sdf:2: <model>: attribute 'name' is missing and must be given",
         "x.sdf:4: <pose>: '1 2' is not allowed; it must be 6 numbers: x y z [m] roll pitch yaw [rad]",
         "x.sdf:6: <gravity>: 'maybe' is not allowed; it must be true, false, 1 or 0",
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]
-    warnings = [str(f) for f in file.faults.warnings]
+    warnings = [str(f) for f in file.diagnostics.warnings]
     assert "x.sdf:2: <model>: attribute 'nam' is not of SDF 1.6, and is ignored; did you mean 'name'?" in warnings
     assert any("<gravty>: is not of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
 
@@ -217,16 +216,16 @@ def test_other_versions():
     file = read(
         "<model name='m'><frame name='f'/><link name='l'><pose relative_to='f'>0 0 0 0 0 0</pose></link></model>"
     )
-    assert len(file.faults.errors) == 2
-    assert all("SDF 1.7 and later" in str(fault) for fault in file.faults.errors)
+    assert len(file.diagnostics.errors) == 2
+    assert all("SDF 1.7 and later" in str(error) for error in file.diagnostics.errors)
 
 
 @given(st.binary(max_size=200))
 def test_no_bytes_crash_the_reader(data):
     try:
         SdfFile.from_string(data)
-    except WorldFileError as fault:
-        assert str(fault)
+    except WorldFileError as error:
+        assert str(error)
 
 
 # Includes --------------------------------------------------------------------------------------------------------

@@ -10,8 +10,8 @@ from libgz.errors import NotFoundError, WorldFileError
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.ode.native_step import native_path
 from libgz.sdf.reader import SdfFile
-from libgz.simulation.sdf_settings import apply_profile, settings_of
-from libgz.simulation.sdf_world import insert_sdf
+from libgz.sdfworld.loader import insert_sdf
+from libgz.sdfworld.settings import apply_profile, settings_of
 
 # Nested models ---------------------------------------------------------------------------------------------------
 

@@ -30,8 +30,8 @@ WORLD = (
 
 def again(text):
     file = SdfFile.from_string(text)
-    assert not file.faults.warnings
-    file.faults.raise_errors()
+    assert not file.diagnostics.warnings
+    file.diagnostics.raise_errors()
     return file.root
 
 

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import libgz
-from libgz.simulation.settings import read_global
+from libgz.legacy.settings import read_global
 from libgz.worldfile.attributes import installed_worlds, read
 from libgz.worldfile.file import WorldFile, write_whole
 from libgz.worldfile.upgrade import upgrade
@@ -115,7 +115,7 @@ def assert_same_meaning(old, new):
         assert tuple(new_pose.rot) == pytest.approx(tuple(pose.rot), abs=1e-12), id_
         assert values == new_values, id_
     assert not new_file.is_old
-    assert not new_file.faults.found
+    assert not new_file.diagnostics.found
 
 
 def test_poses_and_attributes_are_the_same():

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 import libgz
-from libgz.apps import clean
-from libgz.apps import libgz as toolbox
+from libgz.apps import clean, libgz as toolbox
 from libgz.interfaces.catalog import new_interface
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import SemaphoreSet
@@ -282,7 +281,7 @@ def test_clean_finds_servers_by_itself(capsys, wire, monkeypatch):
 
 
 def test_orphaned_semaphores_are_found(wire):
-    from libgz.transport.leavings import _semaphore_ids
+    from libgz.transport.stale_files import _semaphore_ids
 
     subprocess.run([sys.executable, "-c", DYING.format(wire)], timeout=30, check=False)
     assert wire in set(_semaphore_ids())

@@ -1,11 +1,10 @@
-"""Worldfiles: the old getters, faults, older spellings, and saving."""
+"""Worldfiles: the old getters, errors, older spellings, and saving."""
 
 import math
 from dataclasses import dataclass
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from libgz.errors import WorldFileError
 from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
@@ -29,7 +28,7 @@ def node_of(body):
 
 
 def messages(file):
-    return [str(fault) for fault in file.faults.found]
+    return [str(error) for error in file.diagnostics.found]
 
 
 # Numbers ---------------------------------------------------------------------------------------------------------
@@ -149,12 +148,12 @@ def test_files_are_searched(tmp_path, monkeypatch):
     assert node.SearchFilename("g", str(tmp_path / "lib")) == str(tmp_path / "lib" / "far.ppm")
     assert node.SearchFilename("h", None, "default") == "default"
     assert node.GetFilename("h") == str(tmp_path / "gone.ppm")
-    fault = messages(node.file)[0]
-    assert fault.startswith(f"{world}:3: <h>: file 'gone.ppm' was not found; looked for ")
-    assert str(tmp_path / "gone.ppm") in fault
+    error = messages(node.file)[0]
+    assert error.startswith(f"{world}:3: <h>: file 'gone.ppm' was not found; looked for ")
+    assert str(tmp_path / "gone.ppm") in error
 
 
-# Faults ----------------------------------------------------------------------------------------------------------
+# Errors ----------------------------------------------------------------------------------------------------------
 
 
 def test_unused_attributes_are_told_with_line_and_guess():
@@ -223,8 +222,8 @@ def test_entity_bombs_do_not_go_off():
     file = WorldFile()
     try:
         file.LoadString(f"{bomb}]><gz:world xmlns:gz='x'>&j;</gz:world>")
-    except WorldFileError as fault:
-        assert "entity" in str(fault)  # newer parsers refuse it
+    except WorldFileError as error:
+        assert "entity" in str(error)  # newer parsers refuse it
     else:
         assert len(file.GetRootNode().content) < 100  # older ones leave it alone
 
@@ -233,8 +232,8 @@ def test_entity_bombs_do_not_go_off():
 def test_no_bytes_crash_the_reader(data):
     try:
         WorldFile().LoadString(data)
-    except WorldFileError as fault:
-        assert str(fault)
+    except WorldFileError as error:
+        assert str(error)
 
 
 # Attributes ------------------------------------------------------------------------------------------------------
@@ -264,7 +263,7 @@ def test_declared_attributes_name_what_is_allowed():
     assert "view [deg] must be above 0 and at most 179 deg" in text[1]
     assert "shape must be one of box, sphere; did you mean 'sphere'?" in text[2]
     with pytest.raises(WorldFileError) as caught:
-        node.file.faults.raise_errors()
+        node.file.diagnostics.raise_errors()
     assert len(str(caught.value).splitlines()) == 3
 
 
@@ -453,4 +452,4 @@ def test_a_second_value_is_told_to_be_one():
         assert node.GetInt("a") == 1
         node.used = True
         node.note_unused()
-        assert [fault.message for fault in file.faults.warnings] == [message]
+        assert [error.message for error in file.diagnostics.warnings] == [message]

@@ -21,8 +21,8 @@ def main(server_id: int = 0) -> int:
             robot.command()
             x, y, yaw = robot.pose
             print(f"odometry: x {x:.2f} m, y {y:.2f} m, yaw {yaw:.2f} rad")
-    except GazeboError as fault:
-        print(f"client: {fault}", file=sys.stderr)
+    except GazeboError as error:
+        print(f"client: {error}", file=sys.stderr)
         return 1
     return 0
 

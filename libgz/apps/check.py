@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 import json
 
-from libgz.fault import Fault
+from libgz.errors import Diagnostic
 from libgz.reference.check import check
 
 __all__ = ["configure", "run"]
@@ -20,20 +20,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print all faults of all files; 1 if there is an error."""
-    faults = [fault for name in options.worldfiles for fault in check(name)]
+    """Print all errors of all files; 1 if there is an error."""
+    diagnostics = [error for name in options.worldfiles for error in check(name)]
     if options.strict:
-        faults = [dataclasses.replace(fault, severity="error") for fault in faults]
+        diagnostics = [dataclasses.replace(error, severity="error") for error in diagnostics]
     if options.json:
-        print(json.dumps([dataclasses.asdict(fault) for fault in faults], indent=2))
+        print(json.dumps([dataclasses.asdict(error) for error in diagnostics], indent=2))
     else:
-        for fault in faults:
-            print(_line(fault))
-    return int(any(fault.severity == "error" for fault in faults))
+        for error in diagnostics:
+            print(_line(error))
+    return int(any(error.severity == "error" for error in diagnostics))
 
 
-def _line(fault: Fault) -> str:
+def _line(error: Diagnostic) -> str:
     """`file:line: <element>: message`, with a word where it is only a warning."""
-    place = f"{fault.file}:{fault.line}" if fault.line else fault.file
-    element = f"<{fault.element}>: " if fault.element else ""
-    return f"{place}: {element}{'warning: ' if fault.severity == 'warning' else ''}{fault.message}"
+    place = f"{error.file}:{error.line}" if error.line else error.file
+    element = f"<{error.element}>: " if error.element else ""
+    return f"{place}: {element}{'warning: ' if error.severity == 'warning' else ''}{error.message}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from libgz.errors import ParameterError
-from libgz.transport.leavings import remove_leavings
+from libgz.transport.stale_files import remove_leavings
 
 __all__ = ["configure", "run"]
 

@@ -95,11 +95,11 @@ def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Ca
             except BrokenPipeError:  # `| head` has seen enough
                 _give_up_output()
                 return NO_READER
-            except OSError as fault:
+            except OSError as error:
                 _give_up_output()
                 with contextlib.suppress(OSError):
-                    where = fault.filename or ("its output" if fault.errno in NO_ROOM else None)
-                    print(f"{name}: {where}: {fault.strerror}" if where else f"{name}: {fault}", file=sys.stderr)
+                    where = error.filename or ("its output" if error.errno in NO_ROOM else None)
+                    print(f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}", file=sys.stderr)
                 return failed
 
         return command
@@ -144,14 +144,14 @@ class LogFile(logging.FileHandler):
 
     def handleError(self, record: logging.LogRecord) -> None:
         """End the file, and say so."""
-        fault = sys.exc_info()[1]
-        if not isinstance(fault, OSError):
+        error = sys.exc_info()[1]
+        if not isinstance(error, OSError):
             super().handleError(record)
             return
         root = logging.getLogger("libgz")
         if self in root.handlers:
             root.removeHandler(self)
-            root.error("log file %s ends here: %s", self.baseFilename, fault.strerror)
+            root.error("log file %s ends here: %s", self.baseFilename, error.strerror)
 
 
 class _ConsoleFormatter(logging.Formatter):
@@ -176,8 +176,8 @@ def set_up_messages(level: int, logfile: str | None) -> None:
         return
     try:
         file = LogFile(Path(logfile).expanduser(), mode="w")
-    except OSError as fault:
-        raise ParameterError(f"cannot write log file {logfile!r}: {fault.strerror}") from None
+    except OSError as error:
+        raise ParameterError(f"cannot write log file {logfile!r}: {error.strerror}") from None
     file.setFormatter(_ConsoleFormatter("%(filename)s:%(lineno)d %(message)s"))
     root.addHandler(file)
 

@@ -47,8 +47,8 @@ def run(options: argparse.Namespace) -> int:
         world.close()
     try:
         _write(converted, output, options.report)
-    except OSError as fault:
-        raise GazeboError(f"cannot write {fault.filename}: {fault.strerror}") from None
+    except OSError as error:
+        raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
     for note in converted.notes:
         print(note, file=sys.stderr)
     return 0

@@ -111,8 +111,8 @@ def _extra(name: str, extra: Extra) -> Finding:
 def _try(name: str, look: Callable[[], str]) -> Finding:
     try:
         return Finding(name, look())
-    except (GazeboError, OSError) as fault:
-        return Finding(name, str(fault), good=False)
+    except (GazeboError, OSError) as error:
+        return Finding(name, str(error), good=False)
 
 
 def _step() -> str:
@@ -146,8 +146,8 @@ def _contexts() -> Iterator[Finding]:
     for name, kind in CONTEXTS.items():
         try:
             context = kind()
-        except GazeboError as fault:
-            yield Finding(name, str(fault), good=False, needed=False)
+        except GazeboError as error:
+            yield Finding(name, str(error), good=False, needed=False)
             continue
         yield Finding(name, f"draws pictures: {context.description}")
         context.close()

@@ -175,8 +175,8 @@ def _plot(
     axes.legend()
     try:
         figure.savefig(path, dpi=100)
-    except (OSError, ValueError) as fault:
-        raise ParameterError(f"the plot cannot be written to {str(path)!r}: {fault}") from None
+    except (OSError, ValueError) as error:
+        raise ParameterError(f"the plot cannot be written to {str(path)!r}: {error}") from None
     finally:
         pyplot.close(figure)
     print(f"{len(times)} samples drawn in {path}")

@@ -185,8 +185,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     path = Path(options.worldfile)
     try:
         set_up_messages(options.level, options.logfile)
-    except ParameterError as fault:
-        return _complain(str(fault), USAGE_ERROR)
+    except ParameterError as error:
+        return _complain(str(error), USAGE_ERROR)
     if options.steps is not None and options.steps < 0:
         return _complain(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
     if not path.is_file():
@@ -194,8 +194,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _complain(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
         return _run(path, options)
-    except GazeboError as fault:
-        return _complain(str(fault), 1)
+    except GazeboError as error:
+        return _complain(str(error), 1)
 
 
 def _run(path: Path, options: argparse.Namespace) -> int:

@@ -147,8 +147,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return Run(options, words).run()
     except _Interrupted:
         return 0
-    except GazeboError as fault:
-        log.error("%s", fault)
+    except GazeboError as error:
+        log.error("%s", error)
         return FAILED
 
 

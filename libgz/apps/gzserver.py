@@ -214,8 +214,8 @@ class Server:
         try:
             world.PresetMgr().CurrentProfile(name)
             log.info("Setting physics profile to [%s].", name)
-        except NotFoundError as fault:
-            log.error("%s", fault)
+        except NotFoundError as error:
+            log.error("%s", error)
 
     def _loop(self, core: World, control: PlaybackControl | None) -> None:
         """Step until a signal, World.Stop, or the number of iterations ends it."""
@@ -252,8 +252,8 @@ def open_log(kind: str, port: int) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         handler = LogFile(folder / "default.log", mode="w")
-    except OSError as fault:
-        log.warning("no log file in %s: %s", folder, fault.strerror)
+    except OSError as error:
+        log.warning("no log file in %s: %s", folder, error.strerror)
         return
     handler.setFormatter(LogFormatter())
     logging.getLogger("libgz").addHandler(handler)
@@ -262,8 +262,8 @@ def open_log(kind: str, port: int) -> None:
 def _find_world(name: str) -> Path:
     try:
         return find_world(name)
-    except NotFoundError as fault:
-        raise NotFoundError(f"Could not open file[{name}]: {fault}") from None
+    except NotFoundError as error:
+        raise NotFoundError(f"Could not open file[{name}]: {error}") from None
 
 
 @as_command("gzserver", interrupted=0, failed=FAILED)
@@ -278,8 +278,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             sys.stderr.write(BANNER + "\n")
     try:
         return Server(options, words).run()
-    except GazeboError as fault:
-        log.error("%s", fault)
+    except GazeboError as error:
+        log.error("%s", error)
         return FAILED
 
 

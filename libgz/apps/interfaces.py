@@ -42,8 +42,8 @@ def _row(client: Client, kind: str, name: str) -> dict[str, Any]:
     row: dict[str, Any] = {"interface": f"{kind}.{name}", "type": kind, "id": name, "model": "", "about": ""}
     try:
         interface = client.open(new_interface(kind), name)
-    except (InterfaceError, ParameterError) as fault:
-        row["about"] = str(fault)
+    except (InterfaceError, ParameterError) as error:
+        row["about"] = str(error)
         return row
     row["model"] = interface.data.head.model_type.decode(errors="replace")
     row["version"] = interface.data.head.version

@@ -68,8 +68,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal.signal(signal.SIGTERM, _terminated)
     try:
         return int(importlib.import_module(f"libgz.apps.{options.command}").run(options))
-    except GazeboError as fault:
-        print(f"libgz: {fault}", file=sys.stderr)
+    except GazeboError as error:
+        print(f"libgz: {error}", file=sys.stderr)
         return 1
     finally:
         if owned:

@@ -80,8 +80,8 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
             raise ParameterError(f"{path}: there is no such file")
         try:
             message.sdf = path.read_text()
-        except (OSError, UnicodeDecodeError) as fault:
-            raise ParameterError(f"the model cannot be read from {str(path)!r}: {fault}") from None
+        except (OSError, UnicodeDecodeError) as error:
+            raise ParameterError(f"the model cannot be read from {str(path)!r}: {error}") from None
     if options.model_name:
         message.edit_name = options.model_name
     if place is not None:

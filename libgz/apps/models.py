@@ -31,8 +31,8 @@ def run(options: argparse.Namespace) -> int:
     if options.pages is not None:
         try:
             changed = write_pages(options.pages)
-        except OSError as fault:
-            raise GazeboError(f"cannot write {fault.filename}: {fault.strerror}") from None
+        except OSError as error:
+            raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
         print("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
     elif options.name is not None:
         print(describe(entry(options.name)), end="")

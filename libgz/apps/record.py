@@ -62,8 +62,8 @@ class Recorder:
                 self._started = True
             even = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]  # the coder halves both sides
             self._file.write_frame(even)
-        except (OSError, ValueError, EOFError) as fault:  # av says EOFError where a disk is full
-            raise GazeboError(f"video {self.path} cannot be written: {fault}") from None
+        except (OSError, ValueError, EOFError) as error:  # av says EOFError where a disk is full
+            raise GazeboError(f"video {self.path} cannot be written: {error}") from None
 
     def close(self) -> None:
         """Finish the file. Can be called twice.
@@ -75,8 +75,8 @@ class Recorder:
         if file is not None:
             try:
                 file.close()
-            except (OSError, ValueError, EOFError) as fault:
-                raise GazeboError(f"video {self.path} cannot be written: {fault}") from None
+            except (OSError, ValueError, EOFError) as error:
+                raise GazeboError(f"video {self.path} cannot be written: {error}") from None
 
 
 def _open(path: Path) -> Any:
@@ -87,5 +87,5 @@ def _open(path: Path) -> Any:
         raise GazeboError("--record needs the packages imageio and av: pip install 'libgz[video]'") from None
     try:
         return v3.imopen(path, "w", plugin="pyav")
-    except (OSError, ValueError) as fault:
-        raise GazeboError(f"video {path} cannot be written: {fault}") from None
+    except (OSError, ValueError) as error:
+        raise GazeboError(f"video {path} cannot be written: {error}") from None

@@ -30,6 +30,6 @@ def run(options: argparse.Namespace) -> int:
         return 0
     try:
         options.output.write_bytes(text)
-    except OSError as fault:
-        raise GazeboError(f"cannot write {str(options.output)!r}: {fault.strerror}") from None
+    except OSError as error:
+        raise GazeboError(f"cannot write {str(options.output)!r}: {error.strerror}") from None
     return 0

@@ -25,11 +25,11 @@ def run(options: argparse.Namespace) -> int:
     except WorldFileError as unreadable:
         print(f"error   : {unreadable}", file=sys.stderr)
         return 1
-    for fault in file.faults.found:
-        print(f"{'error   ' if fault.severity == 'error' else 'warning '}: {fault}", file=sys.stderr)
+    for error in file.diagnostics.found:
+        print(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}", file=sys.stderr)
     if options.print:
         print("<?xml version='1.0'?>")
         print(file.root.ToString(), end="")
-    elif not file.faults.errors:
+    elif not file.diagnostics.errors:
         print("Check complete")
-    return 1 if file.faults.errors else 0
+    return 1 if file.diagnostics.errors else 0

@@ -160,8 +160,8 @@ def _text(options: argparse.Namespace) -> str:
         return str(options.msg)
     try:
         return Path(options.file).read_text()
-    except (OSError, UnicodeDecodeError) as fault:
-        raise ParameterError(f"the message cannot be read from {options.file!r}: {fault}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise ParameterError(f"the message cannot be read from {options.file!r}: {error}") from None
 
 
 def _publish(node: Node, topic: str, options: argparse.Namespace) -> None:
@@ -173,8 +173,8 @@ def _publish(node: Node, topic: str, options: argparse.Namespace) -> None:
     if text.lstrip().startswith("{"):
         try:
             values = json.loads(text)
-        except json.JSONDecodeError as fault:
-            raise ParameterError(f"the message is no JSON: {fault}") from None
+        except json.JSONDecodeError as error:
+            raise ParameterError(f"the message is no JSON: {error}") from None
         message.FromDict(values)
     else:
         msgs.Parse(message, text)

@@ -37,8 +37,8 @@ def run(options: argparse.Namespace) -> int:
     elif changes or not options.in_place:
         try:
             write_whole(target, text)
-        except OSError as fault:
-            raise GazeboError(f"cannot write {str(target)!r}: {fault.strerror}") from None
+        except OSError as error:
+            raise GazeboError(f"cannot write {str(target)!r}: {error.strerror}") from None
     if not changes:
         print(f"{options.worldfile}: nothing to change", file=sys.stderr)
     return 0

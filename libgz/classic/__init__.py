@@ -10,32 +10,32 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # what type checkers see; at run time each is imported when it is first used
-    from libgz.classic import common as common
-    from libgz.classic import event as event
-    from libgz.classic import math as math
-    from libgz.classic import msgs as msgs
-    from libgz.classic import physics as physics
-    from libgz.classic import rendering as rendering
-    from libgz.classic import sdf as sdf
-    from libgz.classic import sensors as sensors
-    from libgz.classic import transport as transport
-    from libgz.classic.common import gzdbg as gzdbg
-    from libgz.classic.common import gzerr as gzerr
-    from libgz.classic.common import gzlog as gzlog
-    from libgz.classic.common import gzmsg as gzmsg
-    from libgz.classic.common import gzwarn as gzwarn
-    from libgz.classic.plugin import GZ_REGISTER_GUI_PLUGIN as GZ_REGISTER_GUI_PLUGIN
-    from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN as GZ_REGISTER_MODEL_PLUGIN
-    from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN as GZ_REGISTER_SENSOR_PLUGIN
-    from libgz.classic.plugin import GZ_REGISTER_SYSTEM_PLUGIN as GZ_REGISTER_SYSTEM_PLUGIN
-    from libgz.classic.plugin import GZ_REGISTER_VISUAL_PLUGIN as GZ_REGISTER_VISUAL_PLUGIN
-    from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN as GZ_REGISTER_WORLD_PLUGIN
-    from libgz.classic.plugin import GUIPlugin as GUIPlugin
-    from libgz.classic.plugin import ModelPlugin as ModelPlugin
-    from libgz.classic.plugin import SensorPlugin as SensorPlugin
-    from libgz.classic.plugin import SystemPlugin as SystemPlugin
-    from libgz.classic.plugin import VisualPlugin as VisualPlugin
-    from libgz.classic.plugin import WorldPlugin as WorldPlugin
+    from libgz.classic import (
+        common as common,
+        event as event,
+        math as math,
+        msgs as msgs,
+        physics as physics,
+        rendering as rendering,
+        sdf as sdf,
+        sensors as sensors,
+        transport as transport,
+    )
+    from libgz.classic.common import gzdbg as gzdbg, gzerr as gzerr, gzlog as gzlog, gzmsg as gzmsg, gzwarn as gzwarn
+    from libgz.classic.plugin import (
+        GZ_REGISTER_GUI_PLUGIN as GZ_REGISTER_GUI_PLUGIN,
+        GZ_REGISTER_MODEL_PLUGIN as GZ_REGISTER_MODEL_PLUGIN,
+        GZ_REGISTER_SENSOR_PLUGIN as GZ_REGISTER_SENSOR_PLUGIN,
+        GZ_REGISTER_SYSTEM_PLUGIN as GZ_REGISTER_SYSTEM_PLUGIN,
+        GZ_REGISTER_VISUAL_PLUGIN as GZ_REGISTER_VISUAL_PLUGIN,
+        GZ_REGISTER_WORLD_PLUGIN as GZ_REGISTER_WORLD_PLUGIN,
+        GUIPlugin as GUIPlugin,
+        ModelPlugin as ModelPlugin,
+        SensorPlugin as SensorPlugin,
+        SystemPlugin as SystemPlugin,
+        VisualPlugin as VisualPlugin,
+        WorldPlugin as WorldPlugin,
+    )
 
 # Submodules by Gazebo's names; everything else is in libgz.classic.plugin.
 _MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "sensors", "transport")

@@ -60,8 +60,8 @@ class Commands:
         def on_message(message: Any) -> None:
             try:
                 handler(message)
-            except GazeboError as fault:
-                log.error("%s: %s", topic, fault)
+            except GazeboError as error:
+                log.error("%s: %s", topic, error)
             except Exception:  # or the topic would be dead from now on
                 log.exception("%s: a message could not be acted on", topic)
 
@@ -154,7 +154,7 @@ class Commands:
                 entity.set_attribute("name", self._unique(f"{message.clone_model_name}_clone"))
         else:
             raise ParameterError("it names neither sdf, sdf_filename nor clone_model_name")
-        file.faults.raise_errors()
+        file.diagnostics.raise_errors()
         return file
 
     def factory_light(self, message: Any) -> None:

@@ -12,8 +12,7 @@ from libgz.classic.common import SystemPaths
 from libgz.classic.plugin import KINDS, PluginT
 from libgz.errors import PluginError
 from libgz.simulation.event import Ends, WorldEvents, owner
-from libgz.simulation.plugins import Plugin as PluginFile
-from libgz.simulation.plugins import load_plugin, own_traceback, search
+from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
 
 __all__ = ["LoadedPlugin", "find_plugin", "new_plugin"]
 
@@ -46,8 +45,8 @@ class LoadedPlugin:
             plugin._handle, plugin._filename = self.name, self.filename
             self.plugin = plugin
             plugin.__init__()  # type: ignore[misc]
-        except Exception as fault:  # noqa: BLE001 - a plugin's
-            self.stop("the constructor", fault)
+        except Exception as error:  # noqa: BLE001 - a plugin's
+            self.stop("the constructor", error)
         finally:
             owner.reset(token)
 
@@ -65,15 +64,15 @@ class LoadedPlugin:
         token = owner.set(self)
         try:
             getattr(self.plugin, function)(*values)
-        except Exception as fault:  # noqa: BLE001 - a plugin's
-            self.stop(f"the {function} function", fault)
+        except Exception as error:  # noqa: BLE001 - a plugin's
+            self.stop(f"the {function} function", error)
         finally:
             owner.reset(token)
         return self.plugin is not None
 
-    def stop(self, where: str, fault: BaseException) -> None:
+    def stop(self, where: str, error: BaseException) -> None:
         """Report what the plugin raised, and let it go."""
-        text, file = own_traceback(fault), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
+        text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
         log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text)
@@ -125,13 +124,13 @@ def new_plugin(
     """
     try:
         path = find_plugin(filename, beside)
-    except PluginError as fault:
-        log.error("%s", fault)
+    except PluginError as error:
+        log.error("%s", error)
         return None
     try:
         file = load_plugin(path)
-    except PluginError as fault:
-        log.error("Failed to load plugin %s: %s", path, fault)
+    except PluginError as error:
+        log.error("Failed to load plugin %s: %s", path, error)
         return None
     registered = _registered(file)
     if len(registered) > 1:

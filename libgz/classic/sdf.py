@@ -23,7 +23,7 @@ class SDF:
             WorldFileError: the text is not SDF, or has errors; the message lists them all.
         """
         self._file = SdfFile.from_string(text)
-        self._file.faults.raise_errors()
+        self._file.diagnostics.raise_errors()
 
     def Root(self, element: Element | None = None) -> Element:
         """The `<sdf>` element; with an argument, make that the root."""

@@ -16,9 +16,9 @@ from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzVector
 from libgz.sdf.element import Element
+from libgz.sdfworld.loader import SdfLight, WorldJoints
+from libgz.sdfworld.settings import settings_of
 from libgz.simulation.changes import delete_models
-from libgz.simulation.sdf_settings import settings_of
-from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
-    from libgz.simulation.model import Model as CoreModel
+    from libgz.legacy.model import Model as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
 

@@ -49,8 +49,8 @@ def library_folder() -> Path:
                 _compile(command, Path(temporary))
                 # In one step, so that nobody links half an archive.
                 (Path(temporary) / ARCHIVE).replace(folder / ARCHIVE)
-        except OSError as fault:
-            raise LibraryError(f"the C library cannot be kept in {folder}: {fault}; set XDG_CACHE_HOME") from None
+        except OSError as error:
+            raise LibraryError(f"the C library cannot be kept in {folder}: {error}; set XDG_CACHE_HOME") from None
     return folder
 
 

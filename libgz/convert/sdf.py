@@ -18,10 +18,10 @@ from libgz.convert.sensors import add_sensors
 from libgz.convert.shapes import PUSH_OUT, Meshes, add_geom, is_shape
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.physics.joint import Joint
-from libgz.simulation.model import Model
 from libgz.simulation.world import World
 
 __all__ = ["RAY_TYPES", "Converted", "convert"]
@@ -56,8 +56,8 @@ def convert(world: World, *, meshes: str = "meshes", rays: str = "ray") -> Conve
         raise ParameterError(f"rays is {rays!r}; it must be {' or '.join(RAY_TYPES)}")
     root = etree.Element("sdf", version="1.6")
     work = _Conversion(world, add(root, "world", name="default"), rays, Meshes(meshes))
-    for fault in world.file.faults.warnings if world.file is not None else ():
-        work.notes.lines.setdefault(str(fault))  # what libgz has left out itself
+    for error in world.file.diagnostics.warnings if world.file is not None else ():
+        work.notes.lines.setdefault(str(error))  # what libgz has left out itself
     work.settings()
     for model in world.models:
         if model.parent is None:

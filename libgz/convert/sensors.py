@@ -10,12 +10,12 @@ from lxml import etree
 
 from libgz.convert.element import Notes, add, name_of, pose
 from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector
+from libgz.legacy.model import Model
 from libgz.models.camera import CameraAttributes
 from libgz.models.sicklms200 import EYE_HEIGHT, SickAttributes, SickLMS200
 from libgz.models.sonars import MAX_RANGE, SonarRing
 from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
-from libgz.simulation.model import Model
 from libgz.worldfile.attributes import read
 
 __all__ = ["add_sensors"]

@@ -62,8 +62,8 @@ def _load() -> ctypes.PyDLL:
     try:
         # PyDLL keeps the interpreter lock: most calls are shorter than giving it up and taking it back.
         return ctypes.PyDLL(name)
-    except OSError as fault:
-        raise LibraryError(f"cannot load the ODE library {name!r} ({fault}); {ADVICE}") from None
+    except OSError as error:
+        raise LibraryError(f"cannot load the ODE library {name!r} ({error}); {ADVICE}") from None
 
 
 class OdeLibrary:

@@ -116,8 +116,8 @@ class PythonStep:
                     self._contact_count += count
                     for contact in contacts[count]:
                         attach(create(world, group, contact), body1, body2)
-            except BaseException as fault:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
-                self._fault = fault
+            except BaseException as error:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
+                self._fault = error
 
         self._keep = _NEAR_CALLBACK(near)
         callback = ctypes.cast(self._keep, c_void_p)
@@ -174,7 +174,7 @@ class PythonStep:
             self._careful.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)
         context.contact_count = self._contact_count + self._careful.count
-        self._raise_fault()
+        self._raise_error()
 
     def solve(self) -> int:
         """Move everything, empty the contact group."""
@@ -211,10 +211,10 @@ class PythonStep:
         handles = self._tables.body_ids[: self._context.body_count].tolist()
         return [(row, body) for row, body in enumerate(handles) if body]
 
-    def _raise_fault(self) -> None:
-        fault, self._fault = self._fault, None
-        if fault is not None:
-            raise fault
+    def _raise_error(self) -> None:
+        error, self._fault = self._fault, None
+        if error is not None:
+            raise error
 
     def read(self) -> None:
         """Copy all states out."""
@@ -279,13 +279,13 @@ class PythonStep:
                 if not owner or self._tables.owner[row] != owner:
                     ode_.dGeomGetAABB(geom, box)
                     seen.append((geom, row, box[:]))
-            except BaseException as fault:  # noqa: BLE001 - as in _make_near
-                self._fault = fault
+            except BaseException as error:  # noqa: BLE001 - as in _make_near
+                self._fault = error
 
         callback = _NEAR_CALLBACK(near)
         address = ctypes.cast(callback, c_void_p)
         ode_.dSpaceCollide2(probe, context.space, None, address)
-        self._raise_fault()
+        self._raise_error()
         return seen
 
 

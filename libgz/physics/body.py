@@ -61,7 +61,7 @@ class Body:
         self.model: Any = None  # that it was added to
         self.ran_away = False  # whether it was told that it did
         self.kinematic = False  # whether it moves by its velocity only
-        self.sleepy = False  # whether it falls asleep when it rests
+        self.auto_disable = False  # whether it falls asleep when it rests
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy
@@ -170,7 +170,7 @@ class Body:
         origin = GzVectorAdd(position, rotate(rotation, com))
         ode().dBodySetPosition(self.id, *origin)
         ode().dBodySetQuaternion(self.id, (ctypes.c_double * 4)(*rotation))
-        if self.sleepy:
+        if self.auto_disable:
             self.Enable(True)
         self.engine.body_moved(self.row)
 
@@ -214,7 +214,7 @@ class Body:
         values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
             getattr(ode(), function)(self.id, *values)
-            if self.sleepy:
+            if self.auto_disable:
                 self.Enable(True)
             self.engine.body_moved(self.row)
 
@@ -279,13 +279,13 @@ class Body:
         """
         if self.row < 0:
             return
-        lib, self.sleepy = ode(), bool(on)
+        lib, self.auto_disable = ode(), bool(on)
         (self.engine.sleepers.add if on else self.engine.sleepers.discard)(self)
         lib.dBodySetAutoDisableLinearThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableAngularThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableTime(self.id, REST_TIME)
         lib.dBodySetAutoDisableSteps(self.id, REST_STEPS)
-        lib.dBodySetAutoDisableFlag(self.id, int(self.sleepy))
+        lib.dBodySetAutoDisableFlag(self.id, int(self.auto_disable))
         self.Enable(True)  # which begins the count of idle time
 
     def IsEnabled(self) -> bool:
@@ -370,7 +370,7 @@ class Body:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
             getattr(ode(), function)(self.id, *numbers)
-            if self.sleepy:
+            if self.auto_disable:
                 self.Enable(True)
 
     # Geoms and mass ----------------------------------------------------------------------------------------------

@@ -20,7 +20,7 @@ from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
 from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
 from libgz.physics.check import FAR, LARGEST, not_negative
-from libgz.physics.runaway import mend, tell, tell_baffled, tell_gave_up
+from libgz.physics.divergence import mend, tell, tell_baffled, tell_gave_up
 from libgz.physics.settings import EngineSettings
 
 if TYPE_CHECKING:

@@ -128,7 +128,7 @@ class Joint:
         for body in self.bodies:
             if body is not None:
                 body.joints.pop(self, None)
-                if body.sleepy:
+                if body.auto_disable:
                     body.Enable(True)
         self.bodies = (None, None)
 

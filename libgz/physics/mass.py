@@ -119,7 +119,7 @@ def about_centre(mass: Mass) -> Mass:
 
 
 def about_origin(mass: Mass) -> Mass:
-    """The fault of the old server: the inertia stays that about the body's origin, whatever the centre of mass."""
+    """The error of the old server: the inertia stays that about the body's origin, whatever the centre of mass."""
     result = _copy(mass)
     result.c[:] = (0.0, 0.0, 0.0, 0.0)
     return result

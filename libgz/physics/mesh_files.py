@@ -44,10 +44,10 @@ def _read(path: Path, _changed: int) -> list[MeshPart]:
     reader = readers.get(path.suffix.lower(), _read_by_trimesh)
     try:
         parts = [part for part in reader(path) if len(part.triangles)]
-    except OSError as fault:
-        raise GazeboError(f"mesh {path} cannot be read: {fault.strerror}") from None
-    except (ValueError, IndexError, KeyError, struct.error) as fault:
-        raise GazeboError(f"mesh {path} cannot be read: it is damaged ({fault})") from None
+    except OSError as error:
+        raise GazeboError(f"mesh {path} cannot be read: {error.strerror}") from None
+    except (ValueError, IndexError, KeyError, struct.error) as error:
+        raise GazeboError(f"mesh {path} cannot be read: it is damaged ({error})") from None
     if not parts:
         raise GazeboError(f"mesh {path} holds no triangles")
     for part in parts:
@@ -74,8 +74,8 @@ def trimesh_parts(path: Path, what: str) -> list[Any]:
     try:
         loaded: Any = trimesh.load(path, force="scene")
         parts = loaded.dump()
-    except Exception as fault:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
-        raise GazeboError(f"{what} {path} cannot be read: {fault}") from None
+    except Exception as error:  # noqa: BLE001 - trimesh's readers raise whatever their formats suggest
+        raise GazeboError(f"{what} {path} cannot be read: {error}") from None
     return [part for part in parts if len(getattr(part, "faces", ()))]
 
 
@@ -173,8 +173,8 @@ class _Collada:
         parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True, remove_comments=True)
         try:
             self.root = etree.parse(str(path), parser).getroot()
-        except etree.XMLSyntaxError as fault:
-            raise ValueError(fault.msg) from None
+        except etree.XMLSyntaxError as error:
+            raise ValueError(error.msg) from None
         self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
 
     @staticmethod

@@ -6,9 +6,8 @@ import logging
 import os
 from collections.abc import Iterator
 
-from libgz.errors import GazeboError, WorldFileError
-from libgz.fault import Fault
-from libgz.simulation.model import Model
+from libgz.errors import Diagnostic, GazeboError, WorldFileError
+from libgz.legacy.model import Model
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 
@@ -26,7 +25,7 @@ class _Gathered(logging.Handler):
         self.records.append(record)
 
 
-def check(filename: str | os.PathLike[str]) -> list[Fault]:
+def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     """All that is wrong or unused in a worldfile, in order of its lines.
 
     Its plugins are run as far as `Load`, as loading needs it; `Init` of no model is called.
@@ -37,8 +36,8 @@ def check(filename: str | os.PathLike[str]) -> list[Fault]:
     file, name = WorldFile(), os.fspath(filename)
     try:
         file.Load(filename)
-    except WorldFileError as fault:
-        return [_from_text(name, line) for line in str(fault).splitlines()]
+    except WorldFileError as error:
+        return [_from_text(name, line) for line in str(error).splitlines()]
     handler, logger = _Gathered(), logging.getLogger("libgz")
     before, propagate = logger.handlers[:], logger.propagate
     logger.handlers[:], logger.propagate = [handler], False
@@ -46,16 +45,16 @@ def check(filename: str | os.PathLike[str]) -> list[Fault]:
     try:
         world.Load(file)
     except WorldFileError:
-        pass  # its lines are the file's faults
+        pass  # its lines are the file's errors
     else:
         _find_clashes(world.models)
         _find_unreadable(world.models)
     finally:
         world.close()
         logger.handlers[:], logger.propagate = before, propagate
-    told = {str(fault) for fault in file.faults.found}
-    others = (Fault(name, 0, "", text, "warning") for text in _messages(handler) if text not in told)
-    return sorted([*file.faults.found, *others], key=lambda fault: fault.line)
+    told = {str(error) for error in file.diagnostics.found}
+    others = (Diagnostic(name, 0, "", text, "warning") for text in _messages(handler) if text not in told)
+    return sorted([*file.diagnostics.found, *others], key=lambda error: error.line)
 
 
 def _messages(handler: _Gathered) -> Iterator[str]:
@@ -63,16 +62,16 @@ def _messages(handler: _Gathered) -> Iterator[str]:
     yield from dict.fromkeys(record.getMessage() for record in handler.records)
 
 
-def _from_text(name: str, line: str) -> Fault:
-    """The fault of a file that cannot be parsed at all, from its message."""
+def _from_text(name: str, line: str) -> Diagnostic:
+    """The error of a file that cannot be parsed at all, from its message."""
     rest = line.removeprefix(f"{name}:")
     number, _, message = rest.partition(":")
     if rest == line or not number.isdigit():
-        return Fault(name, 0, "", line, "error")
+        return Diagnostic(name, 0, "", line, "error")
     element, separator, what = message.strip().partition(">: ")
     if separator and element.startswith("<"):
-        return Fault(name, int(number), element[1:], what, "error")
-    return Fault(name, int(number), "", message.strip(), "error")
+        return Diagnostic(name, int(number), element[1:], what, "error")
+    return Diagnostic(name, int(number), "", message.strip(), "error")
 
 
 def _find_clashes(models: list[Model]) -> None:
@@ -106,6 +105,6 @@ def _find_unreadable(models: list[Model]) -> None:
                 tried.add(path)
                 try:
                     read(path)
-                except GazeboError as fault:
+                except GazeboError as error:
                     if model.node is not None:
-                        model.node.warn(str(fault))
+                        model.node.warn(str(error))

@@ -11,9 +11,9 @@ from typing import Any
 from lxml import etree
 from lxml.builder import ElementMaker  # type: ignore[import-not-found]  # lxml-stubs lack it
 
+from libgz.legacy.model import CommonAttributes
+from libgz.legacy.settings import GlobalAttributes
 from libgz.reference.catalogue import NAMESPACE, entries
-from libgz.simulation.model import CommonAttributes
-from libgz.simulation.settings import GlobalAttributes
 from libgz.worldfile.attributes import Attribute, Limits, attributes_of
 
 __all__ = ["grammar"]

@@ -177,8 +177,8 @@ class EGLContext(Context):
 def _library(name: str, context: Context) -> ctypes.CDLL:
     try:
         return ctypes.CDLL(name)
-    except OSError as fault:
-        raise LibraryError(f"{name} cannot be loaded ({fault}); {context.hint}") from None
+    except OSError as error:
+        raise LibraryError(f"{name} cannot be loaded ({error}); {context.hint}") from None
 
 
 CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext, EGLContext)}
@@ -228,9 +228,9 @@ def open_context(choice: str | None = None) -> Context | None:
     for name, kind in CONTEXTS.items():
         try:
             context = kind()
-        except LibraryError as fault:
-            log.info("no pictures by %s: %s", name, fault)
-            reasons.append(f"{name}: {fault}")
+        except LibraryError as error:
+            log.info("no pictures by %s: %s", name, error)
+            reasons.append(f"{name}: {error}")
             continue
         log.info("pictures by %s: %s", name, context.description)
         return context

@@ -23,8 +23,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     try:
         with Image.open(path) as picture:
             return np.asarray(picture.convert("RGB"))
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as fault:
-        raise GazeboError(f"picture {path} cannot be read: {fault}") from None
+    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise GazeboError(f"picture {path} cannot be read: {error}") from None
 
 
 def pyramid(pixels: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
@@ -49,8 +49,8 @@ def write_image(path: Path, pixels: NDArray[np.uint8]) -> None:
 
     try:
         Image.fromarray(pixels).save(path)
-    except (OSError, ValueError) as fault:
-        raise GazeboError(f"picture {path} cannot be written: {fault}") from None
+    except (OSError, ValueError) as error:
+        raise GazeboError(f"picture {path} cannot be written: {error}") from None
 
 
 def write_pnm(path: Path, pixels: NDArray[np.uint8]) -> None:
@@ -62,5 +62,5 @@ def write_pnm(path: Path, pixels: NDArray[np.uint8]) -> None:
     height, width, _ = pixels.shape
     try:
         path.write_bytes(f"P6\n# Gazebo\n{width} {height}\n255\n".encode() + pixels.tobytes())
-    except OSError as fault:
-        raise GazeboError(f"unable to open file {path} for writing: {fault.strerror}") from None
+    except OSError as error:
+        raise GazeboError(f"unable to open file {path} for writing: {error.strerror}") from None

@@ -196,8 +196,8 @@ class Library:
         if path not in self._skins:
             try:
                 self._skins[path] = read_skin(path)
-            except GazeboError as fault:
-                log.warning("%s; the shape below is shown instead", fault)
+            except GazeboError as error:
+                log.warning("%s; the shape below is shown instead", error)
                 self._skins[path] = []
         return self._skins[path]
 
@@ -295,9 +295,9 @@ class Library:
         """A picture, top row first; None, and one warning, if its file cannot be read."""
         try:
             return read_image(path)
-        except GazeboError as fault:
+        except GazeboError as error:
             if path not in self._damaged:
-                log.warning("%s; its place stays plain", fault)
+                log.warning("%s; its place stays plain", error)
             self._damaged.add(path)
             return None
 

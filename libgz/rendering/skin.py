@@ -133,8 +133,8 @@ class _Reader3DS:
         """Read one part; if it is damaged, note it and let the others go on."""
         try:
             part(start, end)
-        except _Damaged as fault:
-            self.note(fault)
+        except _Damaged as error:
+            self.note(error)
 
     def material(self, start: int, end: int) -> None:
         """Read one material."""
@@ -187,12 +187,12 @@ class _Reader3DS:
 def _read_3ds(path: Path) -> list[Mesh]:
     try:
         reader = _Reader3DS(path.read_bytes())
-    except OSError as fault:
-        raise GazeboError(f"skin {path} cannot be read: {fault.strerror}") from None
+    except OSError as error:
+        raise GazeboError(f"skin {path} cannot be read: {error.strerror}") from None
     try:
         reader.read()
-    except _Damaged as fault:
-        reader.note(fault)
+    except _Damaged as error:
+        reader.note(error)
     found = [part for item in reader.objects for part in _parts(item, reader.materials)]
     if not found:
         raise GazeboError(f"skin {path} cannot be read: {reader.damage or 'it holds no triangles'}")

@@ -187,8 +187,8 @@ class Element:
             return default, False
         try:
             value = parse(kind, text)
-        except ParameterError as fault:
-            raise ParameterError(f"{element.where}: <{element.name}>: {fault}") from None
+        except ParameterError as error:
+            raise ParameterError(f"{element.where}: <{element.name}>: {error}") from None
         return (value, True) if default is not None else value
 
     def _look_up(self, key: str) -> tuple[Element, str, bool]:

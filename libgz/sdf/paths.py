@@ -93,8 +93,8 @@ def _named_in_config(folder: Path) -> Path:
     parser = etree.XMLParser(resolve_entities=False, no_network=True)
     try:
         files = etree.parse(str(config), parser).getroot().findall("sdf")
-    except etree.XMLSyntaxError as fault:
-        raise NotFoundError(f"{config} cannot be read: {fault}") from None
+    except etree.XMLSyntaxError as error:
+        raise NotFoundError(f"{config} cannot be read: {error}") from None
     if not files:
         raise NotFoundError(f"{config} names no <sdf> file")
 

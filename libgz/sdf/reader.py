@@ -9,8 +9,7 @@ from typing import IO
 
 from lxml import etree
 
-from libgz.errors import NotFoundError, WorldFileError, nearest
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, NotFoundError, WorldFileError, nearest
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
@@ -27,13 +26,13 @@ LATER = ("frame", "relative_to")  # SDF 1.7's frames
 class SdfFile:
     """An SDF document, read and checked.
 
-    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `faults` what is wrong with it. Unknown
+    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `errors` what is wrong with it. Unknown
     attributes are warnings; unknown elements are kept as they are.
     """
 
     def __init__(self) -> None:
         self.root = Element("sdf")
-        self.faults = Faults()
+        self.diagnostics = Diagnostics()
         self.version = VERSIONS[-1]
         self._label = "<string>"
         self._folder: Path | None = None
@@ -41,7 +40,7 @@ class SdfFile:
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
-        """Read a file; its errors are in `faults`.
+        """Read a file; its errors are in `errors`.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
@@ -63,8 +62,8 @@ class SdfFile:
             if path.stat().st_size > LARGEST_FILE:
                 raise WorldFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
             data = path.read_bytes()
-        except OSError as fault:
-            raise WorldFileError(f"Unable to read sdf file[{path}]: {fault.strerror}") from None
+        except OSError as error:
+            raise WorldFileError(f"Unable to read sdf file[{path}]: {error.strerror}") from None
         self._label, self._folder = str(path), path.parent
         self._read(data)
 
@@ -72,8 +71,8 @@ class SdfFile:
         parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
         try:
             xml = etree.fromstring(data, parser)
-        except etree.XMLSyntaxError as fault:
-            raise WorldFileError(f"{self._label}:{fault.lineno or 1}: {fault.msg}") from None
+        except etree.XMLSyntaxError as error:
+            raise WorldFileError(f"{self._label}:{error.lineno or 1}: {error.msg}") from None
         if _local(xml) != "sdf":
             raise WorldFileError(
                 f"{self._label}:{_line(xml)}: <{_local(xml)}>: the root of an SDF file must be <sdf version='...'>"
@@ -101,7 +100,7 @@ class SdfFile:
         return nearest_version
 
     def _fault(self, xml: etree._Element, message: str, severity: str) -> None:
-        self.faults.add(Fault(self._label, _line(xml), _local(xml), message, severity))
+        self.diagnostics.add(Diagnostic(self._label, _line(xml), _local(xml), message, severity))
 
     # Elements ----------------------------------------------------------------------------------------------------
 
@@ -194,7 +193,7 @@ class SdfFile:
                 before = first.setdefault((element.name, name), element)
                 if name and before is not element:
                     message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
-                    self.faults.add(Fault(element.file, element.line, element.name, message, "warning"))
+                    self.diagnostics.add(Diagnostic(element.file, element.line, element.name, message, "warning"))
 
     # Includes ----------------------------------------------------------------------------------------------------
 
@@ -213,11 +212,11 @@ class SdfFile:
             included = SdfFile()
             included._depth = self._depth + 1
             included._read_file(path)
-        except (NotFoundError, WorldFileError) as fault:
-            self._fault(xml, str(fault), "error")
+        except (NotFoundError, WorldFileError) as error:
+            self._fault(xml, str(error), "error")
             return
-        for fault_ in included.faults.found:
-            self.faults.add(fault_)
+        for fault_ in included.diagnostics.found:
+            self.diagnostics.add(fault_)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
             self._fault(xml, f"{path} has no model, light or actor", "error")

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from libgz.errors import GazeboError
-from libgz.simulation.event import Owner, owner, tell_failed
+from libgz.simulation.event import Owner, owner, report_failure
 
 __all__ = ["Agenda"]
 
@@ -52,7 +52,7 @@ class Agenda:
                 by, action = self._afterwards.pop(0)
                 try:
                     action()
-                except GazeboError as fault:
-                    log.error("%s%s", f"{by}: " if by is not None else "", fault)
-                except Exception as fault:  # noqa: BLE001 - a plugin may ask for anything
-                    tell_failed(by, "what was to be done after a step", fault)
+                except GazeboError as error:
+                    log.error("%s%s", f"{by}: " if by is not None else "", error)
+                except Exception as error:  # noqa: BLE001 - a plugin may ask for anything
+                    report_failure(by, "what was to be done after a step", error)

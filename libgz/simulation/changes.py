@@ -10,7 +10,7 @@ from libgz.simulation.plugins import own_traceback
 from libgz.worldfile.file import WorldFile
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
     from libgz.simulation.world import World
 
 __all__ = ["delete_models", "end_model", "family_of", "insert_models", "unlock_interfaces"]
@@ -36,10 +36,10 @@ def insert_models(world: World, text: str, label: str) -> list[Model]:
         root = file.GetRootNode()
         world.visit(root)
         root.note_unused()
-        file.faults.raise_errors()
+        file.diagnostics.raise_errors()
         added = world.models[count:]
         if not added:
-            reasons = "\n".join(map(str, file.faults.warnings))
+            reasons = "\n".join(map(str, file.diagnostics.warnings))
             raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
         world.init_models(added, file)
     except BaseException:
@@ -47,7 +47,7 @@ def insert_models(world: World, text: str, label: str) -> list[Model]:
         for key in set(world.gz_server.interfaces) - served:
             world.gz_server.interfaces[key].destroy()
         raise
-    for warning in file.faults.warnings:
+    for warning in file.diagnostics.warnings:
         log.warning("%s", warning)
     return added
 
@@ -91,8 +91,8 @@ def _call_fini(model: Model, level: int) -> None:
     """Let a model end; that it failed is told at a level of logging."""
     try:
         model.Fini()
-    except Exception as fault:  # noqa: BLE001 - a plugin's; the others must still end
-        log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(fault))
+    except Exception as error:  # noqa: BLE001 - a plugin's; the others must still end
+        log.log(level, "Fini of model %r failed with\n%s", model.GetId(), own_traceback(error))
 
 
 def unlock_interfaces(world: World, model: Model) -> None:

@@ -6,8 +6,8 @@ import importlib
 import time
 from collections.abc import Callable
 
+from libgz.legacy.settings import GlobalAttributes
 from libgz.physics.check import finite
-from libgz.simulation.settings import GlobalAttributes
 
 __all__ = ["Clock"]
 

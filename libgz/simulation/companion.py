@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
 
 __all__ = ["Companion"]
 

@@ -23,7 +23,7 @@ __all__ = [
     "checked",
     "everywhere",
     "owner",
-    "tell_failed",
+    "report_failure",
 ]
 
 log = logging.getLogger("libgz.simulation")
@@ -44,7 +44,7 @@ class Owner(Protocol):
     events: WorldEvents | None  # of its world; None for all worlds'
     connections: WeakSet[Ends]
 
-    def stop(self, where: str, fault: BaseException) -> None:
+    def stop(self, where: str, error: BaseException) -> None:
         """One of its callbacks raised."""
 
 
@@ -92,26 +92,26 @@ class Callback:
         try:
             result = self._function(*values)
             return self._read(result) if self._read is not None else result
-        except Exception as fault:  # noqa: BLE001 - a plugin's
+        except Exception as error:  # noqa: BLE001 - a plugin's
             self.connected = False
-            tell_failed(self._owner, self._what, fault)
+            report_failure(self._owner, self._what, error)
             return otherwise
         finally:
             owner.reset(token)
 
 
-def tell_failed(by: Owner | None, what: str, fault: Exception) -> None:
+def report_failure(by: Owner | None, what: str, error: Exception) -> None:
     """Report what a callback raised, and stop the plugin that gave it; who calls it calls it no more.
 
     Args:
         by: whose callback it is; None outside plugins.
         what: it is, such as ``a callback of event Pause``.
-        fault: what it raised.
+        error: what it raised.
     """
     if by is not None:
-        by.stop(what, fault)
+        by.stop(what, error)
     else:
-        log.error("%s failed and is called no more:\n%s", what, own_traceback(fault))
+        log.error("%s failed and is called no more:\n%s", what, own_traceback(error))
 
 
 def checked(callback: Any, what: str) -> Callable[..., Any]:
@@ -227,15 +227,15 @@ class Event:
                 owner.set(current)
             try:
                 entry.callback(*values[: entry.parameters])
-            except Exception as fault:  # noqa: BLE001 - a plugin's
-                self._failed(entry, fault)
+            except Exception as error:  # noqa: BLE001 - a plugin's
+                self._failed(entry, error)
         if current is not before:
             owner.set(before)
 
     __call__ = Signal
 
-    def _failed(self, entry: _Entry, fault: Exception) -> None:
-        tell_failed(entry.owner, f"a callback of event {self.name}", fault)
+    def _failed(self, entry: _Entry, error: Exception) -> None:
+        report_failure(entry.owner, f"a callback of event {self.name}", error)
         self.remove(entry)
         if self._above is not None:
             self._above.remove(entry)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 from libgz.errors import InterfaceError, NotFoundError, nearest
 
 if TYPE_CHECKING:
+    from libgz.legacy.model import Model
     from libgz.physics.body import Body
     from libgz.physics.engine import Engine, Space
     from libgz.physics.joint import Joint
-    from libgz.simulation.model import Model
     from libgz.transport.interface import Interface
     from libgz.transport.server import LocalServer
 

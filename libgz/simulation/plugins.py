@@ -144,9 +144,9 @@ def load_plugin(path: Path) -> Plugin:
         code = spec.loader.source_to_code(path.read_bytes(), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
-    except Exception as fault:
+    except Exception as error:
         del sys.modules[name]
-        raise PluginError(f"error loading plugin: {path}\n{own_traceback(fault, path)}") from fault
+        raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}") from error
     finally:
         _loading.reset(token)
     if initialised:
@@ -164,19 +164,19 @@ def _edited(path: Path) -> tuple[int, int]:
     """Time [ns] and size of a file."""
     try:
         status = path.stat()
-    except OSError as fault:
-        raise PluginError(f"error loading plugin: {path}: {fault.strerror}") from None
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
     return status.st_mtime_ns, status.st_size
 
 
-def own_traceback(fault: BaseException, path: Path | None = None) -> str:
-    """The traceback of a fault from the user's own code on: without the frames of libgz and importlib above it."""
-    if isinstance(fault, SyntaxError):  # it names the place itself
-        return "".join(traceback.format_exception_only(fault)).rstrip()
-    frames = traceback.extract_tb(fault.__traceback__)
+def own_traceback(error: BaseException, path: Path | None = None) -> str:
+    """The traceback of an error from the user's own code on: without the frames of libgz and importlib above it."""
+    if isinstance(error, SyntaxError):  # it names the place itself
+        return "".join(traceback.format_exception_only(error)).rstrip()
+    frames = traceback.extract_tb(error.__traceback__)
     package = Path(__file__).parent.parent
     above = (str(package), str(package.resolve()), "<frozen importlib")
     own = [i for i, f in enumerate(frames) if f.filename == str(path) or not f.filename.startswith(above)]
     first = own[0] if own else 0
-    lines = traceback.format_list(frames[first:]) + traceback.format_exception_only(fault)
+    lines = traceback.format_list(frames[first:]) + traceback.format_exception_only(error)
     return "".join(lines).rstrip()

@@ -15,6 +15,9 @@ import numpy as np
 from libgz.errors import ClosedError, GazeboError, PluginError
 from libgz.geometry import GzVector
 from libgz.interfaces.sim import Sim
+from libgz.legacy.factory import ModelFactory
+from libgz.legacy.loader import Loader
+from libgz.legacy.settings import GlobalAttributes, read_global, read_quirks
 from libgz.physics.appearance import Backdrop
 from libgz.physics.check import finite, not_negative
 from libgz.physics.engine import Engine
@@ -24,17 +27,14 @@ from libgz.simulation.changes import delete_models, end_model, family_of, insert
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.event import WorldEvents, everywhere
-from libgz.simulation.factory import ModelFactory
-from libgz.simulation.loader import Loader
 from libgz.simulation.lookup import Lookup
 from libgz.simulation.plugins import own_traceback
-from libgz.simulation.settings import GlobalAttributes, read_global, read_quirks
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
 
 __all__ = ["World"]
 
@@ -154,7 +154,7 @@ class World(Lookup, Loader, Clock, Agenda):
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
 
@@ -168,7 +168,7 @@ class World(Lookup, Loader, Clock, Agenda):
     def Load(self, file: WorldFile) -> int:
         """Build all models of a worldfile; 0.
 
-        Faults are gathered over the whole file. Warnings are logged; attributes that nobody read are among them.
+        Errors are gathered over the whole file. Warnings are logged; attributes that nobody read are among them.
 
         Raises:
             WorldFileError: there are errors; the message lists them all, one a line.
@@ -180,9 +180,9 @@ class World(Lookup, Loader, Clock, Agenda):
         self.visit(file.GetRootNode())
         file.note_foreign(not self.models)
         file.GetRootNode().note_unused()
-        for warning in file.faults.warnings:
+        for warning in file.diagnostics.warnings:
             log.warning("%s", warning)
-        file.faults.raise_errors()
+        file.diagnostics.raise_errors()
         return 0
 
     def LoadFile(self, filename: str | os.PathLike[str]) -> int:
@@ -199,7 +199,7 @@ class World(Lookup, Loader, Clock, Agenda):
         Raises:
             WorldFileError: it has errors; the message lists them all.
         """
-        from libgz.simulation.sdf_world import load_sdf
+        from libgz.sdfworld.loader import load_sdf
 
         self.engine.classic = True
         self.sdf = file
@@ -273,12 +273,12 @@ class World(Lookup, Loader, Clock, Agenda):
         try:
             model.MasterInit(file, model.node)
             model.initialized = True
-        except GazeboError as fault:
-            raise PluginError(f"{where}: Init of model {model.GetId()!r}: {fault}") from fault
-        except Exception as fault:
+        except GazeboError as error:
+            raise PluginError(f"{where}: Init of model {model.GetId()!r}: {error}") from error
+        except Exception as error:
             raise PluginError(
-                f"{where}: Init of model {model.GetId()!r} failed with\n{own_traceback(fault)}"
-            ) from fault
+                f"{where}: Init of model {model.GetId()!r} failed with\n{own_traceback(error)}"
+            ) from error
 
     def Finalize(self) -> int:
         """Let all models go, then the server; 0. Can be called twice."""
@@ -414,11 +414,11 @@ class World(Lookup, Loader, Clock, Agenda):
         for model in self._updating:
             try:
                 model.MasterUpdate(step)
-            except Exception as fault:  # noqa: BLE001 - a plugin may raise anything
+            except Exception as error:  # noqa: BLE001 - a plugin may raise anything
                 failed = True
-                model.failed = fault
+                model.failed = error
                 log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s", model.GetId(), own_traceback(fault)
+                    "model %r stopped, its motors off: its Update failed with\n%s", model.GetId(), own_traceback(error)
                 )
         if failed:
             for model in self._updating:

@@ -45,8 +45,8 @@ class Client:
             SemaphoreSet.attach(server_id)
         except FileNotFoundError:
             return False
-        except OSError as fault:
-            raise InterfaceError(f"failed to query semaphore [{fault.strerror}]") from None
+        except OSError as error:
+            raise InterfaceError(f"failed to query semaphore [{error.strerror}]") from None
         return True
 
     def connect(self, server_id: int) -> None:
@@ -69,8 +69,8 @@ class Client:
             return
         try:
             self._semaphores = SemaphoreSet.attach(server_id)
-        except OSError as fault:
-            reason = "there is none" if fault.errno == errno.ENOENT else fault.strerror
+        except OSError as error:
+            reason = "there is none" if error.errno == errno.ENOENT else error.strerror
             raise ServerError(
                 f"Failed to allocate semaphore [{reason}]: server {server_id} does not appear to be running"
             ) from None

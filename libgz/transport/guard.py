@@ -32,7 +32,7 @@ class Guard:
         return math.copysign(limit, value)
 
     def tell(self, name: str, what: str) -> None:
-        """Warn about a field, once for each kind of fault."""
+        """Warn about a field, once for each kind of error."""
         kind = what.split(",")[-1]
         if (name, kind) not in self._told:
             self._told.add((name, kind))

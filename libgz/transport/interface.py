@@ -156,9 +156,9 @@ class Interface(Generic[D]):
             try:
                 self._descriptor = server.create_file(file_name(self.type, self.id), size)
                 self._memory = mmap.mmap(self._descriptor, size)
-            except OSError as fault:
+            except OSError as error:
                 server.release(self)
-                raise InterfaceError(f"error creating mmap file: {fault.strerror} ({self.type}.{self.id})") from None
+                raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
         else:
             self._memory = bytearray(size)
         self._map()
@@ -167,9 +167,9 @@ class Interface(Generic[D]):
         if self._descriptor is not None and isinstance(server, Server):
             try:
                 server.show_file(file_name(self.type, self.id))
-            except OSError as fault:
+            except OSError as error:
                 self.destroy()
-                raise InterfaceError(f"error creating mmap file: {fault.strerror} ({self.type}.{self.id})") from None
+                raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
 
     def _write_head(self) -> None:
         head = self.data.head
@@ -207,9 +207,9 @@ class Interface(Generic[D]):
         path = f"{client.path}/{self.type}.{self.id}"
         try:
             descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC)
-        except OSError as fault:
-            hint = client.hint(self.type, self.id) if fault.errno == errno.ENOENT else ""
-            raise InterfaceError(f"error opening device file {path} : {fault.strerror}{hint}") from None
+        except OSError as error:
+            hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else ""
+            raise InterfaceError(f"error opening device file {path} : {error.strerror}{hint}") from None
         try:
             version = int.from_bytes(os.pread(descriptor, 4, 0), sys.byteorder)
             length = os.fstat(descriptor).st_size
@@ -218,11 +218,11 @@ class Interface(Generic[D]):
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
             self._memory = mmap.mmap(descriptor, size)
-        except (OSError, InterfaceError) as fault:
+        except (OSError, InterfaceError) as error:
             os.close(descriptor)
-            if isinstance(fault, InterfaceError):
+            if isinstance(error, InterfaceError):
                 raise
-            raise InterfaceError(f"error mapping device file: {fault.strerror} ({path})") from None
+            raise InterfaceError(f"error mapping device file: {error.strerror} ({path})") from None
         self._descriptor = descriptor
         self._map()
         if self.data.head.size < size:

@@ -67,10 +67,10 @@ def _attempt(action: Callable[[], object]) -> int:
     """0, or -1 and a logged message."""
     try:
         action()
-    except GazeboError as fault:
-        _Errors.last = str(fault)[:1023]
+    except GazeboError as error:
+        _Errors.last = str(error)[:1023]
         if _Errors.logged:
-            log.error("%s", fault)
+            log.error("%s", error)
         return -1
     return 0
 

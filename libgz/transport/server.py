@@ -115,10 +115,10 @@ class Server(LocalServer):
             # Old files go before new semaphores come: a client that finds the new set never opens an old file.
             self._remove_files()
             self._make_semaphores(left)
-        except BaseException as fault:
+        except BaseException as error:
             self._abandon()
-            if isinstance(fault, OSError):
-                raise self._unusable(fault) from None
+            if isinstance(error, OSError):
+                raise self._unusable(error) from None
             raise
         _running.add(self)
         log.debug("creating %s", self.path)
@@ -139,8 +139,8 @@ class Server(LocalServer):
             with contextlib.suppress(FileExistsError):
                 os.mkdir(self.path, 0o700)  # noqa: PTH102
             self._directory = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
-        except OSError as fault:
-            raise self._unusable(fault) from None
+        except OSError as error:
+            raise self._unusable(error) from None
         about = os.fstat(self._directory)
         if about.st_uid != os.geteuid():
             self._close_directory()
@@ -148,9 +148,9 @@ class Server(LocalServer):
         if about.st_mode & 0o077:
             os.fchmod(self._directory, 0o700)
 
-    def _unusable(self, fault: OSError) -> ServerError:
+    def _unusable(self, error: OSError) -> ServerError:
         return ServerError(
-            f"cannot use {self.path} as the server's directory: {fault.strerror}; "
+            f"cannot use {self.path} as the server's directory: {error.strerror}; "
             "set TMP to a directory you may write in, or use another server id: -s"
         )
 
@@ -179,8 +179,8 @@ class Server(LocalServer):
             semaphores = SemaphoreSet.attach(self.server_id)
         except FileNotFoundError:
             return None
-        except OSError as fault:
-            raise self._in_use(f"its semaphores belong to another user: {fault.strerror}", "") from None
+        except OSError as error:
+            raise self._in_use(f"its semaphores belong to another user: {error.strerror}", "") from None
         poster = semaphores.last_poster()
         if not self.force and poster != os.getpid() and alive(poster):
             # Our own lock was free, so this is a server of another kind, or one that lost its directory.
@@ -198,8 +198,8 @@ class Server(LocalServer):
             self._semaphores = SemaphoreSet.create(self.server_id)
         except FileExistsError:
             raise self._in_use("it started just now", "") from None
-        except OSError as fault:
-            raise ServerError(f"failed to allocate semaphore [{fault.strerror}]") from None
+        except OSError as error:
+            raise ServerError(f"failed to allocate semaphore [{error.strerror}]") from None
 
     def _remove_files(self) -> None:
         """Remove what a dead server left in the directory. Links are removed, never followed."""
@@ -265,12 +265,12 @@ class Server(LocalServer):
             return
         try:
             self._semaphores.post()
-        except OSError as fault:
+        except OSError as error:
             self._gone = True
             log.warning(
                 "the semaphores of server %d were removed (%s): clients cannot wait any more",
                 self.server_id,
-                fault.strerror,
+                error.strerror,
             )
 
     def stop(self) -> None:
@@ -300,9 +300,9 @@ class Server(LocalServer):
             os.rmdir(self.path)  # noqa: PTH106
         except FileNotFoundError:
             return
-        except OSError as fault:
-            if fault.errno != errno.ENOTEMPTY:
-                log.warning("failed to cleanly remove [%s] : [%s]", self.path, fault.strerror)
+        except OSError as error:
+            if error.errno != errno.ENOTEMPTY:
+                log.warning("failed to cleanly remove [%s] : [%s]", self.path, error.strerror)
                 return
             log.info("failed to cleanly remove [%s]: it holds files that are not the server's", self.path)
             self._remove_files()

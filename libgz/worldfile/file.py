@@ -12,8 +12,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import WorldFileError
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, WorldFileError
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice
@@ -41,7 +40,7 @@ class WorldFile:
     def __init__(self) -> None:
         self.filename: str | None = None
         self.label = "<worldfile>"  # what messages call the file
-        self.faults = Faults()
+        self.diagnostics = Diagnostics()
         self.source = b""
         self.encoding = "utf-8"
         self.root: WorldFileNode | None = None
@@ -71,8 +70,8 @@ class WorldFile:
             if path.stat().st_size > LARGEST_FILE:
                 raise WorldFileError(f"worldfile {path} is larger than {LARGEST_FILE >> 20} MiB")
             source = path.read_bytes()
-        except OSError as fault:
-            raise WorldFileError(f"cannot read worldfile {str(path)!r}: {fault.strerror}") from None
+        except OSError as error:
+            raise WorldFileError(f"cannot read worldfile {str(path)!r}: {error.strerror}") from None
         self._parse(source, str(path), str(path))
         return 0
 
@@ -96,9 +95,9 @@ class WorldFile:
         )
         try:
             root = etree.fromstring(source, parser)
-        except etree.XMLSyntaxError as fault:
-            raise WorldFileError(f"{label}:{fault.lineno or 1}: {fault.msg}") from None
-        # Recovery is on because real files have namespace addresses that are none; only such faults are forgiven.
+        except etree.XMLSyntaxError as error:
+            raise WorldFileError(f"{label}:{error.lineno or 1}: {error.msg}") from None
+        # Recovery is on because real files have namespace addresses that are none; only such errors are forgiven.
         fatal = [e for e in parser.error_log if e.level == etree.ErrorLevels.FATAL]
         if fatal:
             raise WorldFileError("\n".join(f"{label}:{e.line}: {e.message.strip()}" for e in fatal))
@@ -118,7 +117,7 @@ class WorldFile:
         if element.prefix is None and ":" in name:
             prefix, _, local = name.partition(":")
             undeclared = f"prefix {prefix!r} is not declared, so this element is skipped; add xmlns:{prefix}='...'"
-            self.faults.add(Fault(self.label, line, f"{prefix}:{local}", undeclared, "warning"))
+            self.diagnostics.add(Diagnostic(self.label, line, f"{prefix}:{local}", undeclared, "warning"))
         attributes = {str(k): str(v) for k, v in element.attrib.items()}
         number = self._numbered
         self._numbered += 1
@@ -238,8 +237,8 @@ class WorldFile:
             }
             try:
                 self.source = splice(self.source, self.changed, self.changed_attributes, children, self.encoding)
-            except WorldFileError as fault:
-                raise WorldFileError(f"unable to save {str(target)!r}: {fault}") from None
+            except WorldFileError as error:
+                raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
             self._renumber()
             self.changed.clear()
             self.changed_attributes.clear()
@@ -247,8 +246,8 @@ class WorldFile:
         log.info("saving: %s", target)
         try:
             write_whole(Path(target), self.source)
-        except OSError as fault:
-            raise WorldFileError(f"unable to save {str(target)!r}: {fault.strerror}") from None
+        except OSError as error:
+            raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None
         return 0
 
     def _renumber(self) -> None:
@@ -278,8 +277,8 @@ def write_whole(target: Path, data: bytes) -> None:
             target.write_bytes(data)
         else:
             _replace(target.resolve(), data)
-    except OSError as fault:
-        raise OSError(fault.errno, fault.strerror, str(target)) from None
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from None
 
 
 def _replace(target: Path, data: bytes) -> None:

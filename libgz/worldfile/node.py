@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from libgz.errors import nearest
-from libgz.fault import Fault
+from libgz.errors import Diagnostic, nearest
 from libgz.geometry import DTOR, RTOD, GzColor, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.number import atof, atoi, rubbish
 from libgz.worldfile.spelling import ignored_tags, renamed_tags
@@ -72,15 +71,15 @@ class WorldFileNode:
         """The text of this element and everything in it, untrimmed."""
         return "".join(piece if isinstance(piece, str) else piece.content for piece in self.pieces)
 
-    # Faults ------------------------------------------------------------------------------------------------------
+    # Errors ------------------------------------------------------------------------------------------------------
 
     def error(self, message: str) -> None:
-        """Note a fault that keeps the world from loading; all are told together."""
-        self.file.faults.add(Fault(self.file.label, self.line, self.tag, message, "error"))
+        """Note an error that keeps the world from loading; all are told together."""
+        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "error"))
 
     def warn(self, message: str) -> None:
-        """Note a fault with which the world still loads."""
-        self.file.faults.add(Fault(self.file.label, self.line, self.tag, message, "warning"))
+        """Note an error with which the world still loads."""
+        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "warning"))
 
     # Structure ---------------------------------------------------------------------------------------------------
 
@@ -382,11 +381,11 @@ class WorldFileNode:
 
     def WarnUnused(self) -> bool:
         """Log a warning for each element below this one that nobody asked for; whether there was one."""
-        before = set(self.file.faults.found)
+        before = set(self.file.diagnostics.found)
         found = self.note_unused()
-        for fault in self.file.faults.warnings:
-            if fault not in before:
-                log.warning("%s", fault)
+        for error in self.file.diagnostics.warnings:
+            if error not in before:
+                log.warning("%s", error)
         return found
 
     def Print(self) -> str:

@@ -100,8 +100,8 @@ class SystemPaths:
                 return str(paths.find_uri(filename)) if filename else ""
             places = (folder / filename for folder in paths.resource_directories()[1:])
             found = next((place for place in places if place.exists()), None)
-        except NotFoundError as fault:
-            gzwarn(fault)
+        except NotFoundError as error:
+            gzwarn(error)
             return ""
         if found is None:
             gzwarn(f'File or path does not exist [""] [{filename}]')

@@ -33,8 +33,8 @@ def ini_plugins() -> list[str]:
     parser = configparser.ConfigParser(interpolation=None, strict=False)
     try:
         parser.read(path, encoding="utf-8")
-    except (configparser.Error, UnicodeDecodeError) as fault:
-        log.warning("%s cannot be read: %s", path, fault)
+    except (configparser.Error, UnicodeDecodeError) as error:
+        log.warning("%s cannot be read: %s", path, error)
         return []
     names = parser.get("overlay_plugins", "filenames", fallback="")
     return [name.strip() for name in names.split(":") if name.strip()]
@@ -140,6 +140,6 @@ class Client:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()

@@ -15,7 +15,7 @@ from libgz.classic.transport import Node, TopicManager, request
 from libgz.errors import GazeboError, ServerError
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
-from libgz.simulation.sdf_world import load_sdf
+from libgz.sdfworld.loader import load_sdf
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -79,8 +79,8 @@ class SceneLink:
         name = self._node.GetTopicNamespace()
         try:
             answer = request(name, "world_sdf", timeout=self._timeout)
-        except GazeboError as fault:
-            raise ServerError(f"the server has no scene to show: {fault}") from None
+        except GazeboError as error:
+            raise ServerError(f"the server has no scene to show: {error}") from None
         text = msgs.GzString.FromString(answer.serialized_data).data
         file = SdfFile.from_string(text, f"<world {name}>", Path.cwd())
         only_looks(file.root)

@@ -38,8 +38,8 @@ class RecordControl:
             try:
                 self.record = LogRecord(self._world, path, encoding=message.encoding or "zlib")
                 log.info("recording to [%s]", self.record.path)
-            except GazeboError as fault:
-                log.error("~/log/control: %s", fault)
+            except GazeboError as error:
+                log.error("~/log/control: %s", error)
         self._tell()
 
     def _stop(self) -> None:
@@ -81,8 +81,8 @@ class PlaybackControl:
         for message in waiting:
             try:
                 self._act(message)
-            except GazeboError as fault:
-                log.error("~/playback_control: %s", fault)
+            except GazeboError as error:
+                log.error("~/playback_control: %s", error)
 
     def _act(self, message: Any) -> None:
         play = self._play

@@ -86,8 +86,8 @@ class LogWriter:
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._file = self.path.open("w", encoding="utf-8")
-        except OSError as fault:
-            raise WorldFileError(f"log {self.path} cannot be written: {fault.strerror}") from None
+        except OSError as error:
+            raise WorldFileError(f"log {self.path} cannot be written: {error.strerror}") from None
         self._write(
             "<?xml version='1.0'?>\n<gazebo_log>\n<header>\n<log_version>1.0</log_version>\n"
             f"<gazebo_version>libgz {__version__}</gazebo_version>\n<rand_seed>{seed}</rand_seed>\n</header>\n"
@@ -121,9 +121,9 @@ class LogWriter:
         try:
             self._file.write(text)
             self._file.flush()
-        except OSError as fault:
+        except OSError as error:
             self._failed = True
-            raise WorldFileError(f"log {self.path} cannot be written: {fault.strerror}") from None
+            raise WorldFileError(f"log {self.path} cannot be written: {error.strerror}") from None
 
     def close(self) -> None:
         """Write what waits, and the end. Can be called twice.
@@ -144,7 +144,7 @@ class LogWriter:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
 
@@ -180,10 +180,10 @@ class LogReader:
                         load_dtd=False,
                     )
                 )
-        except OSError as fault:
-            raise WorldFileError(f"log {self.path} cannot be read: {fault.strerror}") from None
-        except etree.XMLSyntaxError as fault:
-            raise WorldFileError(f"{self.path}:{fault.lineno or 1}: is not a log file: {fault.msg}") from None
+        except OSError as error:
+            raise WorldFileError(f"log {self.path} cannot be read: {error.strerror}") from None
+        except etree.XMLSyntaxError as error:
+            raise WorldFileError(f"{self.path}:{error.lineno or 1}: is not a log file: {error.msg}") from None
 
     def _read_header(self) -> LogHeader:
         header = next(self._elements("header"), None)
@@ -213,8 +213,8 @@ class LogReader:
             if encoding != "txt":
                 try:
                     text = ENCODINGS[encoding][1](base64.b64decode(text)).decode()
-                except (binascii.Error, zlib.error, OSError, EOFError, ValueError) as fault:
-                    raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {fault}") from None
+                except (binascii.Error, zlib.error, OSError, EOFError, ValueError) as error:
+                    raise WorldFileError(f"{self.path}:{line}: <chunk>: is damaged: {error}") from None
             yield encoding, text
             element.clear()
 
@@ -228,6 +228,6 @@ class LogReader:
         for _, text in self.chunks():
             try:
                 holder = etree.fromstring(f"<chunk>{_DECLARATION.sub('', text)}</chunk>", parser)
-            except etree.XMLSyntaxError as fault:
-                raise WorldFileError(f"{self.path}: a chunk is not well-formed: {fault.msg}") from None
+            except etree.XMLSyntaxError as error:
+                raise WorldFileError(f"{self.path}: a chunk is not well-formed: {error.msg}") from None
             yield from holder.iterchildren("sdf")

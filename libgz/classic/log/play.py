@@ -22,7 +22,7 @@ from libgz.simulation.world import World as CoreWorld
 if TYPE_CHECKING:
     from libgz.classic.physics.base import Entity
     from libgz.classic.physics.world import World
-    from libgz.simulation.model import Model as CoreModel
+    from libgz.legacy.model import Model as CoreModel
 
 __all__ = ["LogPlay", "read_states"]
 
@@ -220,6 +220,6 @@ class LogPlay:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.core.close()

@@ -23,7 +23,7 @@ from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.physics.model import Model
-    from libgz.simulation.model import Model as CoreModel
+    from libgz.legacy.model import Model as CoreModel
     from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
@@ -104,14 +104,14 @@ class LogRecord:
         if writer is not None:
             try:
                 writer.close()
-            except WorldFileError as fault:
-                log.error("%s", fault)
+            except WorldFileError as error:
+                log.error("%s", error)
 
     def __enter__(self) -> LogRecord:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.Stop()
 
@@ -133,8 +133,8 @@ class LogRecord:
             self._add_light(light, state)
         try:
             writer.add(state.text(NEWEST))
-        except WorldFileError as fault:
-            log.error("%s; it ends here", fault)
+        except WorldFileError as error:
+            log.error("%s; it ends here", error)
             self.Stop()
 
     def _add_model(self, model: Model, state: LogState) -> None:

@@ -57,8 +57,8 @@ class LogState:
                 state._add_model(model, "")
             for light in element.iterchildren("light"):
                 state.poses[light.get("name", "")] = _pose(light.findtext("pose"))
-        except ValueError as fault:
-            raise WorldFileError(f"<state> of a log: {fault}") from None
+        except ValueError as error:
+            raise WorldFileError(f"<state> of a log: {error}") from None
         for part in element.iterchildren("insertions"):
             state.insertions += [etree.tostring(child, encoding="unicode") for child in part]
         for part in element.iterchildren("deletions"):

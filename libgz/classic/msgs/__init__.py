@@ -37,8 +37,8 @@ def __getattr__(name: str) -> _typing.Any:
         raise AttributeError(name)
     try:
         found = message_type(name)
-    except _NotFoundError as fault:
-        raise AttributeError(str(fault)) from None
+    except _NotFoundError as error:
+        raise AttributeError(str(error)) from None
     globals()[name] = found
     return found
 

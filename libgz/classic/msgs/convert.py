@@ -40,10 +40,10 @@ def Set(msg: Message, value: Any) -> None:
         raise ParameterError(f"Set cannot fill a {msg.GetTypeName()}; it fills {', '.join(_SETTERS)}")
     try:
         setter(msg, value)
-    except (TypeError, ValueError, AttributeError) as fault:
-        if isinstance(fault, ParameterError):
+    except (TypeError, ValueError, AttributeError) as error:
+        if isinstance(error, ParameterError):
             raise
-        raise ParameterError(f"a {msg.GetTypeName()} cannot be set from {value!r}: {fault}") from None
+        raise ParameterError(f"a {msg.GetTypeName()} cannot be set from {value!r}: {error}") from None
 
 
 def Convert(value: Any) -> Any:

@@ -170,8 +170,8 @@ def _raw(value: Any) -> bytes:
 def _read_text(data: bytes) -> str:
     try:
         return data.decode()
-    except UnicodeDecodeError as fault:
-        raise ParameterError(f"the message is damaged: a text is not UTF-8: {fault}") from None
+    except UnicodeDecodeError as error:
+        raise ParameterError(f"the message is damaged: a text is not UTF-8: {error}") from None
 
 
 _KINDS = (
@@ -224,8 +224,8 @@ class Field:
         else:
             try:
                 return self.kind.check(value)
-            except (TypeError, ValueError, OverflowError, struct.error) as fault:
-                why = str(fault)
+            except (TypeError, ValueError, OverflowError, struct.error) as error:
+                why = str(error)
         raise ParameterError(f"{self.owner}.{self.name} cannot be {_short(value)}: {why}")
 
     def check_all(self, values: Any) -> Repeated:

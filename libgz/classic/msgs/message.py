@@ -355,6 +355,6 @@ def _from_plain(field: Field, value: Any) -> Any:
     if field.kind is not None and field.kind.name == "bytes" and isinstance(value, str):
         try:
             return base64.b64decode(value, validate=True)
-        except ValueError as fault:
-            raise ParameterError(f"{field.owner}.{field.name} is no base64: {fault}") from None
+        except ValueError as error:
+            raise ParameterError(f"{field.owner}.{field.name} is no base64: {error}") from None
     return value

@@ -92,8 +92,8 @@ class Animations:
                 continue
             try:
                 over = run.go_on(now)
-            except GazeboError as fault:
-                log.error("the animation of %s ends: %s", key[0].GetScopedName(), fault)
+            except GazeboError as error:
+                log.error("the animation of %s ends: %s", key[0].GetScopedName(), error)
                 del self._runs[key]
                 continue
             if over:

@@ -14,9 +14,9 @@ from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
-from libgz.simulation.sdf_axis import Axis, JointPlan
-from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_settings import settings_of
+from libgz.sdfworld.axis import Axis, JointPlan
+from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.settings import settings_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision

@@ -11,7 +11,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
-from libgz.simulation.sdf_world import insert_sdf
+from libgz.sdfworld.loader import insert_sdf
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World

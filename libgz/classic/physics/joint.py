@@ -9,15 +9,15 @@ from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
 from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
-from libgz.simulation.sdf_model import SdfModel
+from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
     from libgz.physics.body import Body
+    from libgz.sdfworld.joint import SdfJoint
     from libgz.simulation.event import Connection
-    from libgz.simulation.sdf_joint import SdfJoint
 
 __all__ = ["Joint", "first_axes"]
 

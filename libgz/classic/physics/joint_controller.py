@@ -151,8 +151,8 @@ class JointController:
         for name in dict.fromkeys((*self._forces, *self._positions, *self._velocities)):
             try:
                 self._push(name, self._joints[name], passed)
-            except GazeboError as fault:  # the joint is no more, or a gain is absurd
-                log.error("joint %s is held no more: %s", name, fault)
+            except GazeboError as error:  # the joint is no more, or a gain is absurd
+                log.error("joint %s is held no more: %s", name, error)
                 for targets in (self._forces, self._positions, self._velocities):
                     targets.pop(name, None)
 

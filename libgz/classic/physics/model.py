@@ -13,10 +13,10 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
 from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
+from libgz.legacy.model import Model as CoreModel
 from libgz.physics.geom import Geom
-from libgz.simulation.model import Model as CoreModel
-from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_model import SdfModel
+from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import NumericAnimation

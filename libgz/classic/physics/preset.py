@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
-from libgz.simulation.sdf_settings import apply_profile, settings_of
+from libgz.sdfworld.settings import apply_profile, settings_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World

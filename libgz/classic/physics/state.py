@@ -91,8 +91,8 @@ def save_world(world: World, path: Path) -> None:
     """
     try:
         path.write_text(world_text(world, path.parent))
-    except OSError as fault:
-        raise WorldFileError(f"{path}: cannot be written: {fault.strerror}") from None
+    except OSError as error:
+        raise WorldFileError(f"{path}: cannot be written: {error.strerror}") from None
 
 
 def _placed(element: Element, pose: GzPose) -> Element:

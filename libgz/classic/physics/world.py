@@ -23,19 +23,19 @@ from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
+from libgz.sdfworld.loader import SdfLight, WorldJoints
+from libgz.sdfworld.model import SdfModel
 from libgz.simulation.event import Event
-from libgz.simulation.sdf_model import SdfModel
-from libgz.simulation.sdf_world import SdfLight, WorldJoints
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
     from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.joint_controller import JointController
     from libgz.classic.server import WorldServer
+    from libgz.legacy.model import Model as CoreModel
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
     from libgz.sdf.reader import SdfFile
-    from libgz.simulation.model import Model as CoreModel
 
 __all__ = ["World"]
 

@@ -20,8 +20,7 @@ from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, 
 from libgz.classic.rendering.mount import Mount
 from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import GzCoordPositionAdd, GzCoordPositionSub, GzPose, GzVector, QuaternLike, VectorLike, rotate
-from libgz.rendering.camera import LEAST_NEAR
-from libgz.rendering.camera import Camera as CoreCamera
+from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event
 
@@ -121,7 +120,7 @@ class Camera:
         return self
 
     def __exit__(
-        self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
 
@@ -306,8 +305,8 @@ class Camera:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             write_image(path, self.pixels)
-        except (GazeboError, OSError) as fault:
-            log.error("camera %r: %s", self._name, fault)
+        except (GazeboError, OSError) as error:
+            log.error("camera %r: %s", self._name, error)
             return False
         return True
 

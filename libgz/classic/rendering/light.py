@@ -8,10 +8,10 @@ from libgz.classic.math import Color, Pose3d, Quaterniond, Vector3d
 from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike
 from libgz.physics.geoms import LightGeom
-from libgz.simulation.sdf_visual import KINDS
+from libgz.sdfworld.visual import KINDS
 
 if TYPE_CHECKING:
-    from libgz.simulation.sdf_world import SdfLight
+    from libgz.sdfworld.loader import SdfLight
 
 __all__ = ["Light"]
 

@@ -18,7 +18,7 @@ from libgz.rendering.shot import pose_matrix
 from libgz.sdf.element import Element
 from libgz.sdf.materials import Material
 from libgz.sdf.paths import find_uri
-from libgz.simulation.sdf_visual import put_on
+from libgz.sdfworld.visual import put_on
 
 __all__ = ["attach_mesh", "base_size", "corners_of"]
 

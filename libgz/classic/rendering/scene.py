@@ -20,15 +20,15 @@ from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
 from libgz.errors import LibraryError, ParameterError, nearest
 from libgz.geometry import GzColor, GzPose
+from libgz.legacy.model import Model as CoreModel
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.rendering.overlay import CORNERS, EDGES
 from libgz.rendering.renderer import FOGS
 from libgz.rendering.shot import Lines, View
-from libgz.simulation.model import Model as CoreModel
-from libgz.simulation.sdf_model import SdfModel
-from libgz.simulation.sdf_visual import set_sky
-from libgz.simulation.sdf_world import SdfLight
+from libgz.sdfworld.loader import SdfLight
+from libgz.sdfworld.model import SdfModel
+from libgz.sdfworld.visual import set_sky
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link

@@ -16,7 +16,7 @@ from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike
 from libgz.physics.geom import Geom
 from libgz.sdf.element import Element
-from libgz.simulation.sdf_visual import material_name, put_on, scripted_material, set_transparency
+from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.common import Time
-from libgz.classic.rendering.camera import Camera as CameraView
-from libgz.classic.rendering.camera import draw_frame
+from libgz.classic.rendering.camera import Camera as CameraView, draw_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.sensor import Sensor, SensorCategory

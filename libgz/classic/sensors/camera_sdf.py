@@ -61,8 +61,8 @@ class CameraPlan:
         self.width, self.height = count(image, "width"), count(image, "height")
         try:
             self.format = check_format(image.Get(str, "format"))
-        except ParameterError as fault:
-            raise wrong(image, "format", str(fault)) from None
+        except ParameterError as error:
+            raise wrong(image, "format", str(error)) from None
         clip = element.child("clip")
         described = element.description.children if element.description is not None else {}
         if depth and "depth_camera" in described and element.HasElement("depth_camera"):

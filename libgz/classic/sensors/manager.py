@@ -39,7 +39,7 @@ class WorldSensors:
         self._watched: list[tuple[Topic, Sensor]] = []  # asleep, until somebody listens
         self._now = 0.0  # [s] of the last iteration
         self._next = -math.inf  # [s] before this sim time nobody wants to measure
-        self._faults: list[str] = []
+        self._diagnostics: list[str] = []
         self._started = False
         self._served = False
 
@@ -64,8 +64,8 @@ class WorldSensors:
             sensor = sensor_class(KINDS[kind])(self, parent, element)
             if sensor.ScopedName() in self.sensors:
                 raise ParameterError(f"{element.where}: <sensor>: there is a {sensor.ScopedName()!r} already")
-        except ParameterError as fault:
-            self._faults.append(str(fault))
+        except ParameterError as error:
+            self._diagnostics.append(str(error))
             return None
         self.sensors[sensor.ScopedName()] = sensor
         self._new.append(sensor)
@@ -77,12 +77,12 @@ class WorldSensors:
         Raises:
             WorldFileError: a sensor of the world's own file is wrong; later such sensors are told of and left out.
         """
-        faults, self._faults = self._faults, []
-        if faults and not self._started:
-            raise WorldFileError("\n".join(faults))
+        diagnostics, self._diagnostics = self._diagnostics, []
+        if diagnostics and not self._started:
+            raise WorldFileError("\n".join(diagnostics))
         later, self._started = self._started, True
-        for fault in faults:
-            log.error("%s", fault)
+        for error in diagnostics:
+            log.error("%s", error)
         added, self._new = self._new, []
         for sensor in added:
             self._init(sensor, later)
@@ -95,10 +95,10 @@ class WorldSensors:
     def _init(self, sensor: Sensor, later: bool) -> None:
         try:
             sensor.Init()
-        except GazeboError as fault:
+        except GazeboError as error:
             if not later:
                 raise
-            log.error("%s: <sensor>: %s", sensor.sdf.where, fault)
+            log.error("%s: <sensor>: %s", sensor.sdf.where, error)
             self.remove(sensor)
         self.wake(sensor)
 
@@ -170,8 +170,8 @@ class WorldSensors:
                 continue
             try:
                 sensor.Update(False)
-            except GazeboError as fault:
-                log.error("sensor %s is taken out, for it cannot measure: %s", sensor.ScopedName(), fault)
+            except GazeboError as error:
+                log.error("sensor %s is taken out, for it cannot measure: %s", sensor.ScopedName(), error)
                 self.remove(sensor)
         self._next = min((sensor.due for sensor in self._awake), default=math.inf)
 
@@ -189,8 +189,8 @@ class WorldSensors:
             if sensor.publisher is None and topic and sensor.message_type:
                 try:
                     sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
-                except GazeboError as fault:
-                    log.error("%s: <sensor>: %s", sensor.sdf.where, fault)
+                except GazeboError as error:
+                    log.error("%s: <sensor>: %s", sensor.sdf.where, error)
         self._sort_out()
 
     # Telling -----------------------------------------------------------------------------------------------------

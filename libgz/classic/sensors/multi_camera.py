@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.common import Time
-from libgz.classic.rendering.camera import Camera as CameraView
-from libgz.classic.rendering.camera import draw_frame
+from libgz.classic.rendering.camera import Camera as CameraView, draw_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
-from libgz.classic.sensors.noise import Noise as NoiseModel
-from libgz.classic.sensors.noise import new_noise
+from libgz.classic.sensors.noise import Noise as NoiseModel, new_noise
 from libgz.classic.sensors.read import wrong
 from libgz.classic.sensors.sensor import Sensor, SensorCategory
 from libgz.errors import NotFoundError

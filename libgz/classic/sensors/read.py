@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from libgz.errors import ParameterError, nearest
-from libgz.fault import Fault
+from libgz.errors import Diagnostic, ParameterError, nearest
 from libgz.sdf.element import Element
 
 __all__ = ["choice", "count", "custom_topic", "number", "wrong"]
@@ -17,7 +16,7 @@ UNSET = ("", "__default__", "__default_topic__")
 def wrong(element: Element, key: str, message: str) -> ParameterError:
     """The error of a value that is not allowed: ``file:line: <key>: message``; `key` is a child of the element."""
     place = next(element.named(key), element)
-    return ParameterError(str(Fault(place.file or "<string>", place.line, key, message, "error")))
+    return ParameterError(str(Diagnostic(place.file or "<string>", place.line, key, message, "error")))
 
 
 def number(element: Element, key: str, least: float = -math.inf, most: float = math.inf, unit: str = "") -> float:

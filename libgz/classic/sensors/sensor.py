@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d
-from libgz.classic.sensors.noise import Noise as NoiseModel
-from libgz.classic.sensors.noise import SensorNoiseType, new_noise
+from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
 from libgz.classic.sensors.read import custom_topic, number
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzPose

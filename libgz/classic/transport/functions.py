@@ -58,8 +58,8 @@ def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30)
     uri = f"http://{masterHost or 'localhost'}:{masterPort or DEFAULT_PORT}" if masterHost or masterPort else None
     try:
         connect(uri, float(timeoutIterations))
-    except ServerError as fault:
-        log.error("%s", fault)
+    except ServerError as error:
+        log.error("%s", error)
         return False
     return True
 

@@ -67,7 +67,7 @@ class Link:
     def __enter__(self) -> Link:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self.close()
 
 
@@ -92,9 +92,9 @@ def serve(uri: str | None = None) -> Link:
     claim.close()
     try:
         return Link(address, network_type(address.endpoint, True))
-    except OSError as fault:
-        taken = "already in use" in str(fault)
-        why = os.strerror(errno.EADDRINUSE) if taken else str(fault)
+    except OSError as error:
+        taken = "already in use" in str(error)
+        why = os.strerror(errno.EADDRINUSE) if taken else str(error)
         raise _start_error(why, errno.EADDRINUSE if taken else None) from None
 
 
@@ -136,8 +136,8 @@ def _network() -> type[Network] | None:
     """The way to other processes, or None without the extra."""
     try:
         from libgz.classic.transport.network import Network
-    except ImportError as fault:
-        if (fault.name or "").partition(".")[0] != "zenoh":
+    except ImportError as error:
+        if (error.name or "").partition(".")[0] != "zenoh":
             raise
         return None
     return Network
@@ -148,15 +148,15 @@ def _claim(address: Address) -> socket.socket:
     try:
         family, kind, protocol, _, where = socket.getaddrinfo(*address, type=socket.SOCK_STREAM)[0]
         claim = socket.socket(family, kind, protocol)
-    except OSError as fault:
-        raise _start_error(fault.strerror or str(fault)) from None
+    except OSError as error:
+        raise _start_error(error.strerror or str(error)) from None
     try:
         claim.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         claim.bind(where)
         claim.listen()  # only then is a port that somebody else listens on refused
-    except OSError as fault:
+    except OSError as error:
         claim.close()
-        raise _start_error(fault.strerror or str(fault), fault.errno) from None
+        raise _start_error(error.strerror or str(error), error.errno) from None
     return claim
 
 

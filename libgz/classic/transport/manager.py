@@ -241,8 +241,8 @@ def _receive(topic: Topic) -> None:
         return
     try:
         message = message_type(incoming.type_name).FromString(incoming.data)
-    except (NotFoundError, ParameterError) as fault:
-        log.error("topic %s: a message that came was dropped: %s", topic.name, fault)
+    except (NotFoundError, ParameterError) as error:
+        log.error("topic %s: a message that came was dropped: %s", topic.name, error)
         return
     if incoming.subscriber is None:
         topic.heard[incoming.sender] = (incoming.sent, incoming.number)

@@ -46,8 +46,8 @@ def get_master_uri(uri: str | None = None) -> Address:
     try:
         parts = urlsplit(text if "://" in text else f"http://{text}")
         host, port = parts.hostname, parts.port
-    except ValueError as fault:
-        raise ParameterError(f"master URI {text!r}: {fault}; it must be like {DEFAULT_URI}") from None
+    except ValueError as error:
+        raise ParameterError(f"master URI {text!r}: {error}; it must be like {DEFAULT_URI}") from None
     if not host:
         raise ParameterError(f"master URI {text!r} names no machine; it must be like {DEFAULT_URI}")
     if port is None:

@@ -94,8 +94,8 @@ class Network:
         listen, connect = ([endpoint], []) if serve else ([], [endpoint])
         try:
             self._session: Any = zenoh.open(_config("router" if serve else "client", listen, connect, open_timeout))
-        except zenoh.ZError as fault:
-            raise OSError(str(fault)) from None
+        except zenoh.ZError as error:
+            raise OSError(str(error)) from None
         # The simulation does not wait for a slow client; a client's command waits until it is sent.
         self._congestion = zenoh.CongestionControl.DROP if serve else zenoh.CongestionControl.BLOCK
         self._id = str(self._session.zid())
@@ -217,8 +217,8 @@ class Network:
         if channel is not None:
             try:
                 channel.put(message.SerializeToString(), attachment=self._stamp(publisher, number, message))
-            except zenoh.ZError as fault:
-                log.debug("topic %s: a message was not sent: %s", topic.name, fault)
+            except zenoh.ZError as error:
+                log.debug("topic %s: a message was not sent: %s", topic.name, error)
 
     def _stamp(self, publisher: int, number: int, message: Message) -> bytes:
         return f"{self._id}.{publisher} {number} {message.GetTypeName()}".encode()

@@ -11,7 +11,7 @@ from typing import Any
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
-from libgz.simulation.event import checked, owner, tell_failed
+from libgz.simulation.event import checked, owner, report_failure
 
 __all__ = ["Subscriber"]
 
@@ -77,11 +77,11 @@ class Subscriber:
         token = owner.set(self._owner)
         try:
             callback(message)
-        except Exception as fault:  # noqa: BLE001 - a plugin's; the simulation goes on
-            self._failed(fault)
+        except Exception as error:  # noqa: BLE001 - a plugin's; the simulation goes on
+            self._failed(error)
         finally:
             owner.reset(token)
 
-    def _failed(self, fault: Exception) -> None:
+    def _failed(self, error: Exception) -> None:
         self.Unsubscribe()
-        tell_failed(self._owner, f"the callback {self._what} of topic {self._topic.name}", fault)
+        report_failure(self._owner, f"the callback {self._what} of topic {self._topic.name}", error)

@@ -10,8 +10,8 @@ from libgz.physics.check import finite
 from libgz.physics.couplings import Gears, Thread
 from libgz.physics.engine import Engine
 from libgz.physics.joint import HingeJoint, Joint, SliderJoint
-from libgz.simulation.sdf_axis import HALF_TURN, UNLIMITED, Axis, JointPlan
-from libgz.simulation.sdf_parameters import PARAMETERS, ode_number
+from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
+from libgz.sdfworld.parameters import PARAMETERS, ode_number
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body

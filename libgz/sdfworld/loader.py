@@ -5,21 +5,20 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable
 
-from libgz.errors import GazeboError, WorldFileError
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, GazeboError, WorldFileError
 from libgz.geometry import GzPose
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.axis import read_joint
+from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.model import SdfModel, model_pose
+from libgz.sdfworld.settings import apply_settings
+from libgz.sdfworld.state import apply_state
+from libgz.sdfworld.visual import set_light
 from libgz.simulation.changes import delete_models
-from libgz.simulation.model import Model
-from libgz.simulation.sdf_axis import read_joint
-from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_model import SdfModel, model_pose
-from libgz.simulation.sdf_settings import apply_settings
-from libgz.simulation.sdf_state import apply_state
-from libgz.simulation.sdf_visual import set_light
 from libgz.simulation.world import World
 
 __all__ = ["SdfLight", "WorldJoints", "add_entities", "insert_sdf", "load_sdf"]
@@ -30,7 +29,7 @@ log = logging.getLogger("libgz.simulation")
 class SdfLight(Model):
     """A `<light>`: a dummy body with a light."""
 
-    def __init__(self, world: World, element: Element, faults: Faults) -> None:
+    def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:
         super().__init__(world)
         self.sdf = element
         self.SetName("light")
@@ -43,7 +42,7 @@ class SdfLight(Model):
         set_light(
             self.light,
             element,
-            lambda part, text: faults.add(Fault(part.file, part.line, part.name, text, "warning")),
+            lambda part, text: diagnostics.add(Diagnostic(part.file, part.line, part.name, text, "warning")),
         )
 
 
@@ -85,30 +84,30 @@ def load_sdf(world: World, file: SdfFile) -> None:
     Raises:
         WorldFileError: it has errors; the message lists them all. Warnings are logged.
     """
-    root, faults = file.root, file.faults
+    root, diagnostics = file.root, file.diagnostics
     if not any(child.name in ("world", "model", "light") for child in root.children):
-        faults.raise_errors()
+        diagnostics.raise_errors()
         raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
     try:
-        _build(world, next(root.named("world"), None) or _world_around(root), faults)
-    except GazeboError as fault:
-        if not faults.errors:  # else it follows from what the reader has found
-            raise WorldFileError(str(fault)) from fault
-    for warning in faults.warnings:
+        _build(world, next(root.named("world"), None) or _world_around(root), diagnostics)
+    except GazeboError as error:
+        if not diagnostics.errors:  # else it follows from what the reader has found
+            raise WorldFileError(str(error)) from error
+    for warning in diagnostics.warnings:
         log.warning("%s", warning)
-    faults.raise_errors()
+    diagnostics.raise_errors()
 
 
-def _build(world: World, element: Element, faults: Faults) -> None:
+def _build(world: World, element: Element, diagnostics: Diagnostics) -> None:
     """Settings, models, lights and joints of a `<world>`, put where its first `<state>` says."""
-    apply_settings(world, element, faults)
-    add_entities(world, element.children, faults)
-    _add_world_joints(world, element, faults)
+    apply_settings(world, element, diagnostics)
+    add_entities(world, element.children, diagnostics)
+    _add_world_joints(world, element, diagnostics)
     state = next(element.named("state"), None)
     if state is not None:
         for insertions in state.named("insertions"):
-            add_entities(world, insertions.children, faults)
-        apply_state(world, state, faults)
+            add_entities(world, insertions.children, diagnostics)
+        apply_state(world, state, diagnostics)
 
 
 def _world_around(root: Element) -> Element:
@@ -130,34 +129,34 @@ def insert_sdf(world: World, file: SdfFile) -> list[Model]:
     """
     before = len(world.models)
     root = next(file.root.named("world"), file.root)
-    file.faults.raise_errors()
+    file.diagnostics.raise_errors()
     try:
-        add_entities(world, root.children, file.faults)
-        file.faults.raise_errors()
+        add_entities(world, root.children, file.diagnostics)
+        file.diagnostics.raise_errors()
         added = world.models[before:]
         if not added:
             raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
     except BaseException:
         delete_models(world, world.models[before:])
         raise
-    for warning in file.faults.warnings:
+    for warning in file.diagnostics.warnings:
         log.warning("%s", warning)
     return added
 
 
-def add_entities(world: World, elements: Iterable[Element], faults: Faults) -> list[Model]:
-    """Build models, then their joints, and lights; what is wrong becomes a fault. What was added."""
+def add_entities(world: World, elements: Iterable[Element], diagnostics: Diagnostics) -> list[Model]:
+    """Build models, then their joints, and lights; what is wrong becomes an error. What was added."""
     before = len(world.models)
     models = []
     for element in elements:
         if element.name == "model":
-            model = SdfModel(world, element, faults)
+            model = SdfModel(world, element, diagnostics)
             model.build(model_pose(element))
             models.append(model)
             for member in model.family():
                 _register(world, member)
         elif element.name == "light":
-            _register(world, SdfLight(world, element, faults))
+            _register(world, SdfLight(world, element, diagnostics))
     for model in models:
         model.build_joints()
     return world.models[before:]
@@ -168,7 +167,7 @@ def _register(world: World, model: Model) -> None:
     world.adopt(model)
 
 
-def _add_world_joints(world: World, holder: Element, faults: Faults) -> None:
+def _add_world_joints(world: World, holder: Element, diagnostics: Diagnostics) -> None:
     """Joints that stand beside the models."""
     elements = list(holder.named("joint"))
     if not elements:
@@ -178,6 +177,6 @@ def _add_world_joints(world: World, holder: Element, faults: Faults) -> None:
         try:
             plan = read_joint(element, joints.find_link, GzPose())
             joints.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
-        except GazeboError as fault:
-            faults.add(Fault(element.file, element.line, "joint", str(fault), "error"))
+        except GazeboError as error:
+            diagnostics.add(Diagnostic(element.file, element.line, "joint", str(error), "error"))
     world.adopt(joints)

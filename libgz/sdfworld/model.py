@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
 from libgz.physics.mass import given_mass
 from libgz.sdf.element import Element
-from libgz.simulation.model import Model
-from libgz.simulation.sdf_axis import Axis, JointPlan, read_joint
-from libgz.simulation.sdf_joint import SdfJoint
-from libgz.simulation.sdf_shapes import make_collision, make_visual
-from libgz.simulation.sdf_surface import set_body_surface, set_surface
-from libgz.simulation.sdf_visual import dress, link_lights
+from libgz.sdfworld.axis import Axis, JointPlan, read_joint
+from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.shapes import make_collision, make_visual
+from libgz.sdfworld.surface import set_body_surface, set_surface
+from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
@@ -31,10 +30,12 @@ class SdfModel(Model):
     when all models of a file stand, for joints reach into other models.
     """
 
-    def __init__(self, world: World, element: Element, faults: Faults, parent: SdfModel | None = None) -> None:
+    def __init__(
+        self, world: World, element: Element, diagnostics: Diagnostics, parent: SdfModel | None = None
+    ) -> None:
         super().__init__(world)
         self.sdf = element
-        self.faults = faults
+        self.diagnostics = diagnostics
         self.name = element.Get(str, "name")
         self.static: bool = element.Get(bool, "static") or (parent is not None and parent.static)
         self.links: dict[str, Body] = {}
@@ -55,7 +56,7 @@ class SdfModel(Model):
             self.SetId(f"{parent.GetId()}::{self.name}")
 
     def build(self, pose: GzPose) -> None:
-        """Make links and nested models, with the model frame at a global pose; faults are those of the file."""
+        """Make links and nested models, with the model frame at a global pose; errors are those of the file."""
         self._frame = pose
         for link in self.sdf.named("link"):
             self._guard(link, self._add_link, link, pose)
@@ -93,14 +94,14 @@ class SdfModel(Model):
             yield from model.family()
 
     def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.faults.add(Fault(element.file or "<string>", element.line, element.name, message, severity))
+        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
 
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
         """Do something; what it raises is an error of the file, told with all others."""
         try:
             action(*arguments)
-        except GazeboError as fault:
-            self._note(element, str(fault), "error")
+        except GazeboError as error:
+            self._note(element, str(error), "error")
 
     # Links -------------------------------------------------------------------------------------------------------
 
@@ -108,7 +109,7 @@ class SdfModel(Model):
         name = element.Get(str, "name")
         if name in self.nested or name in self.links:
             raise ParameterError(f"model {self.GetId()!r} has something named {name!r} already")
-        model = SdfModel(self.world, element, self.faults, self)
+        model = SdfModel(self.world, element, self.diagnostics, self)
         self.nested[name] = model
         model.build(GzCoordPoseAdd(model_pose(element), pose))
 
@@ -263,7 +264,7 @@ class SdfModel(Model):
         joint = SdfJoint(self.world.engine, plan)
         self.sdf_joints[plan.name] = joint
         for body in (plan.parent, plan.child):
-            if body is not None and body.sleepy:
+            if body is not None and body.auto_disable:
                 body.set_auto_disable(False)
         return joint
 

@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, cast
 
 from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzPose
-from libgz.simulation.factory import ModelFactory
-from libgz.simulation.moorings import with_moorings
-from libgz.simulation.origin import to_world
+from libgz.legacy.factory import ModelFactory
+from libgz.legacy.origin import to_world
+from libgz.legacy.poses import Poses
+from libgz.legacy.settings import is_settings
+from libgz.legacy.world_joints import move_with_world_joints
 from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
-from libgz.simulation.poses import Poses
-from libgz.simulation.settings import is_settings
 from libgz.transport.paths import check_id
 from libgz.worldfile.spelling import NAMES_ONLY
 
 if TYPE_CHECKING:
+    from libgz.legacy.model import Model
     from libgz.physics.body import Body
-    from libgz.simulation.model import Model
     from libgz.simulation.world import World
     from libgz.worldfile.node import WorldFileNode
 
@@ -59,18 +59,18 @@ class Loader(Poses):
     def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
         """Build the model of an element, and those inside it; None if there is none to build.
 
-        What is wrong becomes a fault of the worldfile: an unknown model a warning, anything else an error.
+        What is wrong becomes an error of the worldfile: an unknown model a warning, anything else an error.
         """
         try:
             model = self._new_model(node)
             if model is not None:
                 self._load_model(model, node, parent)
-        except GazeboError as fault:
-            node.error(str(fault))
+        except GazeboError as error:
+            node.error(str(error))
             model = None
-        except Exception as fault:
+        except Exception as error:
             log.debug("the Load that failed", exc_info=True)
-            node.error(f"Load failed with\n{own_traceback(fault)}")
+            node.error(f"Load failed with\n{own_traceback(error)}")
             model = None
         if model is None:
             _skip(node, models=True)
@@ -113,7 +113,7 @@ class Loader(Poses):
         try:
             model.MasterLoad(node.file, node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
-            with_moorings(model, lambda: self.SetModelPose(model, model.initPose))
+            move_with_world_joints(model, lambda: self.SetModelPose(model, model.initPose))
             model.Attach()
         except BaseException:
             model.Detach()
@@ -130,16 +130,16 @@ def _check_id(model: Model, node: WorldFileNode) -> None:
     try:
         for kind in model.interfaces:
             check_id(kind, model.GetId())
-    except InterfaceError as fault:
-        (node.GetChild("id") or node).error(str(fault))
+    except InterfaceError as error:
+        (node.GetChild("id") or node).error(str(error))
 
 
 def _parent_body(node: WorldFileNode, parent: Model) -> Body:
     """The body that an element names; if there is none, an error, and another body so that loading finds more."""
     try:
         return parent.GetBody((node.GetString("parentBody", "canonical") or "").strip())
-    except NotFoundError as fault:
-        node.error(str(fault))
+    except NotFoundError as error:
+        node.error(str(error))
         return parent.GetBody()
 
 

@@ -12,7 +12,7 @@ from libgz.errors import ParameterError
 from libgz.simulation.plugins import Plugin, collect
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
     from libgz.simulation.world import World
 
 __all__ = ["GZ_REGISTER_PLUGIN", "GZ_REGISTER_STATIC", "ModelFactory"]

@@ -134,8 +134,8 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
         fading = element.child("attenuation")
         try:
             light.SetAttenuation([fading.Get(float, key) for key in ("constant", "linear", "quadratic")])
-        except ParameterError as fault:
-            note(fading, f"{fault}; the light does not fade")
+        except ParameterError as error:
+            note(fading, f"{error}; the light does not fade")
         light.range = fading.Get(float, "range")
     if element.HasElement("spot"):
         cone = element.child("spot")

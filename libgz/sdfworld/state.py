@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from libgz.errors import NotFoundError, ParameterError
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError
 from libgz.geometry import GzPose, GzVector
+from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
-from libgz.simulation.model import Model
-from libgz.simulation.sdf_model import SdfModel
+from libgz.sdfworld.model import SdfModel
 from libgz.simulation.world import World
 
 __all__ = ["apply_state"]
 
 
-def apply_state(world: World, state: Element, faults: Faults) -> None:
+def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
     """Put models, links and lights where a `<state>` says. What it names and is not there is a warning.
 
     Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
@@ -27,11 +26,11 @@ def apply_state(world: World, state: Element, faults: Faults) -> None:
         seconds, nanoseconds = _numbers(state, "sim_time", 2, "seconds and nanoseconds")
         world.set_sim_time(seconds + 1e-9 * nanoseconds)
     for element in state.named("model"):
-        model = _find(world, element, faults)
+        model = _find(world, element, diagnostics)
         if model is not None:
-            _apply_model(world, model, element, faults)
+            _apply_model(world, model, element, diagnostics)
     for element in state.named("light"):
-        light = _find(world, element, faults)
+        light = _find(world, element, diagnostics)
         if light is not None and element.HasElement("pose"):
             world.SetModelPose(light, element.Get(GzPose, "pose"))
     for deletions in state.named("deletions"):
@@ -42,30 +41,30 @@ def apply_state(world: World, state: Element, faults: Faults) -> None:
                 world.DeleteModel(gone)
 
 
-def _find(world: World, element: Element, faults: Faults) -> Model | None:
+def _find(world: World, element: Element, diagnostics: Diagnostics) -> Model | None:
     name = element.Get(str, "name")
     try:
         return world.model(name)
-    except NotFoundError as fault:
-        faults.add(Fault(element.file, element.line, element.name, f"of <state>: {fault}", "warning"))
+    except NotFoundError as error:
+        diagnostics.add(Diagnostic(element.file, element.line, element.name, f"of <state>: {error}", "warning"))
         return None
 
 
-def _apply_model(world: World, model: Model, element: Element, faults: Faults) -> None:
+def _apply_model(world: World, model: Model, element: Element, diagnostics: Diagnostics) -> None:
     if element.HasElement("pose"):
         world.SetModelPose(model, element.Get(GzPose, "pose"))
     for link in element.named("link"):
         name = link.Get(str, "name")
         try:
             body = model.GetBody(name)
-        except NotFoundError as fault:
-            faults.add(Fault(link.file, link.line, link.name, f"of <state>: {fault}", "warning"))
+        except NotFoundError as error:
+            diagnostics.add(Diagnostic(link.file, link.line, link.name, f"of <state>: {error}", "warning"))
             continue
         _apply_link(body, link)
     for inner in element.named("model"):
         nested = model.nested.get(inner.Get(str, "name")) if isinstance(model, SdfModel) else None
         if nested is not None:
-            _apply_model(world, nested, inner, faults)
+            _apply_model(world, nested, inner, diagnostics)
 
 
 def _apply_link(body: Body, link: Element) -> None:

@@ -5,12 +5,11 @@ from __future__ import annotations
 import weakref
 from dataclasses import dataclass, field
 
-from libgz.errors import NotFoundError, ParameterError, nearest
-from libgz.fault import Fault, Faults
+from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
-from libgz.simulation.sdf_visual import apply_scene
+from libgz.sdfworld.visual import apply_scene
 from libgz.simulation.world import World
 
 __all__ = ["SdfSettings", "apply_profile", "apply_settings", "settings_of"]
@@ -39,7 +38,7 @@ def settings_of(world: World) -> SdfSettings:
     return _settings[world]
 
 
-def apply_settings(world: World, element: Element, faults: Faults) -> SdfSettings:
+def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> SdfSettings:
     """Read the settings of a `<world>`, and put them into force."""
     found = list(element.named("physics")) or [element.child("physics")]
     profiles = {p.Get(str, "name") or "default_physics": p for p in reversed(found)}
@@ -57,9 +56,9 @@ def apply_settings(world: World, element: Element, faults: Faults) -> SdfSetting
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
     try:
-        _apply_physics(world, chosen, faults)
-    except ParameterError as fault:
-        faults.add(Fault(chosen.file, chosen.line, chosen.name, str(fault), "error"))
+        _apply_physics(world, chosen, diagnostics)
+    except ParameterError as error:
+        diagnostics.add(Diagnostic(chosen.file, chosen.line, chosen.name, str(error), "error"))
     return settings
 
 
@@ -75,23 +74,23 @@ def apply_profile(world: World, name: str) -> None:
         hint = nearest(name, settings.profiles)
         raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
     settings.physics = settings.profiles[name]
-    _apply_physics(world, settings.physics, Faults())
+    _apply_physics(world, settings.physics, Diagnostics())
 
 
-def _apply_physics(world: World, physics: Element, faults: Faults) -> None:
+def _apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> None:
     """Step, solver, contacts and pacing."""
     engine = world.engine
     engine.step_time = physics.Get(float, "max_step_size")
     engine.max_contacts = physics.Get(int, "max_contacts")
     kind = physics.Get(str, "type")
     if kind != "ode":
-        _warn(faults, physics, f"type {kind!r} is not here; ODE is used instead")
+        _warn(diagnostics, physics, f"type {kind!r} is not here; ODE is used instead")
     solver = physics.child("ode").child("solver")
     engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
     engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
     model = solver.Get(str, "friction_model") or "pyramid_model"
     if model not in ("pyramid_model", "cone_model"):
-        _warn(faults, solver, f"friction_model {model!r} is not here; pyramid_model and cone_model are")
+        _warn(diagnostics, solver, f"friction_model {model!r} is not here; pyramid_model and cone_model are")
     engine.cone = model == "cone_model"
     constraints = physics.child("ode").child("constraints")
     engine.set_constraints(
@@ -102,5 +101,5 @@ def _apply_physics(world: World, physics: Element, faults: Faults) -> None:
     world.simSpeed = physics.Get(float, "real_time_update_rate") * engine.step_time
 
 
-def _warn(faults: Faults, element: Element, message: str) -> None:
-    faults.add(Fault(element.file, element.line, element.name, message, "warning"))
+def _warn(diagnostics: Diagnostics, element: Element, message: str) -> None:
+    diagnostics.add(Diagnostic(element.file, element.line, element.name, message, "warning"))

@@ -12,7 +12,7 @@ from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["QUIRKS", "GlobalAttributes", "find_global_nodes", "is_settings", "read_global", "read_quirks"]
 
-# Faults of the old server that a world can ask to have back, and what each one brings.
+# Errors of the old server that a world can ask to have back, and what each one brings.
 QUIRKS = {
     "verticalHfov": "cameras take hfov as the vertical angle",
     "laserNoHitOffset": "a laser beam without a hit reads rangeMax + rangeMin",
@@ -42,7 +42,7 @@ class GlobalAttributes:
     utmOffset: GzVector = vector((0.0, 0.0, 0.0), help="UTM easting, northing and altitude of the world's origin")
     skyColor: GzColor = color(0.7, 0.7, 0.9, help="colour of the sky and of the fog")
     fogDensity: float = number(0.25, least=0.0, help="density of the fog; there is fog only if this is given")
-    legacyQuirks: str = text("", help="`true`, or names of the old server's faults that this world wants back")
+    legacyQuirks: str = text("", help="`true`, or names of the old server's errors that this world wants back")
 
 
 def find_global_nodes(file: WorldFile) -> list[WorldFileNode]:

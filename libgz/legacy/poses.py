@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 from libgz.errors import WorldFileError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
-from libgz.simulation.origin import to_file
+from libgz.legacy.origin import to_file
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
     from libgz.worldfile.file import WorldFile
 
 __all__ = ["Poses"]
@@ -66,7 +66,7 @@ class Poses:
             model.node.SetRotation("rpy", pose.rot, add=True)
         try:
             self.file.Save()
-        except WorldFileError as fault:
-            log.error("%s", fault)
+        except WorldFileError as error:
+            log.error("%s", error)
             return -1
         return 0

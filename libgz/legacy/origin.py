@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
 
 __all__ = ["to_file", "to_world"]
 

@@ -10,12 +10,12 @@ from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, Slider
 from libgz.physics.two_axes import UniversalJoint
 
 if TYPE_CHECKING:
-    from libgz.simulation.model import Model
+    from libgz.legacy.model import Model
 
-__all__ = ["with_moorings"]
+__all__ = ["move_with_world_joints"]
 
 
-def with_moorings(model: Model, place: Callable[[], None]) -> None:
+def move_with_world_joints(model: Model, place: Callable[[], None]) -> None:
     """Move a model that was built to its place by calling `place`, and its joints to the world along with it.
 
     ODE keeps such a joint's side of the world where it was, and would pull the model back there.

@@ -74,7 +74,7 @@ class Model:
         self.failed: BaseException | None = None
         self.initialized: bool | None = None  # by Init; None before it is called
         self._canonical: Body | None = None
-        self._strays: list[Body] = []  # that Load made and told no AddBody of
+        self._unregistered: list[Body] = []  # that Load made and told no AddBody of
         self._id = ""
         self._name = type(self).__name__
         self._number = next(_numbers)
@@ -114,7 +114,7 @@ class Model:
         try:
             result = self.Load(file, node)
         finally:
-            self._strays = self._strays_since(before)
+            self._unregistered = self._unregistered_since(before)
         if result:
             raise GazeboError(f"Load of model {self._id!r} failed: it returned {result}")
         if self._canonical is None:
@@ -123,10 +123,10 @@ class Model:
             )
         for body in self.bodies:
             self._switch(body)
-        if self._strays:
+        if self._unregistered:
             node.warn("has a body that no AddBody was told of: it stays where Load put it, and is not the model's")
 
-    def _strays_since(self, before: Body | None) -> list[Body]:
+    def _unregistered_since(self, before: Body | None) -> list[Body]:
         """Bodies that were made since `before` and belong to no model."""
         made = itertools.takewhile(lambda body: body is not before, reversed(self.world.engine.bodies.values()))
         return [body for body in made if body.model is None]
@@ -369,6 +369,6 @@ class Model:
         """Destroy bodies, joints and space."""
         if self._weld is not None:
             self._weld.close()
-        for body in (*self.bodies, *self._strays):
+        for body in (*self.bodies, *self._unregistered):
             body.close()
         self.modelSpaceId.close()

@@ -26,9 +26,9 @@ from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
 from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
 from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
-from libgz.simulation.sdf_axis import Axis, JointPlan
-from libgz.simulation.sdf_limits import JointLimits
-from libgz.simulation.sdf_links import links_behind, move_links, push_links
+from libgz.sdfworld.axis import Axis, JointPlan
+from libgz.sdfworld.limits import JointLimits
+from libgz.sdfworld.links import links_behind, move_links, push_links
 
 __all__ = ["KINDS", "SdfJoint"]
 
@@ -60,7 +60,7 @@ class SdfJoint(JointLimits):
 
     Args:
         engine: where.
-        plan: what to make; see `libgz.simulation.sdf_axis.read_joint`.
+        plan: what to make; see `libgz.sdfworld.axis.read_joint`.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
@@ -318,7 +318,7 @@ class SdfJoint(JointLimits):
 
     def _wake(self) -> None:
         for body in (self.parent, self.child):
-            if body is not None and body.sleepy:
+            if body is not None and body.auto_disable:
                 body.Enable(True)
 
     def _behind(self) -> list[Body]:

@@ -106,8 +106,8 @@ def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
         return None
     try:
         return find_link(name)
-    except NotFoundError as fault:
-        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {fault}") from None
+    except NotFoundError as error:
+        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {error}") from None
 
 
 def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:

@@ -137,12 +137,12 @@ def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
     makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline}
     try:
         return makers[shape.name](shape, element)
-    except NotFoundError as fault:
-        note(shape, f"{fault}; the shape is left out")
+    except NotFoundError as error:
+        note(shape, f"{error}; the shape is left out")
     except ParameterError:
         raise
-    except GazeboError as fault:
-        note(shape, f"{fault}; the shape is left out")
+    except GazeboError as error:
+        note(shape, f"{error}; the shape is left out")
     return []
 
 
@@ -198,8 +198,8 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
                 raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
             grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
             pixels = np.array(grey, dtype=np.float64)
-    except (UnidentifiedImageError, OSError) as fault:
-        raise GazeboError(f"{path} is no picture that can be read: {fault}") from None
+    except (UnidentifiedImageError, OSError) as error:
+        raise GazeboError(f"{path} is no picture that can be read: {error}") from None
     brightest = float(pixels.max())
     heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
     rows, columns = heights.shape

@@ -1,0 +1,1 @@
+"""Worlds of Gazebo classic: models, links, joints, surfaces and lights of SDF documents on the engine."""

@@ -1,1 +1,0 @@
-"""Sensors that models build on."""

@@ -362,7 +362,7 @@ def test_a_model_that_has_left_is_given_no_link(load):
     _, view = load(body("box"))
     box = view.ModelByName("box")
     view.RemoveModel(box)
-    with pytest.raises(ClosedError, match="has left the world"):
+    with pytest.raises(ClosedError, match="was removed from the world"):
         box.CreateLink("more")
 
 

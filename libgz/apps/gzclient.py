@@ -17,9 +17,10 @@ from libgz.apps.gzserver import (
     Help,
     Parser,
     Version,
-    call_system_plugins,
     construct_system_plugins,
     drop_system_plugins,
+    init_system_plugins,
+    load_system_plugins,
     open_log,
     tell_link,
 )
@@ -96,12 +97,12 @@ class Run:
             log.warning("%s", DEPRECATED)
         construct_system_plugins(options.gui_plugin)
         try:
-            call_system_plugins("Load", len(self.words), self.words)
+            load_system_plugins(self.words)
             log.info("Waiting for master.")
             with connect(timeout=options.timeout) as link:
                 open_log("client", link.address.port)
                 tell_link(link)
-                call_system_plugins("Init")
+                init_system_plugins()
                 return self._show(link.connected)
         finally:
             self._starting = False

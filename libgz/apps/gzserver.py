@@ -33,9 +33,10 @@ __all__ = [
     "Help",
     "Parser",
     "Version",
-    "call_system_plugins",
     "construct_system_plugins",
     "drop_system_plugins",
+    "init_system_plugins",
+    "load_system_plugins",
     "main",
     "open_log",
     "system_options",
@@ -131,10 +132,16 @@ def construct_system_plugins(filenames: Sequence[str]) -> None:
             system_plugins.append(plugin)
 
 
-def call_system_plugins(function: str, *values: object) -> None:
-    """Call a function of all System plugins."""
+def load_system_plugins(words: list[str]) -> None:
+    """Call Load of all System plugins, with the command line."""
     for plugin in system_plugins:
-        plugin.call(function, *values)
+        plugin.load(len(words), words)
+
+
+def init_system_plugins() -> None:
+    """Call Init of all System plugins."""
+    for plugin in system_plugins:
+        plugin.init()
 
 
 def drop_system_plugins() -> None:
@@ -166,10 +173,10 @@ class Server:
         try:
             with serve() as link:
                 open_log("server", link.address.port)
-                call_system_plugins("Load", len(self.words), self.words)
+                load_system_plugins(self.words)
                 log.info("Waiting for master.")
                 tell_link(link)
-                call_system_plugins("Init")
+                init_system_plugins()
                 with self._open_world() as core, keep_log(self.options, core, self._play) as control:
                     self._loop(core, control)
             return 0

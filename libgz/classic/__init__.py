@@ -1,7 +1,7 @@
 """Gazebo classic's plugins in Python, and the names they use: views on the engine's objects.
 
 Each name is imported when it is first used. A star import brings all but `gui` and `rendering`, which a world without
-pictures has no need to load.
+cameras does not need to load.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-if TYPE_CHECKING:  # what type checkers see; at run time each is imported when it is first used
+if TYPE_CHECKING:  # for type checkers; at run time each is imported when it is first used
     from libgz.classic import (
         common as common,
         event as event,
@@ -37,27 +37,39 @@ if TYPE_CHECKING:  # what type checkers see; at run time each is imported when i
         WorldPlugin as WorldPlugin,
     )
 
-# Submodules by Gazebo's names; everything else is in libgz.classic.plugin.
+# Public name -> the module that has it; a module by its own name.
 _MODULES = ("common", "event", "math", "msgs", "physics", "sdf", "sensors", "transport")
 _ON_REQUEST = ("gui", "rendering")
-_KINDS = ("GUI", "Model", "Sensor", "System", "Visual", "World")
-_PLUGIN = [name for kind in _KINDS for name in (f"{kind}Plugin", f"GZ_REGISTER_{kind.upper()}_PLUGIN")]
-_CONSOLE = ("gzdbg", "gzerr", "gzlog", "gzmsg", "gzwarn")
+_NAMES = {
+    "GUIPlugin": "plugin",
+    "GZ_REGISTER_GUI_PLUGIN": "plugin",
+    "ModelPlugin": "plugin",
+    "GZ_REGISTER_MODEL_PLUGIN": "plugin",
+    "SensorPlugin": "plugin",
+    "GZ_REGISTER_SENSOR_PLUGIN": "plugin",
+    "SystemPlugin": "plugin",
+    "GZ_REGISTER_SYSTEM_PLUGIN": "plugin",
+    "VisualPlugin": "plugin",
+    "GZ_REGISTER_VISUAL_PLUGIN": "plugin",
+    "WorldPlugin": "plugin",
+    "GZ_REGISTER_WORLD_PLUGIN": "plugin",
+    "gzdbg": "common",
+    "gzerr": "common",
+    "gzlog": "common",
+    "gzmsg": "common",
+    "gzwarn": "common",
+}
 
-__all__ = [*_MODULES, *_PLUGIN, *_CONSOLE]
+__all__ = [*_MODULES, *_NAMES]
 
 
 def __getattr__(name: str) -> Any:
-    if name in _MODULES or name in _ON_REQUEST:
-        value: Any = importlib.import_module(f"libgz.classic.{name}")
-    elif name in _PLUGIN:
-        value = getattr(importlib.import_module("libgz.classic.plugin"), name)
-    elif name in _CONSOLE:
-        value = getattr(importlib.import_module("libgz.classic.common"), name)
-    else:
+    if name not in _NAMES and name not in (*_MODULES, *_ON_REQUEST):
         from libgz.errors import nearest
 
         raise AttributeError(f"module 'libgz.classic' has no attribute {name!r}{nearest(name, __all__)}")
+    module = importlib.import_module(f"libgz.classic.{_NAMES.get(name, name)}")
+    value = getattr(module, name) if name in _NAMES else module
     globals()[name] = value
     return value
 

@@ -1,11 +1,11 @@
-"""Commands: what a world does when it is told to by messages."""
+"""Commands: handlers of the messages that control a world."""
 
 from __future__ import annotations
 
 import functools
 import logging
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.common import PID
@@ -15,18 +15,18 @@ from libgz.classic.physics.insertion import insert_now
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
+from libgz.classic.physics.world import World
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.world import World as CoreWorld
 
-if TYPE_CHECKING:
-    from libgz.classic.server import WorldServer
-
-__all__ = ["Commands"]
+__all__ = ["Commands", "PausedSteps"]
 
 log = logging.getLogger("libgz.classic")
 
+# Fields of msgs.Physics that are parameters of the engine by the same name.
 PHYSICS_KEYS = (
     "max_step_size",
     "real_time_update_rate",
@@ -43,16 +43,52 @@ PHYSICS_KEYS = (
 )
 
 
-class Commands:
-    """Acts on messages, between iterations. What is wrong with one is logged, and nothing is done.
+class PausedSteps:
+    """Requested iterations of a paused world: the pause is lifted for them, so that a signal or a message can end them.
 
     Args:
-        server: of the world.
-        respond: sends answers to requests.
+        core: the engine's world.
     """
 
-    def __init__(self, server: WorldServer, respond: Callable[[Any], object]) -> None:
-        self._server, self._world, self._respond = server, server.world, respond
+    def __init__(self, core: CoreWorld) -> None:
+        self._core = core
+        self._remaining = 0
+        self._lifted = False  # whether the pause is lifted for them
+
+    def add(self, count: int) -> None:
+        """Request iterations."""
+        self._remaining += count
+
+    def cancel(self) -> None:
+        """Drop all requests: the world is not paused any more."""
+        self._remaining, self._lifted = 0, False
+
+    def update(self, paused: bool) -> None:
+        """Lift or restore the pause; called after each iteration, `paused`: whether that one was paused."""
+        if not (self._remaining or self._lifted):
+            return
+        if self._lifted and not paused:
+            self._remaining -= 1
+        if self._core.paused and self._remaining > 0:
+            self._core.paused, self._lifted = False, True
+        elif self._lifted and self._remaining <= 0:
+            self._core.paused, self._lifted, self._remaining = True, False, 0
+            self._core.events["Step"]()
+        elif not self._lifted:
+            self._remaining = 0  # the world is not paused
+
+
+class Commands:
+    """Handles messages between iterations. An invalid message is logged, and has no effect.
+
+    Args:
+        world: the world.
+        respond: publishes responses to requests.
+        paused_steps: requested iterations of the paused world.
+    """
+
+    def __init__(self, world: World, respond: Callable[[Any], object], paused_steps: PausedSteps) -> None:
+        self._world, self._respond, self._paused_steps = world, respond, paused_steps
 
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A subscriber's callback for a handler."""
@@ -62,8 +98,8 @@ class Commands:
                 handler(message)
             except GazeboError as error:
                 log.error("%s: %s", topic, error)
-            except Exception:  # or the topic would be dead from now on
-                log.exception("%s: a message could not be acted on", topic)
+            except Exception:  # the subscription must not end
+                log.exception("%s: a message could not be handled", topic)
 
         return on_message
 
@@ -76,10 +112,10 @@ class Commands:
         if message.HasField("pause"):
             self._world.SetPaused(message.pause)
             if not message.pause:
-                self._server.end_steps()
+                self._paused_steps.cancel()
         steps = message.multi_step if message.HasField("multi_step") else int(message.step)
         if steps:
-            self._server.step_paused(steps)
+            self._paused_steps.add(steps)
         if message.HasField("reset"):
             self._reset(message.reset)
 
@@ -115,11 +151,11 @@ class Commands:
     # Models and lights -------------------------------------------------------------------------------------------
 
     def factory(self, message: Any) -> None:
-        """~/factory: a new model, from SDF, from a file, or as a copy."""
+        """~/factory: insert models or lights from SDF, from a file, or as a copy of a model."""
         self._between_steps("~/factory", self._make, message)
 
     def _between_steps(self, topic: str, handler: Callable[[Any], None], message: Any) -> None:
-        """Handle a message when models may come: each sees what those before it have made."""
+        """Handle a message when entities can be inserted: each handler finds the entities of those before it."""
         self._world.core.after_step(functools.partial(self.guarded(topic, handler), message))
 
     def _make(self, message: Any) -> None:
@@ -137,7 +173,7 @@ class Commands:
         insert_now(self._world, file)
 
     def _unique(self, name: str) -> str:
-        """A name that nothing has: itself, or with a number."""
+        """The name itself if it is free, else with a number."""
         taken = {part.GetName() for part in self._world.children()}
         return next(one for one in (name, *(f"{name}_{i}" for i in range(len(taken)))) if one not in taken)
 
@@ -158,7 +194,7 @@ class Commands:
         return file
 
     def factory_light(self, message: Any) -> None:
-        """~/factory/light: a new light."""
+        """~/factory/light: insert a light."""
         self._between_steps("~/factory/light", self._make_light, message)
 
     def _make_light(self, message: Any) -> None:
@@ -171,32 +207,35 @@ class Commands:
         insert_now(self._world, file)
         try:
             self.light_modify(message)
-        except GazeboError:  # a whole light or none
+        except GazeboError:  # no light with only some of its properties
             self._world.RemoveModel(message.name)
             raise
 
     def light_modify(self, message: Any) -> None:
-        """~/light/modify: colours, place, reach of a light."""
+        """~/light/modify: change pose, colours, range and attenuation of a light."""
         light = self._find(message.name, Light)
-        for key, setter in (
-            ("pose", light.SetWorldPose),
-            ("diffuse", light.SetDiffuseColor),
-            ("specular", light.SetSpecularColor),
-            ("direction", light.SetDirection),
-        ):
-            if message.HasField(key):
-                setter(msgs.ConvertIgn(getattr(message, key)))
+        if message.HasField("pose"):
+            light.SetWorldPose(msgs.ConvertIgn(message.pose))
+        if message.HasField("diffuse"):
+            light.SetDiffuseColor(msgs.ConvertIgn(message.diffuse))
+        if message.HasField("specular"):
+            light.SetSpecularColor(msgs.ConvertIgn(message.specular))
+        if message.HasField("direction"):
+            light.SetDirection(msgs.ConvertIgn(message.direction))
         if message.HasField("range"):
             light.SetRange(message.range)
-        fading = [f"attenuation_{key}" for key in ("constant", "linear", "quadratic")]
-        if any(message.HasField(key) for key in fading):
-            now = light.Attenuation()
-            light.SetAttenuation(
-                *(getattr(message, key) if message.HasField(key) else now[i] for i, key in enumerate(fading))
-            )
+        constant, linear, quadratic = light.Attenuation()
+        if message.HasField("attenuation_constant"):
+            constant = message.attenuation_constant
+        if message.HasField("attenuation_linear"):
+            linear = message.attenuation_linear
+        if message.HasField("attenuation_quadratic"):
+            quadratic = message.attenuation_quadratic
+        if (constant, linear, quadratic) != light.Attenuation():
+            light.SetAttenuation(constant, linear, quadratic)
 
     def model_modify(self, message: Any) -> None:
-        """~/model/modify: place, scale and links of a model."""
+        """~/model/modify: change pose, scale and links of a model."""
         model = self._find(message.name, Model)
         if message.HasField("pose"):
             model.SetRelativePose(msgs.ConvertIgn(message.pose))
@@ -206,18 +245,17 @@ class Commands:
             link = model.GetLink(part.name.rpartition("::")[2])
             if link is None:
                 raise NotFoundError(f"model {model.GetName()!r} has no link {part.name!r}")
-            for key, setter in (
-                ("gravity", link.SetGravityMode),
-                ("kinematic", link.SetKinematic),
-                ("self_collide", link.SetSelfCollide),
-            ):
-                if part.HasField(key):
-                    setter(getattr(part, key))
+            if part.HasField("gravity"):
+                link.SetGravityMode(part.gravity)
+            if part.HasField("kinematic"):
+                link.SetKinematic(part.kinematic)
+            if part.HasField("self_collide"):
+                link.SetSelfCollide(part.self_collide)
             if part.HasField("pose"):
                 link.SetRelativePose(msgs.ConvertIgn(part.pose))
 
     def joint(self, message: Any) -> None:
-        """~/joint: force, or targets and gains, of a joint by scoped name."""
+        """~/joint: set force, targets and gains of a joint by scoped name."""
         found = self._world.BaseByName(message.name)
         model = found.GetParentModel() if found is not None and found.HasType(Base.JOINT) else None
         if model is None or found is None:
@@ -227,15 +265,14 @@ class Commands:
             controller.Reset()
         if message.HasField("force"):
             controller.SetForce(name, message.force)
-        for key, pids, set_pid, set_target in (
-            ("position", controller.GetPositionPIDs, controller.SetPositionPID, controller.SetPositionTarget),
-            ("velocity", controller.GetVelocityPIDs, controller.SetVelocityPID, controller.SetVelocityTarget),
-        ):
-            if message.HasField(key):
-                told = getattr(message, key)
-                set_pid(name, _gains(pids()[name], told))
-                if told.HasField("target"):
-                    set_target(name, told.target)
+        if message.HasField("position"):
+            controller.SetPositionPID(name, _with_gains(controller.GetPositionPIDs()[name], message.position))
+            if message.position.HasField("target"):
+                controller.SetPositionTarget(name, message.position.target)
+        if message.HasField("velocity"):
+            controller.SetVelocityPID(name, _with_gains(controller.GetVelocityPIDs()[name], message.velocity))
+            if message.velocity.HasField("target"):
+                controller.SetVelocityTarget(name, message.velocity.target)
 
     def _find(self, name: str, kind: type[Any]) -> Any:
         found = self._world.EntityByName(name)
@@ -247,7 +284,7 @@ class Commands:
     # Requests ----------------------------------------------------------------------------------------------------
 
     def request(self, message: Any) -> None:
-        """~/request: questions, answered on ~/response, and deletions."""
+        """~/request: answer on ~/response, or delete an entity."""
         answers: dict[str, Callable[[str], Any]] = {
             "entity_delete": self._delete,
             "entity_info": lambda name: entity_message(self._world.BaseByName(name)),
@@ -257,7 +294,7 @@ class Commands:
             "world_sdf": lambda _name: msgs.GzString(data=self._sdf()),
         }
         if message.request not in answers:
-            return  # somebody else's
+            return  # for another subscriber
         answer = answers[message.request](message.data)
         response = msgs.Response(id=message.id, request=message.request, response="success")
         if answer is None:
@@ -276,22 +313,23 @@ class Commands:
         return msgs.GzString_V(data=[part.GetScopedName() for part in self._world.children()])
 
     def _sdf(self) -> str:
-        """The world as SDF, with everything that has come since it was loaded."""
+        """The world as SDF, with all entities that were inserted."""
         return world_text(self._world)
 
 
-def _gains(pid: PID, told: Any) -> PID:
-    """A PID with the gains that a message names."""
-    for key, setter in (
-        ("p_gain", pid.SetPGain),
-        ("i_gain", pid.SetIGain),
-        ("d_gain", pid.SetDGain),
-        ("i_max", pid.SetIMax),
-        ("i_min", pid.SetIMin),
-    ):
-        if told.HasField(key):
-            setter(getattr(told, key))
-    if told.HasField("limit"):
-        pid.SetCmdMax(abs(told.limit))
-        pid.SetCmdMin(-abs(told.limit))
+def _with_gains(pid: PID, message: Any) -> PID:
+    """A PID, with the gains that a message has set."""
+    if message.HasField("p_gain"):
+        pid.SetPGain(message.p_gain)
+    if message.HasField("i_gain"):
+        pid.SetIGain(message.i_gain)
+    if message.HasField("d_gain"):
+        pid.SetDGain(message.d_gain)
+    if message.HasField("i_max"):
+        pid.SetIMax(message.i_max)
+    if message.HasField("i_min"):
+        pid.SetIMin(message.i_min)
+    if message.HasField("limit"):
+        pid.SetCmdMax(abs(message.limit))
+        pid.SetCmdMin(-abs(message.limit))
     return pid

@@ -1,4 +1,4 @@
-"""Messages that describe a world and what is in it."""
+"""Messages that describe a world, its models, links, joints, collisions and lights."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from libgz.classic import msgs
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
-from libgz.classic.physics.contact_topics import contacts_message
+from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
@@ -44,17 +44,17 @@ def statistics_message(world: World) -> Any:
 
 
 def poses_message(world: World) -> Any:
-    """~/pose/info: each model, link and light, in what it is a part of."""
+    """~/pose/info: the poses of all models, links and lights, relative to their parents."""
     message = msgs.PosesStamped()
     msgs.Set(message.time, world.SimTime())
-    for entity in _placed(world):
+    for entity in _entities(world):
         pose = message.pose.add()
         msgs.Set(pose, entity.RelativePose())
         pose.name, pose.id = entity.GetScopedName(), entity.GetId()
     return message
 
 
-def _placed(world: World) -> Iterator[Entity]:
+def _entities(world: World) -> Iterator[Entity]:
     for model in world.all_models():
         yield model
         yield from model.GetLinks()
@@ -62,7 +62,7 @@ def _placed(world: World) -> Iterator[Entity]:
 
 
 def physics_message(world: World) -> Any:
-    """~/physics, as it is now."""
+    """The physics parameters of a world."""
     physics = world.Physics()
     message = msgs.Physics(
         solver_type=physics.GetParam("solver_type"),
@@ -76,21 +76,21 @@ def physics_message(world: World) -> Any:
         max_step_size=physics.GetMaxStepSize(),
         profile_name=world.PresetMgr().CurrentProfile(),
     )
-    fastest = physics.GetParam("contact_max_correcting_vel")
-    if math.isfinite(fastest):
-        message.contact_max_correcting_vel = fastest
+    correcting_velocity = physics.GetParam("contact_max_correcting_vel")
+    if math.isfinite(correcting_velocity):
+        message.contact_max_correcting_vel = correcting_velocity
     msgs.Set(message.gravity, world.Gravity())
     msgs.Set(message.magnetic_field, world.MagneticField())
     return message
 
 
 def contacts_of(world: World) -> Any:
-    """~/physics/contacts: the contacts of the last step, where somebody has them recorded."""
+    """~/physics/contacts: the recorded contacts of the last step."""
     return contacts_message(world.Physics().GetContactManager().read(), world.SimTime())
 
 
 def model_message(model: Model) -> Any:
-    """A model with its links, joints and nested models."""
+    """A model with its links, joints, nested models and plugins."""
     message = msgs.Model(name=model.GetScopedName(), id=model.GetId(), is_static=model.IsStatic())
     msgs.Set(message.pose, model.RelativePose())
     for link in model.GetLinks():
@@ -152,9 +152,8 @@ def _collision_message(collision: Collision) -> Any:
 def _joint_message(joint: Joint) -> Any:
     kind = JOINT_KINDS.index(joint.GetMsgType()) + 1
     message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=kind)
-    for end, link in (("parent", joint.GetParent()), ("child", joint.GetChild())):
-        setattr(message, end, link.GetScopedName() if link is not None else "world")
-        setattr(message, f"{end}_id", link.GetId() if link is not None else 0)
+    message.parent, message.parent_id = _name_and_id(joint.GetParent())
+    message.child, message.child_id = _name_and_id(joint.GetChild())
     for index in range(len(joint.core.axes)):
         message.angle.append(joint.Position(index))
         axis = message.axis1 if index == 0 else message.axis2
@@ -163,6 +162,10 @@ def _joint_message(joint: Joint) -> Any:
         axis.limit_effort, axis.limit_velocity = joint.GetEffortLimit(index), joint.GetVelocityLimit(index)
         axis.damping = joint.GetDamping(index)
     return message
+
+
+def _name_and_id(link: Link | None) -> tuple[str, int]:
+    return (link.GetScopedName(), link.GetId()) if link is not None else ("world", 0)
 
 
 def light_message(light: Light) -> Any:

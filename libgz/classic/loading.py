@@ -1,15 +1,16 @@
-"""Loading plugins by the rules of Gazebo classic, and calling them so that none of them can end the server."""
+"""Loads plugins by the rules of Gazebo classic, and calls them so that no error of theirs ends the server."""
 
 from __future__ import annotations
 
 import logging
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
 
 from libgz.classic.common import SystemPaths
-from libgz.classic.plugin import KINDS, PluginT
+from libgz.classic.plugin_base import PluginT
 from libgz.errors import PluginError
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
@@ -18,16 +19,20 @@ __all__ = ["LoadedPlugin", "find_plugin", "new_plugin"]
 
 log = logging.getLogger("libgz.classic")
 
+# The folder of the ready plugins.
 READY = Path(__file__).parent / "plugins"
 
 
 class LoadedPlugin:
-    """A plugin with its place. What it raises is reported, and stops it and nothing else.
+    """A loaded plugin. An exception that it raises is logged, and stops this plugin only.
 
     Args:
-        plugin_class: what its file registered.
-        filename, name: as the world has them.
-        events: of the world that it belongs to; None for all worlds.
+        plugin_class: the class that its file registered.
+        filename, name: as the world gives them.
+        events: those of the world that it belongs to; None: those of all worlds.
+
+    Attributes:
+        plugin: the instance; None once it has failed or was dropped.
     """
 
     def __init__(self, plugin_class: type[PluginT], filename: str, name: str, events: WorldEvents | None) -> None:
@@ -40,7 +45,7 @@ class LoadedPlugin:
     def _construct(self) -> None:
         token = owner.set(self)
         try:
-            # Handle and filename are there in the constructor already, for the plugin's own messages.
+            # The plugin's own constructor may use handle and filename in messages.
             plugin = self.plugin_class.__new__(self.plugin_class)
             plugin._handle, plugin._filename = self.name, self.filename
             self.plugin = plugin
@@ -54,24 +59,34 @@ class LoadedPlugin:
         return f"plugin with name[{self.name}] and filename[{self.filename}]"
 
     def start(self, *values: Any) -> bool:
-        """Load with these values, then Init; whether the plugin runs."""
-        return self.call("Load", *values) and self.call("Init")
+        """Call Load with these values, then Init; returns whether the plugin runs."""
+        return self.load(*values) and self.init()
 
-    def call(self, function: str, *values: Any) -> bool:
-        """Call one of the plugin's functions; whether it runs still."""
-        if self.plugin is None:
-            return False
+    def load(self, *values: Any) -> bool:
+        """Call the plugin's Load with these values; returns whether the plugin runs."""
+        # Each kind of plugin has a Load with arguments of its own.
+        return self.plugin is not None and self._call("Load", self.plugin.Load, *values)  # type: ignore[attr-defined]
+
+    def init(self) -> bool:
+        """Call the plugin's Init; returns whether the plugin still runs."""
+        return self.plugin is not None and self._call("Init", self.plugin.Init)
+
+    def reset(self) -> bool:
+        """Call the plugin's Reset; returns whether the plugin still runs."""
+        return self.plugin is not None and self._call("Reset", self.plugin.Reset)
+
+    def _call(self, name: str, function: Callable[..., object], *values: Any) -> bool:
         token = owner.set(self)
         try:
-            getattr(self.plugin, function)(*values)
+            function(*values)
         except Exception as error:  # noqa: BLE001 - a plugin's
-            self.stop(f"the {function} function", error)
+            self.stop(f"the {name} function", error)
         finally:
             owner.reset(token)
         return self.plugin is not None
 
     def stop(self, where: str, error: BaseException) -> None:
-        """Report what the plugin raised, and let it go."""
+        """Log the exception that the plugin raised, and drop the plugin."""
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
@@ -79,7 +94,7 @@ class LoadedPlugin:
         self.drop()
 
     def drop(self) -> None:
-        """Let the plugin go, with all it is connected to."""
+        """End the plugin, its connections and its subscriptions."""
         for connection in list(self.connections):
             connection.disconnect()
         self.connections.clear()
@@ -87,12 +102,12 @@ class LoadedPlugin:
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
-    """The Python file of a plugin: in GAZEBO_PLUGIN_PATH, as it stands, beside the world, among the ready plugins.
+    """The Python file of a plugin, from GAZEBO_PLUGIN_PATH, the current directory, the world's, or the ready plugins.
 
     `libX.so` means `libX.py` or `X.py`.
 
     Raises:
-        PluginError: it is nowhere, in classic's words, with every place that was tried.
+        PluginError: there is no such file; the message is classic's, with every place that was searched.
     """
     name = filename.strip()
     places = [("GAZEBO_PLUGIN_PATH", Path(folder)) for folder in SystemPaths.Instance().GetPluginPaths()]
@@ -113,13 +128,13 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
 def new_plugin(
     kind: str, filename: str, name: str, holder: str, events: WorldEvents | None, beside: str | None = None
 ) -> LoadedPlugin | None:
-    """Find a plugin, run its file, and construct its class; None if it will not run, after telling why.
+    """Find a plugin, run its file, and construct its class; None if that fails, which is logged.
 
     Args:
         kind: World, Model, Sensor, System, Visual or GUI.
-        filename, name: as the world has them.
-        holder: who loads it, for messages: ``World[default]``.
-        events: of the world that it belongs to; None for all worlds.
+        filename, name: as the world gives them.
+        holder: the loading object, for messages, such as ``World[default]``.
+        events: those of the world that it belongs to; None: those of all worlds.
         beside: the world's file.
     """
     try:
@@ -139,8 +154,8 @@ def new_plugin(
     if not registered:
         log.error("Failed to resolve RegisterPlugin: %s registers no plugin of Gazebo classic", path)
         return None
-    found, plugin_class = registered[0]
-    if found != kind:
+    (plugin_class,) = registered
+    if plugin_class.kind != kind:
         at_name = f" name[{name}]" if kind not in ("System", "GUI") else ""
         log.error(
             "%s is attempting to load a plugin, but detected an incorrect plugin type. Plugin filename[%s]%s; "
@@ -148,12 +163,13 @@ def new_plugin(
             holder,
             filename,
             at_name or ".",
-            found,
+            plugin_class.kind,
         )
         return None
     loaded = LoadedPlugin(plugin_class, filename, name, events)
     return loaded if loaded.plugin is not None else None
 
 
-def _registered(file: PluginFile) -> list[tuple[str, type[PluginT]]]:
-    return [(kind, found) for kind, found in file.registered if kind in KINDS]
+def _registered(file: PluginFile) -> list[type[PluginT]]:
+    """The classic plugin classes among all that a file registered."""
+    return [found for _, found in file.registered if isinstance(found, type) and issubclass(found, PluginT)]

@@ -1,13 +1,16 @@
-"""The six kinds of plugins: what users subclass, how a file registers its class, and how a plugin is called."""
+"""The six kinds of plugins: the base classes that users derive from, and how a file registers its class.
+
+This module stands above the packages whose types it names, so that editors complete the arguments of `Load`; at run
+time it imports none of them.
+"""
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
+from libgz.classic.plugin_base import PluginT
 from libgz.errors import ParameterError
-from libgz.sdf.element import Element
 from libgz.simulation.plugins import collect
 
 if TYPE_CHECKING:
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Model, World
     from libgz.classic.rendering import Visual
     from libgz.classic.sensors import Sensor
+    from libgz.sdf.element import Element
 
 __all__ = [
     "GZ_REGISTER_GUI_PLUGIN",
@@ -32,46 +36,7 @@ __all__ = [
     "WorldPlugin",
 ]
 
-console = logging.getLogger("libgz.classic.console")
-
-T = TypeVar("T")
 C = TypeVar("C", bound=type)
-
-
-class PluginT:
-    """Base of all plugins."""
-
-    kind: ClassVar[str] = ""
-    _handle = ""
-    _filename = ""
-
-    def GetFilename(self) -> str:
-        """The file as the world names it."""
-        return self._filename
-
-    def GetHandle(self) -> str:
-        """The plugin's name in the world."""
-        return self._handle
-
-    def GetType(self) -> str:
-        """The kind: World, Model, Sensor, System, Visual or GUI."""
-        return self.kind
-
-    def LoadParam(self, sdf: Element, name: str, default: T) -> T:
-        """The value of a child of the plugin's element, or `default`; either is told on the console."""
-        value, found = sdf.Get(type(default), name, default)
-        handle = self._handle
-        if found:
-            console.info("%s Plugin <%s> set to <%s>", handle, name, value)
-        else:
-            console.info("%s Plugin missing <%s>, defaults to <%s>", handle, name, value)
-        return value
-
-    def Init(self) -> None:
-        """Called right after Load."""
-
-    def Reset(self) -> None:
-        """Called when the world is reset."""
 
 
 class WorldPlugin(PluginT):
@@ -80,7 +45,7 @@ class WorldPlugin(PluginT):
     kind = "World"
 
     def Load(self, world: World, sdf: Element) -> None:
-        """Begin: `world` is loaded, `sdf` is the `<plugin>` element."""
+        """Called once: `world` is loaded, `sdf` is the `<plugin>` element."""
         raise NotImplementedError(f"{type(self).__name__} has no Load(world, sdf)")
 
 
@@ -90,7 +55,7 @@ class ModelPlugin(PluginT):
     kind = "Model"
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Begin: `model` and its sensors are ready, `sdf` is the `<plugin>` element."""
+        """Called once: `model` and its sensors are ready, `sdf` is the `<plugin>` element."""
         raise NotImplementedError(f"{type(self).__name__} has no Load(model, sdf)")
 
 
@@ -100,41 +65,38 @@ class SensorPlugin(PluginT):
     kind = "Sensor"
 
     def Load(self, sensor: Sensor, sdf: Element) -> None:
-        """Begin: `sensor` is ready, `sdf` is the `<plugin>` element."""
+        """Called once: `sensor` is ready, `sdf` is the `<plugin>` element."""
         raise NotImplementedError(f"{type(self).__name__} has no Load(sensor, sdf)")
 
 
 class SystemPlugin(PluginT):
-    """A plugin of the server or the client, named on the command line; it comes before any world."""
+    """A plugin of the server or the client, named on the command line; it is loaded before any world."""
 
     kind = "System"
 
     def Load(self, argc: int = 0, argv: list[str] | None = None) -> None:
-        """Begin, before there is a world: `argv` is the whole command line."""
+        """Called once, before there is a world: `argv` is the whole command line."""
         raise NotImplementedError(f"{type(self).__name__} has no Load(argc, argv)")
 
 
 class VisualPlugin(PluginT):
-    """A plugin of a `<visual>`; loaded where pictures are drawn."""
+    """A plugin of a `<visual>`; loaded by processes that render the world."""
 
     kind = "Visual"
 
     def Load(self, visual: Visual, sdf: Element) -> None:
-        """Begin: `sdf` is the `<plugin>` element."""
+        """Called once: `visual` is ready, `sdf` is the `<plugin>` element."""
         raise NotImplementedError(f"{type(self).__name__} has no Load(visual, sdf)")
 
 
 class GUIPlugin(PluginT):
-    """A plugin of the client, in `<gui>` or on the command line. `gui` is its place there once it is loaded."""
+    """A plugin of the client, in `<gui>` or on the command line. `gui` is its widget, from Load on."""
 
     kind = "GUI"
     gui: GUI
 
     def Load(self, sdf: Element) -> None:
-        """Begin; `sdf` is the `<plugin>` element, or an empty one."""
-
-
-KINDS = {kind.kind: kind for kind in (WorldPlugin, ModelPlugin, SensorPlugin, SystemPlugin, VisualPlugin, GUIPlugin)}
+        """Called once: `sdf` is the `<plugin>` element, or an empty one."""
 
 
 def _registrar(kind: type[PluginT]) -> Callable[[C], C]:
@@ -147,7 +109,9 @@ def _registrar(kind: type[PluginT]) -> Callable[[C], C]:
         return plugin
 
     register.__name__ = register.__qualname__ = name
-    register.__doc__ = f"Offer a {kind.__name__}: the last line of its file, or a decorator of its class. One a file."
+    register.__doc__ = (
+        f"Register a {kind.__name__}: as the last line of its file, or as a decorator of its class. One per file."
+    )
     return register
 
 

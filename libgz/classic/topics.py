@@ -1,57 +1,65 @@
-"""WorldTopics: what a world says and hears on Gazebo's topics."""
+"""WorldTopics: the topics that a world publishes and subscribes to."""
 
 from __future__ import annotations
 
 import functools
 import time
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.classic import msgs
-from libgz.classic.commands import Commands
+from libgz.classic.commands import Commands, PausedSteps
 from libgz.classic.describe import contacts_of, model_message, poses_message, statistics_message
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.registry import live_worlds
+from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
-
-if TYPE_CHECKING:
-    from libgz.classic.server import WorldServer
+from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
 
 STATISTICS_PERIOD, POSES_PERIOD = 1.0 / 5.0, 1.0 / 60.0  # [s] of real time, Gazebo's
 
 
-class _News:
-    """Messages that are made when they are due and somebody listens."""
+class _Periodic:
+    """A topic that is published periodically while it has subscribers.
+
+    Args:
+        publisher: of the topic.
+        period: of wall-clock time between messages [s].
+        make: creates a message.
+    """
 
     def __init__(self, publisher: Publisher, period: float, make: Callable[[], Any]) -> None:
         self._publisher, self._period, self._make = publisher, period, make
         self._due = 0.0
 
     def update(self, now: float) -> None:
-        """Publish, if it is time and somebody listens."""
+        """Publish a message if it is due at a time [s]."""
         if now >= self._due and self._publisher.HasConnections():
             self._due = now + self._period
             self._publisher.Publish(self._make())
 
 
 class WorldTopics:
-    """The topics of one world: they are there before its plugins, and go with it."""
+    """The topics of one world.
 
-    def __init__(self, server: WorldServer) -> None:
-        self._server, self._world = server, server.world
+    Args:
+        world: the world.
+        paused_steps: requested iterations of the paused world.
+    """
+
+    def __init__(self, world: World, paused_steps: PausedSteps) -> None:
+        self._world = world
         self._manager = TopicManager.Instance()
-        self._manager.AddTopicNamespace(self._world.Name())
+        self._manager.AddTopicNamespace(world.Name())
         self._node = Node()
-        self._node.Init(self._world.Name())
-        world = self._world
+        self._node.Init(world.Name())
         self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
         self._records = False  # whether contacts are recorded for that topic
         self._response = self._node.Advertise(msgs.Response, "~/response")
         self._models = self._node.Advertise(msgs.Model, "~/model/info")
-        self._news = [
-            _News(publisher, period, functools.partial(make, world))
+        self._periodic = [
+            _Periodic(publisher, period, functools.partial(make, world))
             for publisher, period, make in (
                 (self._node.Advertise(msgs.WorldStatistics, "~/world_stats"), STATISTICS_PERIOD, statistics_message),
                 (self._node.Advertise(msgs.PosesStamped, "~/pose/info"), POSES_PERIOD, poses_message),
@@ -59,10 +67,10 @@ class WorldTopics:
                 (self._contacts, 0.0, contacts_of),
             )
         ]
-        self._subscribers = self._listen(Commands(server, self._response.Publish))
+        self._subscribers = self._subscribe(Commands(world, self._response.Publish, paused_steps))
 
-    def _listen(self, commands: Commands) -> list[Subscriber]:
-        heard = {
+    def _subscribe(self, commands: Commands) -> list[Subscriber]:
+        handlers = {
             "~/factory": commands.factory,
             "~/factory/light": commands.factory_light,
             "~/joint": commands.joint,
@@ -73,29 +81,33 @@ class WorldTopics:
             "~/world_control": commands.world_control,
             "/gazebo/server/control": commands.server_control,
         }
-        return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in heard.items()]
+        return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
 
     def model_added(self, model: Model) -> None:
-        """Tell of a model that joined a running world."""
+        """Publish a model that was inserted."""
         if self._models.HasConnections():
             self._models.Publish(model_message(model))
 
     def update(self) -> None:
-        """Publish what is due, then deliver what was published in this iteration."""
+        """Publish due messages, then deliver all messages of this iteration."""
         now = time.monotonic()
-        for news in self._news:
-            news.update(now)
+        for topic in self._periodic:
+            topic.update(now)
         manager = self._world.Physics().GetContactManager()
         if self._contacts.HasConnections() != self._records:
             self._records = not self._records
-            (manager.hold if self._records else manager.release)(self)
+            if self._records:
+                manager.hold(self)
+            else:
+                manager.release(self)
         manager.PublishContacts()
         self._manager.ProcessNodes()
 
     def close(self) -> None:
-        """The world ends; so do its topics, unless another world of this process has the same name."""
+        """End the topics; the namespace stays if another world of this process has the same name."""
         name = self._world.Name()
         self._node.Fini()
         self._subscribers.clear()
-        if not any(world.Name() == name for world in live_worlds() if world is not self._world):
+        others = [core for core in CoreWorld.all_running() if core.view is not None and core is not self._world.core]
+        if not any(core.name == name for core in others):
             self._manager.RemoveTopicNamespace(name)

@@ -55,6 +55,7 @@ class Model:
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
     example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
+    view: Any = None  # the object by which a layer above shows this one; set by that layer
 
     def __init__(self, world: World) -> None:
         self.world = world

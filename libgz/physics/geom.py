@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternMul, GzQuaternNormal, GzVector
@@ -39,6 +39,8 @@ class Geom:
     """
 
     extra_rotation: GzQuatern | None = None  # between ODE's shape and ours
+    view: Any = None  # the object by which a layer above shows this geom; set by that layer
+    scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
     def __init__(
         self,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from typing import Any
 
 from libgz.errors import GazeboError, ParameterError, nearest
 from libgz.geometry import (
@@ -65,6 +66,8 @@ class SdfJoint(JointLimits):
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
+
+    view: Any = None  # the object by which a layer above shows this one; set by that layer
 
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
         if plan.kind not in KINDS:

@@ -64,6 +64,7 @@ class World(Lookup, Loader, Clock, Agenda):
     """
 
     _all: ClassVar[list[World]] = []
+    view: Any = None  # the object by which a layer above shows this one; set by that layer
 
     def __init__(
         self,
@@ -207,8 +208,7 @@ class World(Lookup, Loader, Clock, Agenda):
         self.name = named.Get(str, "name") if named is not None else self.name
         load_sdf(self, file)
         if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
-            # By name, for classic stands above this package.
-            importlib.import_module("libgz.classic.server").attach(self)
+            self.attach_era()
         return 0
 
     @property
@@ -220,6 +220,12 @@ class World(Lookup, Loader, Clock, Agenda):
     def all_running(cls) -> list[World]:
         """The worlds of this process that run, oldest first."""
         return [world for world in cls._all if world.running]
+
+    def attach_era(self) -> None:
+        """Attach what Gazebo classic offers on request, such as topics, to an SDF world. Can be called twice."""
+        if self.engine.classic:
+            # By name, for classic stands above this package.
+            importlib.import_module("libgz.classic.server").attach(self)
 
     def adopt(self, model: Model) -> None:
         """Take a model in that is built: it is updated from the next step on."""

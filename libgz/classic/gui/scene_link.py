@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
-from libgz.classic.commands import Commands
+from libgz.classic.commands import Commands, PausedSteps
 from libgz.classic.physics.base import Entity
 from libgz.classic.server import WorldServer
 from libgz.classic.transport import Node, TopicManager, request
@@ -68,7 +68,7 @@ class SceneLink:
         self.world: World = self._build(self._ask())
         self._entities: dict[str, Entity | None] = {}
         self._waiting: list[Any] = []
-        commands = Commands(self.world.server, lambda _answer: None)
+        commands = Commands(self.world, lambda _answer: None, PausedSteps(self._core))
         self._subscribers = (
             self._node.Subscribe("~/pose/info", self._waiting.append),
             self._node.Subscribe("~/light/modify", commands.guarded("~/light/modify", commands.light_modify)),

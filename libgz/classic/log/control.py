@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
 from libgz.classic.log.record import LogRecord
+from libgz.classic.server import attach
 from libgz.classic.transport import Node
 from libgz.errors import GazeboError
 
@@ -95,7 +96,7 @@ class PlaybackControl:
         if message.HasField("pause"):
             play.core.paused = message.pause
         if message.multi_step > 0:
-            play.world.server.step_paused(message.multi_step)
+            attach(play.core).paused_steps.add(message.multi_step)
         elif message.multi_step < 0:
             play.StepBack(-message.multi_step)
 

@@ -1,8 +1,15 @@
-"""Gazebo classic's `physics` names: views on the objects of the engine."""
+"""Gazebo classic's `physics` names: views on the objects of the engine.
+
+There is one view for each World, Model, Link, Joint, Collision and Light of the engine, so that `is` works; the
+engine's object holds it as `view`. Poses, velocities and settings are the engine's. A view keeps its name, id, parent
+and SDF element, a Link whether it is kinematic, and a Collision its bitmask while it has no contacts. All other state,
+such as joint controllers, batteries and animations, is kept by its companion, `libgz.classic.server.WorldServer`.
+"""
 
 from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.collision import Collision, FrictionPyramid, SurfaceParams
-from libgz.classic.physics.contact import Contact, ContactManager, JointWrench
+from libgz.classic.physics.contact import Contact, JointWrench
+from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.inertial import Inertial
 from libgz.classic.physics.joint import Joint

@@ -1,4 +1,4 @@
-"""Base and Entity: what models, links, collisions, joints and lights have in common."""
+"""Base and Entity: the base classes of the views: worlds, models, links, collisions, joints and lights."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
 
 if TYPE_CHECKING:
     from libgz.classic.common import PoseAnimation
-    from libgz.classic.physics.model import Model
-    from libgz.classic.physics.world import World
+    from libgz.classic.physics.world import Model, World
     from libgz.sdf.element import Element
 
 __all__ = ["Base", "Entity", "find_named", "view_of"]
@@ -23,15 +22,15 @@ _ids = itertools.count(1)
 
 
 def view_of(core: Any, make: Callable[[], V]) -> V:
-    """The one view on an object of the engine, made when it is first asked for."""
-    found: V | None = core.__dict__.get("classic_view")
-    if found is None:
-        found = core.__dict__["classic_view"] = make()
-    return found
+    """The one view on an object of the engine, its attribute `view`; created on first use."""
+    if core.view is None:
+        core.view = make()
+    view: V = core.view
+    return view
 
 
 class Base:
-    """Something with a name in a world."""
+    """A named object of a world."""
 
     # EntityType, as in Gazebo.
     BASE: ClassVar[int] = 0x00000000
@@ -54,17 +53,17 @@ class Base:
         return f"<{type(self).__name__} {self.GetScopedName()!r}>"
 
     def GetName(self) -> str:
-        """The name in what is around it."""
+        """The name, unique within the parent."""
         return self._name
 
     Name = GetName
 
     def SetName(self, name: str) -> None:
-        """Rename it."""
+        """Set the name."""
         self._name = name
 
     def GetScopedName(self, prependWorldName: bool = False) -> str:
-        """The names from the model down to this, joined by ``::``."""
+        """The names from the top-level model down to this object, joined by ``::``."""
         name = self.GetName()
         parent = self._parent
         while parent is not None:
@@ -79,70 +78,70 @@ class Base:
         return self._world
 
     def GetParent(self) -> Base | None:
-        """What it is a part of; None at the top."""
+        """The parent; None for top-level models and lights."""
         return self._parent
 
     def GetParentId(self) -> int:
-        """The parent's number, or 0."""
+        """The id of the parent, or 0."""
         return self._parent.GetId() if self._parent is not None else 0
 
     def GetParentModel(self) -> Model | None:
-        """The model that it belongs to, itself included."""
+        """The nearest model among the object itself and its parents; None if there is none."""
         found: Base | None = self
         while found is not None and not found.HasType(Base.MODEL):
             found = found._parent
         return found  # type: ignore[return-value]
 
     def GetSDF(self) -> Element | None:
-        """The element it was built from; None if there was none."""
+        """The SDF element it was built from, or None."""
         return self._sdf
 
     def GetId(self) -> int:
-        """A number that nothing else has."""
+        """The id, unique in the process."""
         return self._number
 
     def GetType(self) -> int:
-        """All of Base.MODEL, Base.LINK ... that it is, added up."""
+        """The bit mask of its types: Base.ENTITY, Base.MODEL and so on."""
         return self.entity_type
 
     def HasType(self, kind: int) -> bool:
-        """Whether it is of this kind; everything is a BASE."""
+        """Whether it is of this type; everything is a BASE."""
         return self.entity_type & kind == kind
 
     def children(self) -> list[Base]:
-        """What is a part of it, in the order of the file."""
+        """The children, in the order of the file."""
         return []
 
     def GetChildCount(self) -> int:
-        """How many parts it has."""
+        """The number of children."""
         return len(self.children())
 
     def GetChild(self, which: int | str) -> Base | None:
-        """A part by index or name; None if there is none."""
+        """A child by index or name, or None."""
         parts = self.children()
         if isinstance(which, int):
             return parts[which] if 0 <= which < len(parts) else None
         return next((part for part in parts if which in (part.GetName(), part.GetScopedName())), None)
 
     def GetByName(self, name: str) -> Base | None:
-        """Itself, or something in it, by its name or scoped name; None if there is none."""
+        """The object itself or a descendant, by name or scoped name; None if there is none."""
         return find_named(self.tree(), name)
 
     BaseByName = GetByName
 
     def tree(self) -> Iterator[Base]:
-        """Itself and everything in it."""
+        """The object itself and all descendants, parents first."""
         yield self
         for part in self.children():
             yield from part.tree()
 
     def Print(self, prefix: str = "") -> str:
-        """The names of it and everything in it, a line each."""
+        """The names of the object and all descendants, one per line."""
         return f"{prefix}{self.GetName()}\n" + "".join(part.Print(prefix + "  ") for part in self.children())
 
 
 def find_named(parts: Iterable[Base], name: str) -> Base | None:
-    """The part of this scoped name, else the first of this name: a model is not mistaken for another one's link."""
+    """The object with this scoped name, else the first with this name; None if there is none."""
     first = None
     for part in parts:
         if part.GetScopedName() == name:
@@ -153,22 +152,22 @@ def find_named(parts: Iterable[Base], name: str) -> Base | None:
 
 
 class Entity(Base):
-    """Something with a place in the world."""
+    """An object with a pose."""
 
     entity_type = Base.ENTITY
 
-    # Pose: the engine's is asked for and set through these two.
+    # Pose: subclasses read and write the engine's pose in these two methods.
 
     def pose(self) -> GzPose:
-        """Global pose [m] of the engine."""
+        """Global pose [m]."""
         raise NotImplementedError
 
     def move(self, pose: GzPose) -> None:
-        """Put it to a global pose [m]; velocities stay."""
+        """Set the global pose [m]; velocities stay."""
         raise NotImplementedError
 
     def _frame(self) -> GzPose:
-        """Global pose of what it is a part of [m]."""
+        """Global pose of the parent [m]."""
         return self._parent.pose() if isinstance(self._parent, Entity) else GzPose()
 
     def WorldPose(self) -> Pose3d:
@@ -178,67 +177,67 @@ class Entity(Base):
     GetWorldPose = WorldPose
 
     def SetWorldPose(self, pose: GzPose, notify: bool = True, publish: bool = True) -> None:
-        """Move it to a global pose [m]; velocities stay."""
+        """Set the global pose [m]; velocities stay."""
         self.move(pose)
 
     def RelativePose(self) -> Pose3d:
-        """Pose in what it is a part of [m]."""
+        """Pose relative to the parent [m]."""
         return Pose3d(GzCoordPoseSub(self.pose(), self._frame()))
 
     GetRelativePose = RelativePose
 
     def SetRelativePose(self, pose: GzPose, notify: bool = True, publish: bool = True) -> None:
-        """Move it to a pose in what it is a part of [m]."""
+        """Set the pose relative to the parent [m]."""
         self.move(GzCoordPoseAdd(pose, self._frame()))
 
     def InitialRelativePose(self) -> Pose3d:
-        """The pose that a reset goes back to [m]."""
+        """The pose relative to the parent that a reset restores [m]."""
         return self.RelativePose()
 
     GetInitialRelativePose = InitialRelativePose
 
     def IsStatic(self) -> bool:
-        """Whether it never moves by itself."""
+        """Whether it is static."""
         return False
 
     def SetStatic(self, static: bool) -> None:
-        """Hold it where it is, or let it go; what never moves by itself stays as it is."""
+        """Make it static, or dynamic again; without effect on entities of static models and on lights."""
 
     # Velocity ----------------------------------------------------------------------------------------------------
 
     def WorldLinearVel(self) -> Vector3d:
-        """Velocity of the frame's origin [m/s], global."""
+        """Linear velocity of the frame's origin [m/s], in the world frame."""
         return Vector3d()
 
     def WorldAngularVel(self) -> Vector3d:
-        """Angular velocity [rad/s], global."""
+        """Angular velocity [rad/s], in the world frame."""
         return Vector3d()
 
     def RelativeLinearVel(self) -> Vector3d:
-        """Velocity of the frame's origin along its own axes [m/s]."""
+        """Linear velocity of the frame's origin [m/s], in its own frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldLinearVel()))
 
     def RelativeAngularVel(self) -> Vector3d:
-        """Angular velocity about its own axes [rad/s]."""
+        """Angular velocity [rad/s], in its own frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldAngularVel()))
 
     def WorldLinearAccel(self) -> Vector3d:
-        """Acceleration in the last step [m/s^2], global."""
+        """Linear acceleration in the last step [m/s^2], in the world frame."""
         return Vector3d()
 
     def WorldAngularAccel(self) -> Vector3d:
-        """Angular acceleration in the last step [rad/s^2], global."""
+        """Angular acceleration in the last step [rad/s^2], in the world frame."""
         return Vector3d()
 
     def RelativeLinearAccel(self) -> Vector3d:
-        """Acceleration in the last step along its own axes [m/s^2]."""
+        """Linear acceleration in the last step [m/s^2], in its own frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldLinearAccel()))
 
     def RelativeAngularAccel(self) -> Vector3d:
-        """Angular acceleration in the last step about its own axes [rad/s^2]."""
+        """Angular acceleration in the last step [rad/s^2], in its own frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldAngularAccel()))
 
-    # The old names look the new ones up, so that kinds of entities need not repeat them.
+    # The old names call the new ones, so that subclasses override the new ones only.
 
     def GetWorldLinearVel(self, *offset: Vector3d) -> Vector3d:
         """The old name of WorldLinearVel."""
@@ -261,10 +260,10 @@ class Entity(Base):
     GetRelativeLinearAccel = RelativeLinearAccel
     GetRelativeAngularAccel = RelativeAngularAccel
 
-    # What is below -----------------------------------------------------------------------------------------------
+    # Entities below ----------------------------------------------------------------------------------------------
 
     def BoundingBox(self) -> AxisAlignedBox:
-        """The smallest box along the world's axes around all its collisions [m]."""
+        """The axis-aligned bounding box of all its collisions [m], in the world frame."""
         box = AxisAlignedBox()
         for part in self.children():
             if isinstance(part, Entity):
@@ -278,14 +277,14 @@ class Entity(Base):
     CollisionBoundingBox = GetBoundingBox
 
     def GetNearestEntityBelow(self) -> tuple[float, str]:
-        """(distance [m], scoped name) of the collision below its lowest point; (1000, "") for none."""
+        """(distance [m], scoped name) of the nearest collision below its lowest point; (1000, "") for none."""
         box = self.BoundingBox()
         bottom = min(self.pose().pos.z, box.Min().z) if self.children() else self.pose().pos.z
         where = self.pose().pos
         return self._world.ray_down(Vector3d(where.x, where.y, bottom - 1e-5), self)
 
     def PlaceOnNearestEntityBelow(self) -> None:
-        """Lower it until it stands on what is below."""
+        """Lower it onto the nearest entity below."""
         distance, name = self.GetNearestEntityBelow()
         if name:
             pose = self.pose()
@@ -297,9 +296,9 @@ class Entity(Base):
     # Animation ---------------------------------------------------------------------------------------------------
 
     def SetAnimation(self, animation: PoseAnimation, onComplete: Callable[[], object] | None = None) -> None:
-        """Move it along an animation of poses in what it is a part of, by sim time; then call `onComplete`."""
-        self._world.animations.start(self, animation, onComplete)
+        """Play an animation of its pose relative to the parent, in sim time; call `onComplete` at the end."""
+        self._world.server.activity.animations.start(self, animation, onComplete)
 
     def StopAnimation(self) -> None:
-        """Leave it where its animation has brought it."""
-        self._world.animations.stop(self)
+        """Stop its animation; it stays at the present pose."""
+        self._world.server.activity.animations.stop(self)

@@ -1,4 +1,4 @@
-"""Collision: a shape of a link that touches others, and how it touches them."""
+"""Collision: a colliding shape of a link, and its surface parameters."""
 
 from __future__ import annotations
 
@@ -14,17 +14,16 @@ from libgz.ode.types import Surface
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.link import Link
-    from libgz.classic.physics.model import Model
+    from libgz.classic.physics.world import Link, Model
 
 __all__ = ["Collision", "FrictionPyramid", "SurfaceParams"]
 
-# Collide modes: the bits it meets others with. A ghost meets nothing but rays.
-MODES = {"all": 0xFFFFFFFF, "none": 0, "sensors": 0, "ghost": 0, "fixed": 0xFFFFFFFF}
+# Collide modes, and whether a collision has contacts in them; rays hit it in all modes.
+MODES = {"all": True, "none": False, "sensors": False, "ghost": False, "fixed": True}
 
 
 class FrictionPyramid:
-    """Coulomb friction along two directions."""
+    """Coefficients of Coulomb friction along two directions, and of torsional friction."""
 
     def __init__(self, geom: Geom) -> None:
         self._geom = geom
@@ -36,34 +35,37 @@ class FrictionPyramid:
         self._geom.body.engine.set_surface(self._geom.row, column, value if value >= 0.0 else math.inf)
 
     def MuPrimary(self) -> float:
-        """Coefficient along the first direction."""
+        """The coefficient along the first direction."""
         return self._get(Surface.MU)
 
     def SetMuPrimary(self, mu: float) -> None:
-        """Set it; negative: infinite."""
+        """Set the coefficient along the first direction; negative: infinite."""
         self._set(Surface.MU, mu)
 
     def MuSecondary(self) -> float:
-        """Coefficient along the second direction."""
+        """The coefficient along the second direction."""
         return self._get(Surface.MU2)
 
     def SetMuSecondary(self, mu: float) -> None:
-        """Set it; negative: infinite."""
+        """Set the coefficient along the second direction; negative: infinite."""
         self._set(Surface.MU2, mu)
 
     def MuTorsion(self) -> float:
-        """Coefficient against turning on the spot."""
+        """The coefficient of torsional friction."""
         return self._get(Surface.TORSION)
 
     def SetMuTorsion(self, mu: float) -> None:
-        """Set it."""
+        """Set the coefficient of torsional friction; negative: infinite."""
         self._set(Surface.TORSION, mu)
 
     GetMuPrimary, GetMuSecondary, GetMuTorsion = MuPrimary, MuSecondary, MuTorsion
 
 
 class SurfaceParams:
-    """How a collision touches others; values are read from the engine and written to it at once."""
+    """Contact parameters of a collision; the engine's values are read and written directly.
+
+    They are attributes: kp, kd, slip1, slip2, bounce, bounceThreshold, maxVel, minDepth and collideBitmask.
+    """
 
     # ODESurfaceParams' names -> columns of the engine's surface table.
     _COLUMNS = {
@@ -118,7 +120,7 @@ class Collision(Entity):
         return self.geom.GetPose()
 
     def move(self, pose: GzPose) -> None:
-        """Put it to a global pose [m]; it goes with its link from there on."""
+        """Set the global pose [m]; from then on it moves with its link."""
         self.geom.SetRelativePose(GzCoordPoseSub(pose, self.geom.body.GetPose()), updateCoM=False)
 
     def IsStatic(self) -> bool:
@@ -126,11 +128,11 @@ class Collision(Entity):
         return self.link.IsStatic()
 
     def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
-        """Velocity of its centre [m/s]."""
+        """Linear velocity of its origin [m/s], in the world frame."""
         return self.link.WorldLinearVel(GzCoordPoseSub(self.pose(), self.link.pose()).pos)
 
     def WorldAngularVel(self) -> Vector3d:
-        """Angular velocity [rad/s]."""
+        """Angular velocity [rad/s], in the world frame."""
         return self.link.WorldAngularVel()
 
     def GetLink(self) -> Link:
@@ -150,24 +152,24 @@ class Collision(Entity):
         return self.GetShape().kind
 
     def GetSurface(self) -> SurfaceParams:
-        """How it touches others."""
+        """The contact parameters."""
         return SurfaceParams(self.geom)
 
     def BoundingBox(self) -> AxisAlignedBox:
-        """The smallest box along the world's axes around it [m]."""
+        """Its axis-aligned bounding box [m], in the world frame."""
         low, high = self.geom.bounds()
         return AxisAlignedBox(Vector3d(*low), Vector3d(*high))
 
     def SetCategoryBits(self, bits: int) -> None:
-        """What it is, for collision."""
+        """Set the category bits."""
         self.geom.SetCategoryBits(bits)
 
     def SetCollideBits(self, bits: int) -> None:
-        """What it collides with."""
+        """Set the bits of the categories it collides with."""
         self.geom.SetCollideBits(bits)
 
     def SetCollideMode(self, mode: str) -> None:
-        """``all`` or ``fixed``: as its bitmask says; ``none``, ``sensors`` or ``ghost``: it touches nothing.
+        """Set the mode: ``all``, ``fixed``: contacts by its bitmask; ``none``, ``sensors``, ``ghost``: no contacts.
 
         Raises:
             ParameterError: there is no such mode.
@@ -176,25 +178,25 @@ class Collision(Entity):
             raise ParameterError(f"collide mode {mode!r} is not known; allowed are {', '.join(MODES)}")
         engine, row = self.geom.body.engine, self.geom.row
         now = float(engine.surface[row, Surface.BITS])
-        self._bits = now or self._bits  # what it had before it was to touch nothing
+        self._bits = now or self._bits  # 0 while the mode allows no contacts
         engine.set_surface(row, Surface.BITS, self._bits if MODES[mode] else 0.0)
 
     def SetMaxContacts(self, maxContacts: int) -> None:
-        """Most contact points with another collision."""
+        """Set the maximum number of contact points with another collision."""
         self.geom.body.engine.set_surface(self.geom.row, Surface.MAX_CONTACTS, float(maxContacts))
 
     def GetMaxContacts(self) -> int:
-        """Most contact points with another collision."""
+        """The maximum number of contact points with another collision."""
         return int(self.geom.body.engine.surface[self.geom.row, Surface.MAX_CONTACTS])
 
     def SetLaserRetro(self, retro: float) -> None:
-        """How much it reflects of a laser."""
+        """Set the laser retro value: the intensity of returned laser rays."""
         self.geom.SetRetro(retro)
 
     def GetLaserRetro(self) -> float:
-        """How much it reflects of a laser."""
+        """The laser retro value: the intensity of returned laser rays."""
         return self.geom.GetRetro()
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Make it so many times as large as it was at first."""
+        """Scale it to this multiple of its first size."""
         self.GetShape().SetScale(scale)

@@ -1,15 +1,14 @@
-"""PhysicsEngine: the settings of the engine, by Gazebo's names."""
+"""PhysicsEngine: the parameters of the engine, by Gazebo's names."""
 
 from __future__ import annotations
 
 import itertools
 import logging
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import view_of
-from libgz.classic.physics.contact import ContactManager
+from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.ray_shape import RayShape
 from libgz.errors import ParameterError, nearest
@@ -20,8 +19,7 @@ from libgz.sdfworld.settings import settings_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
-    from libgz.classic.physics.model import Model
-    from libgz.classic.physics.world import World
+    from libgz.classic.physics.world import Model, World
     from libgz.physics.engine import Engine
 
 __all__ = ["PhysicsEngine"]
@@ -30,8 +28,24 @@ log = logging.getLogger("libgz.classic")
 
 _numbers = itertools.count(1)
 
-# Parameters of Gazebo's that nothing depends on here: where a <physics> has them, and their defaults.
-KEPT: dict[str, tuple[tuple[str, ...], Any]] = {
+# Parameters that act, in the order of the messages that list them.
+PARAMETERS = (
+    "type",
+    "max_step_size",
+    "real_time_update_rate",
+    "gravity",
+    "magnetic_field",
+    "solver_type",
+    "iters",
+    "sor",
+    "erp",
+    "cfm",
+    "contact_max_correcting_vel",
+    "max_contacts",
+    "friction_model",
+)
+# Parameters of Gazebo's without effect here: the path of their element in <physics>, and their defaults.
+WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
     "contact_surface_layer": (("ode", "constraints"), 0.001),
     "island_threads": (("ode", "solver"), 0),
     "min_step_size": (("ode", "solver"), 0.0001),
@@ -44,16 +58,16 @@ KEPT: dict[str, tuple[tuple[str, ...], Any]] = {
 
 
 class PhysicsEngine:
-    """ODE, and how a world steps."""
+    """ODE, and the step size and rate of a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._contacts = ContactManager(world)
-        self._kept: dict[str, Any] = {}
+        self._without_effect: dict[str, Any] = {}  # values that were set
 
     @property
     def engine(self) -> Engine:
-        """The engine itself."""
+        """The engine of the world."""
         return self._world.core.engine
 
     def GetType(self) -> str:
@@ -65,46 +79,46 @@ class PhysicsEngine:
         return self._world
 
     def GetContactManager(self) -> ContactManager:
-        """The contacts of the last step."""
+        """The contact manager."""
         return self._contacts
 
     # Time --------------------------------------------------------------------------------------------------------
 
     def GetMaxStepSize(self) -> float:
-        """Length of a step [s]."""
+        """The step size [s]."""
         return self.engine.step_time
 
     def SetMaxStepSize(self, stepSize: float) -> None:
-        """Set the length of a step [s]; steps a second stay as many."""
+        """Set the step size [s]; the real-time update rate does not change."""
         rate = self.GetRealTimeUpdateRate()
         self.engine.step_time = stepSize
         self.SetRealTimeUpdateRate(rate)
 
     def GetRealTimeUpdateRate(self) -> float:
-        """Steps per second of real time [Hz]; 0: as fast as possible."""
+        """The number of steps per second of real time [Hz]; 0: as fast as possible."""
         return self._world.core.simSpeed / self.engine.step_time
 
     def SetRealTimeUpdateRate(self, rate: float) -> None:
-        """Set the steps per second of real time [Hz]; 0: as fast as possible."""
+        """Set the number of steps per second of real time [Hz]; 0: as fast as possible."""
         self._world.core.simSpeed = rate * self.engine.step_time
 
     def GetUpdatePeriod(self) -> float:
-        """Real time between steps [s]; 0: as fast as possible."""
+        """The real time between steps [s]; 0: as fast as possible."""
         rate = self.GetRealTimeUpdateRate()
         return 1.0 / rate if rate > 0.0 else 0.0
 
     def GetTargetRealTimeFactor(self) -> float:
-        """The real_time_factor of the file, or what was set since; nothing depends on it."""
+        """The parameter real_time_factor; it has no effect."""
         return float(self.GetParam("real_time_factor"))
 
     # Parameters --------------------------------------------------------------------------------------------------
 
     def GetGravity(self) -> Vector3d:
-        """[m/s^2]."""
+        """The gravity [m/s^2]."""
         return self._world.Gravity()
 
     def SetGravity(self, gravity: VectorLike) -> None:
-        """Set it [m/s^2]."""
+        """Set the gravity [m/s^2]."""
         self._world.SetGravity(gravity)
 
     def SetSeed(self, seed: int) -> None:
@@ -112,88 +126,101 @@ class PhysicsEngine:
         self.engine.seed = seed
 
     def SetAutoDisableFlag(self, autoDisable: bool) -> None:
-        """Whether models may fall asleep at rest."""
+        """Enable or disable auto-disable, sleep while at rest, for all models without joints."""
         for model in self._world.Models():
             model.SetAutoDisable(autoDisable)
 
     def InitForThread(self) -> None:
-        """Nothing to do: the engine readies every thread that it is used in."""
-
-    def _keys(self) -> dict[str, tuple[Callable[[], Any], Callable[[Any], None]]]:
-        e = self.engine
-
-        def solver(**changed: float) -> None:
-            now = {"iterations": e.iterations, "over_relaxation": e.over_relaxation}
-            e.set_quick_step(**{**now, **changed})  # type: ignore[arg-type]
-
-        def constraints(**changed: float) -> None:
-            now = {"erp": e.erp, "cfm": e.cfm, "correcting_velocity": e.correcting_velocity}
-            e.set_constraints(**{**now, **changed})
-
-        def plain(name: str, kind: type) -> tuple[Callable[[], Any], Callable[[Any], None]]:
-            return lambda: getattr(e, name), lambda value: setattr(e, name, kind(value))
-
-        return {
-            "type": (lambda: "ode", lambda value: _only(value, "type", "ode")),
-            "max_step_size": (self.GetMaxStepSize, lambda value: self.SetMaxStepSize(float(value))),
-            "real_time_update_rate": (
-                self.GetRealTimeUpdateRate,
-                lambda value: self.SetRealTimeUpdateRate(float(value)),
-            ),
-            "gravity": (self.GetGravity, self.SetGravity),
-            "magnetic_field": (self._world.MagneticField, self._world.SetMagneticField),
-            "solver_type": plain("solver", str),
-            "iters": (lambda: e.iterations, lambda value: solver(iterations=int(value))),
-            "sor": (lambda: e.over_relaxation, lambda value: solver(over_relaxation=float(value))),
-            "erp": (lambda: e.erp, lambda value: constraints(erp=float(value))),
-            "cfm": (lambda: e.cfm, lambda value: constraints(cfm=float(value))),
-            "contact_max_correcting_vel": (
-                lambda: e.correcting_velocity,
-                lambda value: constraints(correcting_velocity=float(value)),
-            ),
-            "max_contacts": plain("max_contacts", int),
-            "friction_model": (
-                lambda: "cone_model" if e.cone else "pyramid_model",
-                lambda value: setattr(e, "cone", value == "cone_model"),
-            ),
-        }
+        """Without effect: the engine needs no preparation of threads."""
 
     def SetParam(self, key: str, value: Any) -> bool:
-        """Set a parameter; true.
+        """Set a parameter; returns True.
 
         Raises:
             ParameterError: there is no such parameter, or the value is not allowed.
         """
-        self._row(key)[1](value)
+        engine = self.engine
+        match key:
+            case "type":
+                if value != "ode":
+                    raise ParameterError(f"type {value!r} is not here; only ode is")
+            case "max_step_size":
+                self.SetMaxStepSize(float(value))
+            case "real_time_update_rate":
+                self.SetRealTimeUpdateRate(float(value))
+            case "gravity":
+                self.SetGravity(value)
+            case "magnetic_field":
+                self._world.SetMagneticField(value)
+            case "solver_type":
+                engine.solver = str(value)
+            case "iters":
+                engine.set_quick_step(int(value), engine.over_relaxation)
+            case "sor":
+                engine.set_quick_step(engine.iterations, float(value))
+            case "erp":
+                engine.set_constraints(float(value), engine.cfm, engine.correcting_velocity)
+            case "cfm":
+                engine.set_constraints(engine.erp, float(value), engine.correcting_velocity)
+            case "contact_max_correcting_vel":
+                engine.set_constraints(engine.erp, engine.cfm, float(value))
+            case "max_contacts":
+                engine.max_contacts = int(value)
+            case "friction_model":
+                engine.cone = value == "cone_model"
+            case _:
+                self._set_without_effect(key, value)
         return True
 
     def GetParam(self, key: str) -> Any:
-        """A parameter.
+        """The value of a parameter.
 
         Raises:
             ParameterError: there is no such parameter.
         """
-        return self._row(key)[0]()
+        engine = self.engine
+        match key:
+            case "type":
+                return "ode"
+            case "max_step_size":
+                return self.GetMaxStepSize()
+            case "real_time_update_rate":
+                return self.GetRealTimeUpdateRate()
+            case "gravity":
+                return self.GetGravity()
+            case "magnetic_field":
+                return self._world.MagneticField()
+            case "solver_type":
+                return engine.solver
+            case "iters":
+                return engine.iterations
+            case "sor":
+                return engine.over_relaxation
+            case "erp":
+                return engine.erp
+            case "cfm":
+                return engine.cfm
+            case "contact_max_correcting_vel":
+                return engine.correcting_velocity
+            case "max_contacts":
+                return engine.max_contacts
+            case "friction_model":
+                return "cone_model" if engine.cone else "pyramid_model"
+        return self._value_without_effect(key)
 
-    def _row(self, key: str) -> tuple[Callable[[], Any], Callable[[Any], None]]:
-        keys = self._keys()
-        if key in KEPT:
-            return lambda: self._kept_value(key), lambda value: self._keep(key, value)
-        if key not in keys:
-            known = [*keys, *KEPT]
-            raise ParameterError(f"physics has no parameter {key!r}; it has {', '.join(known)}{nearest(key, known)}")
-        return keys[key]
-
-    def _keep(self, key: str, value: Any) -> None:
-        if value != self._kept_value(key):
+    def _set_without_effect(self, key: str, value: Any) -> None:
+        if value != self._value_without_effect(key):
             log.warning("physics parameter %s is kept, and has no effect", key)
-        self._kept[key] = value
+        self._without_effect[key] = value
 
-    def _kept_value(self, key: str) -> Any:
-        """What was set, else what the file says."""
-        if key in self._kept:
-            return self._kept[key]
-        path, default = KEPT[key]
+    def _value_without_effect(self, key: str) -> Any:
+        """The value that was set, else that of the file."""
+        if key not in WITHOUT_EFFECT:
+            known = [*PARAMETERS, *WITHOUT_EFFECT]
+            raise ParameterError(f"physics has no parameter {key!r}; it has {', '.join(known)}{nearest(key, known)}")
+        if key in self._without_effect:
+            return self._without_effect[key]
+        path, default = WITHOUT_EFFECT[key]
         holder = settings_of(self._world.core).physics
         for name in path:
             holder = holder.child(name)
@@ -202,9 +229,9 @@ class PhysicsEngine:
     # Making things -----------------------------------------------------------------------------------------------
 
     def CreateJoint(self, type: str, parent: Model | None = None) -> Joint:
-        """A joint of a kind that `Load(parent link, child link, pose)` and `Init` bring to life.
+        """A new joint of a type, which acts from `Load(parent link, child link, pose)` on.
 
-        Its axes are z and, for a second one, x, until SetAxis gives it others.
+        Its axes are z and, for a second axis, x, until SetAxis changes them.
         """
         name = f"joint_{next(_numbers)}"
         axes = [Axis(GzVector(*axis)) for axis in first_axes(type)]
@@ -216,16 +243,11 @@ class PhysicsEngine:
         return joint
 
     def CreateShape(self, type: str, collision: Collision | None = None) -> RayShape:
-        """A ray to ask what lies on it; with a collision, in its link's frame.
+        """A new ray; with a collision, fixed to its link.
 
         Raises:
-            ParameterError: the type is not ``ray``; other shapes come with their collisions.
+            ParameterError: the type is not ``ray``.
         """
         if type != "ray":
             raise ParameterError(f"CreateShape makes no {type!r} by itself; it makes ray")
         return RayShape(self._world, collision.link if collision is not None else None)
-
-
-def _only(value: Any, what: str, allowed: str) -> None:
-    if value != allowed:
-        raise ParameterError(f"{what} {value!r} is not here; only {allowed} is")

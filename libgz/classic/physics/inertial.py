@@ -2,49 +2,51 @@
 
 from __future__ import annotations
 
-from libgz.classic.math import Matrix3d, Pose3d, Vector3d
+from libgz.classic.math import MassMatrix3d, Matrix3d, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzPose, GzVector, VectorLike
-from libgz.physics import mass as mass_
 from libgz.physics.body import Body
+from libgz.physics.mass import Mass as OdeMass, given_mass
 
 __all__ = ["Inertial"]
 
 
 class Inertial:
-    """Mass [kg], centre of mass [m] in the link's frame, moments about it [kg m^2] in the link's axes.
+    """Mass [kg], centre of mass [m] in the link frame, and moments about it [kg m^2] along the link's axes.
 
     Args:
-        body: the link's body: what is set changes it at once. None for values of its own: 1 kg, unit moments.
+        body: the link's body, to which changes are written at once. None: values of its own, 1 kg and unit moments.
     """
 
     def __init__(self, body: Body | None = None) -> None:
         self._body = body
-        self._mass, self._centre = 1.0, Vector3d()
-        self._moments = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]  # xx, yy, zz, xy, xz, yz
+        self._matrix, self._centre = MassMatrix3d(1.0, (1.0, 1.0, 1.0)), Vector3d()
         if body is not None and not body.dummy:
             held = body.GetMass()
             i = held.I
-            self._mass, self._moments = float(held.mass), [i[0], i[5], i[10], i[1], i[2], i[6]]
+            self._matrix = MassMatrix3d(held.mass, (i[0], i[5], i[10]), (i[1], i[2], i[6]))
             self._centre = Vector3d(*body.engine.com[body.row].tolist())
 
-    def matrix(self) -> mass_.Mass:
-        """ODE's mass matrix in the link's frame."""
-        return mass_.given_mass(self._mass, self._moments, GzPose(GzVector(*self._centre)))
+    def matrix(self) -> OdeMass:
+        """ODE's mass matrix in the link frame."""
+        m = self._matrix
+        moments = [m.ixx, m.iyy, m.izz, m.ixy, m.ixz, m.iyz]
+        return given_mass(m.mass, moments, GzPose(GzVector(*self._centre)))
 
-    def _set(self) -> None:
+    def _write(self) -> None:
+        """Write all values to the body."""
         if self._body is not None:
             self._body.SetMassMatrix(self.matrix())
 
     def Ign(self) -> Inertial:
-        """Itself: one class serves both generations of names."""
+        """The object itself: one class has both generations of names."""
         return self
 
     MassMatrix = Ign
 
     def Mass(self) -> float:
-        """[kg]."""
-        return self._mass
+        """The mass [kg]."""
+        return self._matrix.mass
 
     GetMass = Mass
 
@@ -56,11 +58,11 @@ class Inertial:
         """
         if not m > 0.0:
             raise ParameterError(f"mass is {m:g} kg; it must be positive")
-        self._mass = float(m)
-        self._set()
+        self._matrix.mass = float(m)
+        self._write()
 
     def CoG(self) -> Vector3d:
-        """Centre of mass in the link's frame [m]."""
+        """The centre of mass in the link frame [m]."""
         return Vector3d(*self._centre)
 
     GetCoG = CoG
@@ -69,7 +71,7 @@ class Inertial:
         """Set the centre of mass [m]: three numbers or a vector."""
         values = centre[0] if len(centre) == 1 else centre
         self._centre = Vector3d(*values)  # type: ignore[misc]
-        self._set()
+        self._write()
 
     def Pose(self) -> Pose3d:
         """The centre of mass as a pose [m]."""
@@ -78,85 +80,83 @@ class Inertial:
     GetPose = Pose
 
     def SetInertiaMatrix(self, ixx: float, iyy: float, izz: float, ixy: float, ixz: float, iyz: float) -> None:
-        """Set the moments [kg m^2]."""
-        self._moments = [ixx, iyy, izz, ixy, ixz, iyz]
-        self._set()
-
-    def rows(self) -> list[list[float]]:
-        """The moments as three rows of three [kg m^2]."""
-        xx, yy, zz, xy, xz, yz = self._moments
-        return [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+        """Set the moments of inertia [kg m^2]."""
+        self._matrix.SetDiagonalMoments((ixx, iyy, izz))
+        self._matrix.SetOffDiagonalMoments((ixy, ixz, iyz))
+        self._write()
 
     def MOI(self) -> Matrix3d:
-        """The moments as a matrix [kg m^2]."""
-        return Matrix3d(*(value for row in self.rows() for value in row))
+        """The matrix of inertia [kg m^2]."""
+        return self._matrix.Moi()
 
     GetMOI = MOI
     Moi = MOI
 
     def PrincipalMoments(self) -> Vector3d:
-        """Moments on the diagonal [kg m^2], as in Gazebo: ixx, iyy, izz."""
-        return Vector3d(*self._moments[:3])
+        """The moments on the diagonal [kg m^2], as in Gazebo: ixx, iyy, izz."""
+        return self._matrix.DiagonalMoments()
 
     GetPrincipalMoments = PrincipalMoments
 
     def ProductsOfInertia(self) -> Vector3d:
-        """Moments off the diagonal [kg m^2]: ixy, ixz, iyz."""
-        return Vector3d(*self._moments[3:])
+        """The moments off the diagonal [kg m^2]: ixy, ixz, iyz."""
+        return self._matrix.OffDiagonalMoments()
 
     GetProductsofInertia = ProductsOfInertia
 
     def IXX(self) -> float:
-        """Moment ixx [kg m^2]."""
-        return self._moments[0]
+        """The moment ixx [kg m^2]."""
+        return self._matrix.ixx
 
     def SetIXX(self, value: float) -> None:
         """Set the moment ixx [kg m^2]."""
-        self._moment(0, value)
+        self._matrix.ixx = float(value)
+        self._write()
 
     def IYY(self) -> float:
-        """Moment iyy [kg m^2]."""
-        return self._moments[1]
+        """The moment iyy [kg m^2]."""
+        return self._matrix.iyy
 
     def SetIYY(self, value: float) -> None:
         """Set the moment iyy [kg m^2]."""
-        self._moment(1, value)
+        self._matrix.iyy = float(value)
+        self._write()
 
     def IZZ(self) -> float:
-        """Moment izz [kg m^2]."""
-        return self._moments[2]
+        """The moment izz [kg m^2]."""
+        return self._matrix.izz
 
     def SetIZZ(self, value: float) -> None:
         """Set the moment izz [kg m^2]."""
-        self._moment(2, value)
+        self._matrix.izz = float(value)
+        self._write()
 
     def IXY(self) -> float:
-        """Moment ixy [kg m^2]."""
-        return self._moments[3]
+        """The moment ixy [kg m^2]."""
+        return self._matrix.ixy
 
     def SetIXY(self, value: float) -> None:
         """Set the moment ixy [kg m^2]."""
-        self._moment(3, value)
+        self._matrix.ixy = float(value)
+        self._write()
 
     def IXZ(self) -> float:
-        """Moment ixz [kg m^2]."""
-        return self._moments[4]
+        """The moment ixz [kg m^2]."""
+        return self._matrix.ixz
 
     def SetIXZ(self, value: float) -> None:
         """Set the moment ixz [kg m^2]."""
-        self._moment(4, value)
+        self._matrix.ixz = float(value)
+        self._write()
 
     def IYZ(self) -> float:
-        """Moment iyz [kg m^2]."""
-        return self._moments[5]
+        """The moment iyz [kg m^2]."""
+        return self._matrix.iyz
 
     def SetIYZ(self, value: float) -> None:
         """Set the moment iyz [kg m^2]."""
-        self._moment(5, value)
-
-    def _moment(self, index: int, value: float) -> None:
-        self._moments[index] = float(value)
-        self._set()
+        self._matrix.iyz = float(value)
+        self._write()
 
     GetIXX, GetIYY, GetIZZ, GetIXY, GetIXZ, GetIYZ = IXX, IYY, IZZ, IXY, IXZ, IYZ
     Ixx, Iyy, Izz, Ixy, Ixz, Iyz = IXX, IYY, IZZ, IXY, IXZ, IYZ

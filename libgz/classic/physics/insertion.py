@@ -1,4 +1,4 @@
-"""Insertion: models and lights that join a running world."""
+"""Insertion of models and lights into a running world."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def insert_text(world: World, text: str) -> None:
     """Add the models and lights of an SDF text.
 
     Raises:
-        ParameterError: it is no text.
+        ParameterError: it is not a string.
     """
     if not isinstance(text, str):
         raise ParameterError(f"InsertModelString takes the text of an SDF document, not {text!r}")
@@ -32,10 +32,10 @@ def insert_text(world: World, text: str) -> None:
 
 
 def insert_file(world: World, filename: str | os.PathLike[str]) -> None:
-    """Add those of a file, `model://name` included.
+    """Add the models and lights of a file or `model://name`.
 
     Raises:
-        ParameterError: it is no file's name.
+        ParameterError: it is not the name of a file.
     """
     if not isinstance(filename, str | os.PathLike):
         raise ParameterError(f"InsertModelFile takes a file's name or model://name, not {filename!r}")
@@ -43,7 +43,7 @@ def insert_file(world: World, filename: str | os.PathLike[str]) -> None:
 
 
 def insert_document(world: World, sdf: Element | SdfFile | SDF) -> None:
-    """Add those of an SDF document, or of one element of it.
+    """Add the models and lights of an SDF document, or of one element of it.
 
     Raises:
         ParameterError: it is neither.
@@ -61,7 +61,7 @@ def _insert(world: World, read: Callable[[], SdfFile]) -> None:
 
 
 def insert_now(world: World, file: SdfFile) -> None:
-    """Add what a document holds, with its sensors and plugins, between two steps.
+    """Add the models and lights of a document, with their sensors and plugins, between two steps.
 
     Raises:
         ParameterError: a name is taken.

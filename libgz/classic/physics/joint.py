@@ -1,4 +1,4 @@
-"""Joint: what holds two links together, with its motion, forces and limits."""
+"""Joint: a joint between two links, or a link and the world: its motion, forces and limits."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
-    from libgz.classic.physics.model import Model
-    from libgz.classic.physics.world import World
+    from libgz.classic.physics.world import Model, World
     from libgz.physics.body import Body
     from libgz.sdfworld.joint import SdfJoint
     from libgz.simulation.event import Connection
@@ -23,7 +22,7 @@ __all__ = ["Joint", "first_axes"]
 
 
 def first_axes(kind: str) -> list[GzVector]:
-    """The axes that a joint of a kind has until it is given others, global: z, and for a second one x.
+    """The default axes of a joint of a kind, in the world frame: z, and x for a second axis.
 
     Both axes of a gearbox are z.
     """
@@ -46,7 +45,7 @@ class Joint(Base):
         return self.core.kind
 
     def DOF(self) -> int:
-        """How many axes it has."""
+        """The number of its axes."""
         return self.core.dof
 
     GetAngleCount = DOF
@@ -54,13 +53,13 @@ class Joint(Base):
     # Motion ------------------------------------------------------------------------------------------------------
 
     def Position(self, index: int = 0) -> float:
-        """Where it stands."""
+        """The position of an axis [rad] or [m]."""
         return self.core.position(index)
 
     GetAngle = Position
 
     def SetPosition(self, index: int, position: float, preserveWorldVelocity: bool = False) -> bool:
-        """Bring it there at once: the child, and all that hangs on it, moves. Whether that was possible."""
+        """Move the child, and the links connected to it, to a position at once; returns False for an invalid axis."""
         if not 0 <= index < self.core.dof or not self.core.attached:
             return False
         self.core.set_position(position, index, preserve_world_velocity=preserveWorldVelocity)
@@ -69,28 +68,28 @@ class Joint(Base):
     SetAngle = SetPosition
 
     def GetVelocity(self, index: int) -> float:
-        """How fast it moves [rad/s] or [m/s]."""
+        """The velocity of an axis [rad/s] or [m/s]."""
         return self.core.velocity(index)
 
     def SetVelocity(self, index: int, vel: float) -> None:
-        """Give the child this velocity relative to the parent [rad/s] or [m/s]."""
+        """Set the velocity of the child relative to the parent [rad/s] or [m/s]."""
         self.core.set_velocity(vel, index)
 
     # Forces ------------------------------------------------------------------------------------------------------
 
     def SetForce(self, index: int, effort: float) -> None:
-        """Push for this step, no more than the effort limit; several pushes add up."""
+        """Add an effort for the next step; their sum is limited by the effort limit."""
         self.core.add_force(effort, index)
 
     def GetForce(self, index: int) -> float:
-        """What SetForce has gathered for this step."""
+        """The effort accumulated for the next step."""
         return self.core.force(index)
 
     def GetForceTorque(self, index: int = 0) -> JointWrench:
-        """What the links did to the joint in the last step: 1 the parent, 2 the child, in the links' axes.
+        """Forces and torques of the links on the joint in the last step: 1 the parent, 2 the child, in the link frames.
 
-        A joint that carries a child's weight upwards reads body1Force.z > 0, as in Gazebo. What SetForce did is in it.
-        The first question begins to record it, unless `<provide_feedback>` or SetProvideFeedback did.
+        A joint that carries a child's weight upwards has body1Force.z > 0, as in Gazebo. Efforts of SetForce are
+        included. Recorded from the first call on, or from `<provide_feedback>` or SetProvideFeedback.
         """
         values = []
         force1, torque1, force2, torque2 = self._wrench()
@@ -100,7 +99,7 @@ class Joint(Base):
         return JointWrench(*values)
 
     def SetProvideFeedback(self, enable: bool) -> None:
-        """Record what the joint does to the links."""
+        """Enable or disable recording of the forces for GetForceTorque."""
         self.core.provide_feedback(enable)
 
     def _wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
@@ -109,11 +108,11 @@ class Joint(Base):
         return self.core.wrench
 
     def LinkForce(self, index: int) -> Vector3d:
-        """What it did to the parent (0) or child (1) [N], global."""
+        """The force of the joint on the parent (0) or child (1) [N], in the world frame."""
         return Vector3d(*self._wrench()[2 * index])
 
     def LinkTorque(self, index: int) -> Vector3d:
-        """What it did to the parent (0) or child (1) about the anchor [N m], global."""
+        """The torque of the joint on the parent (0) or child (1) about the anchor [N m], in the world frame."""
         return Vector3d(*self._wrench()[2 * index + 1])
 
     GetLinkForce, GetLinkTorque = LinkForce, LinkTorque
@@ -121,19 +120,19 @@ class Joint(Base):
     # Limits ------------------------------------------------------------------------------------------------------
 
     def LowerLimit(self, index: int = 0) -> float:
-        """The lower stop; -1e16: none."""
+        """The lower limit; -1e16: none."""
         return self.core.axis_at(index).lower
 
     def UpperLimit(self, index: int = 0) -> float:
-        """The upper stop; 1e16: none."""
+        """The upper limit; 1e16: none."""
         return self.core.axis_at(index).upper
 
     def SetLowerLimit(self, index: int, limit: float) -> None:
-        """Set the lower stop."""
+        """Set the lower limit."""
         self.core.set_param("lo_stop", limit, index)
 
     def SetUpperLimit(self, index: int, limit: float) -> None:
-        """Set the upper stop."""
+        """Set the upper limit."""
         self.core.set_param("hi_stop", limit, index)
 
     GetLowStop = GetLowerLimit = LowerLimit
@@ -141,25 +140,25 @@ class Joint(Base):
     SetLowStop, SetHighStop = SetLowerLimit, SetUpperLimit
 
     def GetEffortLimit(self, index: int) -> float:
-        """The most that SetForce does; negative: no limit."""
+        """The effort limit of SetForce; negative: none."""
         return self.core.axis_at(index).effort
 
     def SetEffortLimit(self, index: int, effort: float) -> None:
-        """Set the most that SetForce does; negative: no limit."""
+        """Set the effort limit of SetForce; negative: none."""
         self.core.axis_at(index).effort = float(effort)
 
     def GetVelocityLimit(self, index: int) -> float:
-        """The speed from which SetForce pushes no more; negative: no limit."""
+        """The velocity above which SetForce has no effect; negative: none."""
         return self.core.axis_at(index).velocity
 
     def SetVelocityLimit(self, index: int, velocity: float) -> None:
-        """Set the speed from which SetForce pushes no more; negative: no limit."""
+        """Set the velocity above which SetForce has no effect; negative: none."""
         self.core.axis_at(index).velocity = float(velocity)
 
     # Damping and springs -----------------------------------------------------------------------------------------
 
     def GetDamping(self, index: int) -> float:
-        """[N m s/rad] or [N s/m]."""
+        """The damping [N m s/rad] or [N s/m]."""
         return self.core.axis_at(index).damping
 
     GetDampingCoefficient = GetDamping
@@ -170,26 +169,26 @@ class Joint(Base):
         self.core.set_spring(index, axis.stiffness, damping, axis.reference)
 
     def GetStiffness(self, index: int) -> float:
-        """[N m/rad] or [N/m]."""
+        """The stiffness of the spring [N m/rad] or [N/m]."""
         return self.core.axis_at(index).stiffness
 
     def SetStiffness(self, index: int, stiffness: float) -> None:
-        """Set the spring's stiffness [N m/rad] or [N/m]."""
+        """Set the stiffness of the spring [N m/rad] or [N/m]."""
         axis = self.core.axis_at(index)
         self.core.set_spring(index, stiffness, axis.damping, axis.reference)
 
     def SetStiffnessDamping(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
-        """Set stiffness, damping, and the position at which the spring is at rest."""
+        """Set stiffness, damping, and the rest position of the spring."""
         self.core.set_spring(index, stiffness, damping, reference)
 
     def GetSpringReferencePosition(self, index: int) -> float:
-        """The position at which the spring is at rest."""
+        """The rest position of the spring."""
         return self.core.axis_at(index).reference
 
     # Parameters --------------------------------------------------------------------------------------------------
 
     def SetParam(self, key: str, index: int, value: Any) -> bool:
-        """Set a parameter such as ``"fmax"``, ``"vel"``, ``"friction"``, ``"hi_stop"``, ``"stop_erp"``; true.
+        """Set a parameter such as ``"fmax"``, ``"vel"``, ``"friction"``, ``"hi_stop"``, ``"stop_erp"``; returns True.
 
         Raises:
             ParameterError: there is no such parameter.
@@ -198,7 +197,7 @@ class Joint(Base):
         return True
 
     def GetParam(self, key: str, index: int) -> float:
-        """A parameter.
+        """The value of a parameter.
 
         Raises:
             ParameterError: there is no such parameter.
@@ -210,29 +209,29 @@ class Joint(Base):
     # Geometry ----------------------------------------------------------------------------------------------------
 
     def Anchor(self, index: int = 0) -> Vector3d:
-        """Where it holds [m], global; 1: on the second link, which a suspension sets apart."""
+        """The anchor [m], in the world frame; index 1: on the child, which differs where there is a suspension."""
         return Vector3d(*self.core.anchor(index))
 
     def SetAnchor(self, index: int, anchor: VectorLike) -> None:
-        """Set where it holds [m], global."""
+        """Set the anchor [m], in the world frame."""
         self.core.set_anchor(anchor)
 
     def GlobalAxis(self, index: int) -> Vector3d:
-        """An axis, global."""
+        """An axis, in the world frame."""
         return Vector3d(*self.core.axis(index))
 
     def LocalAxis(self, index: int) -> Vector3d:
-        """An axis in the joint's frame, as the file has it."""
+        """An axis, in the joint frame."""
         return Vector3d(*self.core.local_axis(index))
 
     def SetAxis(self, index: int, axis: VectorLike) -> None:
-        """Set an axis, global."""
+        """Set an axis, in the world frame."""
         self.core.set_axis(index, axis)
 
     GetAnchor, GetGlobalAxis, GetLocalAxis = Anchor, GlobalAxis, LocalAxis
 
     def InertiaRatio(self, axis: VectorLike | int) -> float:
-        """Parent's over child's moment of inertia about a global axis, or about axis number `axis`."""
+        """The parent's over the child's moment of inertia about an axis by index, or a vector in the world frame."""
         direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
         moments = []
         for link in (self.GetParent(), self.GetChild()):
@@ -243,11 +242,11 @@ class Joint(Base):
     # Links -------------------------------------------------------------------------------------------------------
 
     def GetParent(self) -> Link | None:
-        """The parent link; None for the world, and where it holds nothing: after Detach, or when a link has gone."""
+        """The parent link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.parent)
 
     def GetChild(self, which: int | str | None = None) -> Link | None:
-        """The child link; None likewise."""
+        """The child link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.child)
 
     def _link(self, body: Body | None) -> Link | None:
@@ -255,19 +254,19 @@ class Joint(Base):
         return found
 
     def Attach(self, parent: Link | None, child: Link | None) -> None:
-        """Join two links; None for the world."""
+        """Connect two links; None is the world."""
         self.core.attach(parent.body if parent is not None else None, child.body if child is not None else None)
 
     def Detach(self) -> None:
-        """Let both links go."""
+        """Disconnect both links."""
         self.core.detach()
 
     def AreConnected(self, one: Link, two: Link) -> bool:
-        """Whether it joins these two links."""
+        """Whether it connects these two links."""
         return {one, two} == {self.GetParent(), self.GetChild()}
 
     def Load(self, parent: Link | None, child: Link | None, pose: GzPose | None = None) -> None:
-        """Join two links, None for the world, with the joint's frame at a pose in the child [m]."""
+        """Connect two links, None is the world, with the joint frame at a pose relative to the child [m]."""
         if pose is not None:
             self.core.set_frame(pose)
         self.Attach(parent, child)
@@ -275,7 +274,7 @@ class Joint(Base):
             self.SetModel((child or parent).model)  # type: ignore[union-attr]
 
     def SetModel(self, model: Model) -> None:
-        """Make it a part of a model, so that it acts by itself and goes when the model goes."""
+        """Add it to a model, which updates it and deletes it when the model is deleted."""
         if self._parent is model or not isinstance(model.core, SdfModel):
             return
         joints, core = model.core.sdf_joints, self.core
@@ -283,21 +282,21 @@ class Joint(Base):
         if before is not None and isinstance(before.core, SdfModel):
             self._world.server.joint_removed(self)
             before.core.sdf_joints.pop(core.name, None)
-        while joints.get(core.name, core) is not core:  # a name that the file gave to another
+        while joints.get(core.name, core) is not core:  # the name is taken
             core.name += "_"
         self._parent = model
         joints[core.name] = core
         self._world.server.joint_added(self)
 
     def Init(self) -> None:
-        """Nothing to do: a joint acts as soon as it joins links."""
+        """Without effect: a joint acts from Attach or Load on."""
 
     def Fini(self) -> None:
-        """Take it out of its model."""
+        """Remove it from its model and destroy it."""
         self.remove()
 
     def remove(self) -> None:
-        """Take it out of its model and destroy it, with its sensors; controllers let it go."""
+        """Remove it from its model and its controllers, and destroy it with its sensors."""
         model = self.GetParentModel()
         if model is not None and isinstance(model.core, SdfModel):
             model.core.remove_joint(self.core.name)
@@ -305,9 +304,9 @@ class Joint(Base):
         self._world.server.joint_removed(self)
 
     def Reset(self) -> None:
-        """Count turns from zero again; the model's reset brings its links back."""
+        """Reset the count of turns to zero; poses of links are restored by the reset of the model."""
         self.core.restore()
 
     def ConnectJointUpdate(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` in each iteration, before physics."""
-        return self._world.joint_event.Connect(callback)
+        return self._world.server.activity.joint_update.Connect(callback)

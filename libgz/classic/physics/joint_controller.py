@@ -1,4 +1,4 @@
-"""JointController: holds joints at positions and velocities."""
+"""JointController: controls the positions, velocities and forces of a model's joints."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from libgz.physics.check import finite
 
 if TYPE_CHECKING:
     from libgz.classic.physics.joint import Joint
-    from libgz.classic.physics.model import Model
+    from libgz.classic.physics.world import Model
 
 __all__ = ["JointController"]
 
@@ -21,7 +21,7 @@ DEFAULT_GAINS = (1.0, 0.1, 0.01, 1.0, -1.0, 1000.0, -1000.0)  # p, i, d, imax, i
 
 
 class JointController:
-    """Pushes joints of a model with PIDs in every iteration. Joints go by scoped name, ``model::joint``, or name."""
+    """PID control of the joints of a model, applied in every iteration; joints are given by scoped name or name."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -36,18 +36,21 @@ class JointController:
             self.AddJoint(joint)
 
     def AddJoint(self, joint: Joint) -> None:
-        """Take a joint in."""
+        """Add a joint."""
         name = joint.GetScopedName()
         self._joints[name] = joint
         self._position_pids[name], self._velocity_pids[name] = PID(*DEFAULT_GAINS), PID(*DEFAULT_GAINS)
 
     def RemoveJoint(self, joint: Joint) -> None:
-        """Let a joint go."""
+        """Remove a joint, its gains and targets."""
         name = joint.GetScopedName()
         if self._joints.get(name) is not joint:
             return
         for rows in (self._joints, self._position_pids, self._velocity_pids):
             rows.pop(name, None)
+        self._drop_targets(name)
+
+    def _drop_targets(self, name: str) -> None:
         for targets in (self._forces, self._positions, self._velocities):
             targets.pop(name, None)
 
@@ -58,7 +61,7 @@ class JointController:
         return next((full for full in self._joints if full.endswith(f"::{name}")), None)
 
     def _known(self, name: str) -> str | None:
-        """The same; one that there is not is told of, for nobody is told by a result."""
+        """The scoped name of a joint; an unknown one is logged, and None."""
         found = self.scoped_name(name)
         if found is None:
             model = self._model.GetScopedName()
@@ -72,25 +75,25 @@ class JointController:
         return found is not None
 
     def SetForce(self, jointName: str, force: float) -> bool:
-        """Push a joint from now on [N m] or [N]; whether there is such a joint."""
+        """Set the force on a joint from now on [N m] or [N]; returns whether there is such a joint."""
         return self._set(self._forces, jointName, force)
 
     def SetPositionTarget(self, jointName: str, target: float) -> bool:
-        """Hold a joint at a position from now on [rad] or [m]; whether there is such a joint."""
+        """Set the target position of a joint [rad] or [m]; returns whether there is such a joint."""
         return self._set(self._positions, jointName, target)
 
     def SetVelocityTarget(self, jointName: str, target: float) -> bool:
-        """Hold a joint at a velocity from now on [rad/s] or [m/s]; whether there is such a joint."""
+        """Set the target velocity of a joint [rad/s] or [m/s]; returns whether there is such a joint."""
         return self._set(self._velocities, jointName, target)
 
     def SetPositionPID(self, jointName: str, pid: PID) -> None:
-        """Set the gains that hold positions; a joint that there is not is logged."""
+        """Set the PID for the position of a joint; an unknown joint is logged."""
         name = self._known(jointName)
         if name is not None:
             self._position_pids[name] = _checked(pid)
 
     def SetVelocityPID(self, jointName: str, pid: PID) -> None:
-        """Set the gains that hold velocities; a joint that there is not is logged."""
+        """Set the PID for the velocity of a joint; an unknown joint is logged."""
         name = self._known(jointName)
         if name is not None:
             self._velocity_pids[name] = _checked(pid)
@@ -100,42 +103,42 @@ class JointController:
         return dict(self._joints)
 
     def GetPositionPIDs(self) -> dict[str, PID]:
-        """The gains that hold positions, by scoped name."""
+        """The PIDs for positions, by scoped name."""
         return dict(self._position_pids)
 
     def GetVelocityPIDs(self) -> dict[str, PID]:
-        """The gains that hold velocities, by scoped name."""
+        """The PIDs for velocities, by scoped name."""
         return dict(self._velocity_pids)
 
     def GetForces(self) -> dict[str, float]:
-        """The forces that were set."""
+        """The forces that were set [N m] or [N], by scoped name."""
         return dict(self._forces)
 
     def GetPositions(self) -> dict[str, float]:
-        """The positions that are held."""
+        """The target positions [rad] or [m], by scoped name."""
         return dict(self._positions)
 
     def GetVelocities(self) -> dict[str, float]:
-        """The velocities that are held."""
+        """The target velocities [rad/s] or [m/s], by scoped name."""
         return dict(self._velocities)
 
     def SetJointPosition(self, joint: str | Joint, position: float, index: int = 0) -> None:
-        """Bring a joint to a position [rad] or [m] at once; one that there is not is logged."""
+        """Set the position of a joint [rad] or [m] at once; an unknown joint is logged."""
         name = self._known(joint if isinstance(joint, str) else joint.GetScopedName())
         if name is not None:
             self._joints[name].SetPosition(index, position)
 
     def SetJointPositions(self, jointPositions: dict[str, float]) -> None:
-        """Bring several joints to positions at once."""
+        """Set the positions of several joints [rad] or [m] at once."""
         for name, position in jointPositions.items():
             self.SetJointPosition(name, position)
 
     def GetLastUpdateTime(self) -> Time:
-        """When it pushed last."""
+        """The sim time of the last update."""
         return self._last
 
     def Reset(self) -> None:
-        """Forget all targets and what the PIDs have gathered."""
+        """Remove all targets, and reset the PIDs."""
         for targets in (self._forces, self._positions, self._velocities):
             targets.clear()
         for pid in (*self._position_pids.values(), *self._velocity_pids.values()):
@@ -143,20 +146,19 @@ class JointController:
         self._last = self._model.GetWorld().SimTime()
 
     def Update(self) -> None:
-        """Push; the world calls this in every iteration."""
+        """Apply efforts for one step; called in every iteration."""
         now = self._model.GetWorld().SimTime()
         passed, self._last = now - self._last, now
         if not float(passed) > 0.0:
             return
         for name in dict.fromkeys((*self._forces, *self._positions, *self._velocities)):
             try:
-                self._push(name, self._joints[name], passed)
-            except GazeboError as error:  # the joint is no more, or a gain is absurd
-                log.error("joint %s is held no more: %s", name, error)
-                for targets in (self._forces, self._positions, self._velocities):
-                    targets.pop(name, None)
+                self._apply(name, self._joints[name], passed)
+            except GazeboError as error:  # the joint was destroyed, or the effort is not finite
+                log.error("joint %s is not controlled any more: %s", name, error)
+                self._drop_targets(name)
 
-    def _push(self, name: str, joint: Joint, passed: Time) -> None:
+    def _apply(self, name: str, joint: Joint, passed: Time) -> None:
         if name in self._forces:
             joint.SetForce(0, self._forces[name])
         if name in self._positions:
@@ -169,5 +171,5 @@ class JointController:
 
 def _checked(pid: PID) -> PID:
     if not isinstance(pid, PID):
-        raise ParameterError(f"{pid!r} is no PID")
+        raise ParameterError(f"{pid!r} is not a PID")
     return pid

@@ -1,4 +1,4 @@
-"""Light: a lamp of a world."""
+"""Light: a light of a world."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Light(Entity):
         return self.core.GetPose()
 
     def move(self, pose: GzPose) -> None:
-        """Put it to a global pose [m]."""
+        """Set the global pose [m]."""
         self.core.GetBody().SetPose(pose)
 
     def LightType(self) -> str:
@@ -37,49 +37,49 @@ class Light(Entity):
         return self.core.light.kind
 
     def DiffuseColor(self) -> Color:
-        """The colour of its light."""
+        """The diffuse colour."""
         return Color(*self.core.light.GetDiffuseColor())
 
     def SetDiffuseColor(self, color: GzColor) -> None:
-        """Set the colour of its light."""
+        """Set the diffuse colour."""
         self.core.light.SetDiffuseColor(GzColor(*color))
 
     def SpecularColor(self) -> Color:
-        """The colour of its highlights."""
+        """The specular colour."""
         return Color(*self.core.light.GetSpecularColor())
 
     def SetSpecularColor(self, color: GzColor) -> None:
-        """Set the colour of its highlights."""
+        """Set the specular colour."""
         self.core.light.SetSpecularColor(GzColor(*color))
 
     def Direction(self) -> Vector3d:
-        """Where a directional or spot light shines."""
+        """The direction of a directional or spot light."""
         return Vector3d(*self.core.light.direction)
 
     def SetDirection(self, direction: VectorLike) -> None:
-        """Set where a directional or spot light shines."""
+        """Set the direction of a directional or spot light."""
         self.core.light.direction = GzVector(*direction)
 
     def Range(self) -> float:
-        """How far it reaches [m]."""
+        """The range [m]."""
         return self.core.light.range
 
     def SetRange(self, distance: float) -> None:
-        """Set how far it reaches [m]."""
+        """Set the range [m]."""
         self.core.light.range = float(distance)
 
     def CastShadows(self) -> bool:
-        """Whether it is meant to cast shadows."""
+        """Whether its SDF element has shadows enabled."""
         return self.core.cast_shadows
 
     def Attenuation(self) -> tuple[float, ...]:
-        """Constant, linear [1/m] and quadratic [1/m^2] fading."""
+        """The constant, linear [1/m] and quadratic [1/m^2] attenuation."""
         return tuple(self.core.light.attenuation)
 
     def SetAttenuation(self, constant: float, linear: float, quadratic: float) -> None:
-        """Set constant, linear [1/m] and quadratic [1/m^2] fading."""
+        """Set the constant, linear [1/m] and quadratic [1/m^2] attenuation."""
         self.core.light.SetAttenuation((constant, linear, quadratic))
 
     def BoundingBox(self) -> AxisAlignedBox:
-        """A light has no extent."""
+        """An empty box: lights have no extent."""
         return AxisAlignedBox()

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import functools
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from libgz.classic.common import Battery
 from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
@@ -22,8 +20,8 @@ from libgz.geometry import (
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.joint import Joint
-    from libgz.classic.physics.model import Model
+    from libgz.classic.common import Battery
+    from libgz.classic.physics.world import Joint, Model
     from libgz.physics.body import Body
     from libgz.sdf.element import Element
 
@@ -31,7 +29,7 @@ __all__ = ["Link"]
 
 
 class Link(Entity):
-    """A view on a Body. Forces act for one step; velocities and poses are global unless they say otherwise."""
+    """A view on a Body. Forces act for one step; vectors and poses are in the world frame unless stated otherwise."""
 
     entity_type = Base.ENTITY | Base.LINK
 
@@ -51,12 +49,12 @@ class Link(Entity):
         return self.body.GetPose()
 
     def move(self, pose: GzPose) -> None:
-        """Put it to a global pose [m]."""
+        """Set the global pose [m], and wake the link."""
         self.body.SetPose(pose)
         self.body.Enable(True)
 
     def WorldCoGPose(self) -> Pose3d:
-        """Global pose of the centre of mass [m], with the link's rotation."""
+        """Global pose of the centre of mass [m]; its rotation is the link's."""
         return Pose3d(self.body.GetCoMPose())
 
     GetWorldCoGPose = WorldCoGPose
@@ -64,13 +62,13 @@ class Link(Entity):
     GetWorldInertialPose = WorldCoGPose
 
     def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
-        """Velocity [m/s] of the link's origin, or of a point given in the link's frame [m]."""
+        """Linear velocity [m/s] of the link's origin, or of a point given in the link frame [m]."""
         pose = self.body.GetPose()
         point = pose.pos if offset is None else GzVectorAdd(pose.pos, rotate(pose.rot, offset))
         return Vector3d(*self.body.GetPointVel(point))
 
     def WorldCoGLinearVel(self) -> Vector3d:
-        """Velocity of the centre of mass [m/s]."""
+        """Linear velocity of the centre of mass [m/s]."""
         return Vector3d(*self.body.GetLinearVel())
 
     GetWorldCoGLinearVel = WorldCoGLinearVel
@@ -80,7 +78,7 @@ class Link(Entity):
         return Vector3d(*self.body.GetAngularRate())
 
     def SetLinearVel(self, vel: VectorLike) -> None:
-        """Set the velocity of the centre of mass [m/s]."""
+        """Set the linear velocity of the centre of mass [m/s]."""
         self.body.SetLinearVel(vel)
         self.body.Enable(True)
 
@@ -90,83 +88,83 @@ class Link(Entity):
         self.body.Enable(True)
 
     def SetWorldTwist(self, linear: VectorLike, angular: VectorLike, updateChildren: bool = True) -> None:
-        """Set both velocities [m/s], [rad/s]."""
+        """Set linear [m/s] and angular [rad/s] velocity."""
         self.SetLinearVel(linear)
         self.SetAngularVel(angular)
 
     def WorldLinearAccel(self) -> Vector3d:
-        """Acceleration of the centre of mass in the last step [m/s^2]; the first question begins to watch it."""
+        """Linear acceleration of the centre of mass in the last step [m/s^2]; measured from the first call on."""
         self.body.engine.watch_motion = True
         return Vector3d(*self.body.GetLinearAccel())
 
     def WorldAngularAccel(self) -> Vector3d:
-        """Angular acceleration in the last step [rad/s^2]; the first question begins to watch it."""
+        """Angular acceleration in the last step [rad/s^2]; measured from the first call on."""
         self.body.engine.watch_motion = True
         return Vector3d(*self.body.GetAngularAccel())
 
     # Forces ------------------------------------------------------------------------------------------------------
 
     def AddForce(self, force: VectorLike) -> None:
-        """Add a force at the centre of mass [N], global."""
+        """Add a force at the centre of mass [N]."""
         self._wake()
         self.body.AddForce(*force)
 
     def AddRelativeForce(self, force: VectorLike) -> None:
-        """Add a force at the centre of mass [N], along the link's axes."""
+        """Add a force at the centre of mass [N], given in the link frame."""
         self._wake()
         self.body.AddRelForce(*force)
 
     def AddForceAtWorldPosition(self, force: VectorLike, pos: VectorLike) -> None:
-        """Add a global force [N] at a global point [m]."""
+        """Add a force [N] at a point [m], both in the world frame."""
         self._wake()
         self.body.AddForceAtPos(*force, *pos)
 
     def AddForceAtRelativePosition(self, force: VectorLike, relPos: VectorLike) -> None:
-        """Add a global force [N] at a point given from the centre of mass, in the link's axes [m]."""
+        """Add a force in the world frame [N] at a point relative to the centre of mass, along the link's axes [m]."""
         self._wake()
         self.body.AddForceAtRelPos(*force, *relPos)
 
     def AddLinkForce(self, force: VectorLike, offset: VectorLike = (0.0, 0.0, 0.0)) -> None:
-        """Add a force in the link's axes [N] at a point in the link's frame [m]."""
+        """Add a force [N] at a point [m], both in the link frame."""
         self._wake()
         pose = self.body.GetPose()
         point = GzVectorAdd(pose.pos, rotate(pose.rot, offset))
         self.body.AddForceAtPos(*rotate(pose.rot, force), *point)
 
     def AddTorque(self, torque: VectorLike) -> None:
-        """Add a torque [N m], global."""
+        """Add a torque [N m]."""
         self._wake()
         self.body.AddTorque(*torque)
 
     def AddRelativeTorque(self, torque: VectorLike) -> None:
-        """Add a torque about the link's axes [N m]."""
+        """Add a torque [N m], given in the link frame."""
         self._wake()
         self.body.AddRelTorque(*torque)
 
     def SetForce(self, force: VectorLike) -> None:
-        """Replace the force of this step [N]."""
+        """Replace the force that acts in the next step [N]."""
         self._wake()
         self.body.SetForce(force)
 
     def SetTorque(self, torque: VectorLike) -> None:
-        """Replace the torque of this step [N m]."""
+        """Replace the torque that acts in the next step [N m]."""
         self._wake()
         self.body.SetTorque(*torque)
 
     def WorldForce(self) -> Vector3d:
-        """The force gathered for the next step [N]."""
+        """The force accumulated for the next step [N]."""
         return Vector3d(*self.body.GetForce())
 
     def WorldTorque(self) -> Vector3d:
-        """The torque gathered for the next step [N m]."""
+        """The torque accumulated for the next step [N m]."""
         return Vector3d(*self.body.GetTorque())
 
     def RelativeForce(self) -> Vector3d:
-        """The same force along the link's axes [N]."""
+        """The force accumulated for the next step [N], in the link frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldForce()))
 
     def RelativeTorque(self) -> Vector3d:
-        """The same torque about the link's axes [N m]."""
+        """The torque accumulated for the next step [N m], in the link frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldTorque()))
 
     GetWorldForce = WorldForce
@@ -178,43 +176,44 @@ class Link(Entity):
         self.body.Enable(True)
 
     def ResetPhysicsStates(self) -> None:
-        """Stop it: no velocity, no force."""
-        for setter in (self.body.SetLinearVel, self.body.SetAngularVel, self.body.SetForce):
-            setter((0.0, 0.0, 0.0))
+        """Set velocities, force and torque to zero."""
+        self.body.SetLinearVel((0.0, 0.0, 0.0))
+        self.body.SetAngularVel((0.0, 0.0, 0.0))
+        self.body.SetForce((0.0, 0.0, 0.0))
         self.body.SetTorque(0.0, 0.0, 0.0)
 
     # Mass --------------------------------------------------------------------------------------------------------
 
     def GetInertial(self) -> Inertial:
-        """Mass and inertia; changing them changes the link."""
+        """Mass and inertia; changes to them are written to the link."""
         return Inertial(self.body)
 
     def SetInertial(self, inertial: Inertial) -> None:
-        """Take on another's mass and inertia."""
+        """Set mass and inertia."""
         self.body.SetMassMatrix(inertial.matrix())
 
     def UpdateMass(self) -> None:
-        """Nothing to do: a change of GetInertial() acts at once."""
+        """Without effect: changes of GetInertial() take effect at once."""
 
     def WorldInertiaMatrix(self) -> Matrix3d:
-        """Moments of inertia about the centre of mass in the world's axes [kg m^2]."""
+        """The matrix of inertia about the centre of mass [kg m^2], along the world's axes."""
         turn = np.array([rotate(self.body.GetRotation(), axis) for axis in np.eye(3)]).T
-        inertia = np.array(self.GetInertial().rows())
+        inertia = np.asarray(self.GetInertial().MOI())
         return Matrix3d(*(turn @ inertia @ turn.T).ravel().tolist())
 
     GetWorldInertiaMatrix = WorldInertiaMatrix
 
     def GetWorldEnergyPotential(self) -> float:
-        """Potential energy above z = 0 of the gravity field [J]."""
+        """Potential energy in the gravity field, relative to the world's origin [J]."""
         gravity = self._world.core.engine.gravity
         return -self.body.mass * GzVectorDot(gravity, self.body.GetCoMPose().pos)
 
     def GetWorldEnergyKinetic(self) -> float:
-        """Energy of motion [J]."""
+        """Kinetic energy [J]."""
         return self.body.GetKineticEnergy()
 
     def GetWorldEnergy(self) -> float:
-        """Potential and kinetic energy [J]."""
+        """The sum of potential and kinetic energy [J]."""
         return self.GetWorldEnergyPotential() + self.GetWorldEnergyKinetic()
 
     # Switches ----------------------------------------------------------------------------------------------------
@@ -224,13 +223,13 @@ class Link(Entity):
         return self.body.dummy
 
     def SetLinkStatic(self, static: bool) -> None:
-        """Hold it where it is, or let it go."""
+        """Make it kinematic and stop it, or dynamic again."""
         self.SetKinematic(static)
         if static:
             self.ResetPhysicsStates()
 
     def SetGravityMode(self, mode: bool) -> None:
-        """Whether gravity acts on it."""
+        """Enable or disable gravity for it."""
         self.body.SetGravityMode(mode)
 
     def GetGravityMode(self) -> bool:
@@ -238,16 +237,16 @@ class Link(Entity):
         return bool(self.body.GetGravityMode())
 
     def SetKinematic(self, kinematic: bool) -> None:
-        """Whether it moves by its velocity only."""
+        """Make it kinematic: moved by its velocity only, not by forces."""
         self._kinematic = bool(kinematic)
         self.body.set_kinematic(kinematic)
 
     def GetKinematic(self) -> bool:
-        """Whether it moves by its velocity only."""
+        """Whether it is kinematic: moved by its velocity only, not by forces."""
         return self._kinematic
 
     def SetEnabled(self, enable: bool) -> None:
-        """Wake it, or put it to sleep."""
+        """Wake it, or put it to sleep (auto-disabled)."""
         self.body.Enable(enable)
 
     def GetEnabled(self) -> bool:
@@ -255,66 +254,61 @@ class Link(Entity):
         return self.body.IsEnabled()
 
     def SetLinearDamping(self, damping: float) -> None:
-        """Share of velocity lost in each step."""
+        """Set the fraction of linear velocity that is lost in each step."""
         self.body.set_damping(damping, self.body.damping[1])
 
     def SetAngularDamping(self, damping: float) -> None:
-        """Share of angular velocity lost in each step."""
+        """Set the fraction of angular velocity that is lost in each step."""
         self.body.set_damping(self.body.damping[0], damping)
 
     def SetAutoDisable(self, disable: bool) -> None:
-        """Whether it may fall asleep at rest."""
+        """Enable or disable auto-disable: sleep while at rest."""
         self.body.set_auto_disable(disable)
 
     def SetSelfCollide(self, collide: bool) -> None:
-        """Whether it touches other links of its model."""
+        """Enable or disable contacts with other links of its model."""
         self.model.core.set_self_collide(self.body, collide)  # type: ignore[attr-defined]
 
     def SetCollideMode(self, mode: str) -> None:
-        """What it touches: ``all``, ``none``, ``sensors`` or ``ghost``."""
+        """Set the collide mode of its collisions; see Collision.SetCollideMode."""
         for collision in self.GetCollisions():
             collision.SetCollideMode(mode)
 
     def SetLaserRetro(self, retro: float) -> None:
-        """How much its collisions reflect of a laser."""
+        """Set the laser retro value of its collisions."""
         for collision in self.GetCollisions():
             collision.SetLaserRetro(retro)
 
     def SetStatic(self, static: bool) -> None:
-        """Hold it where it is, or let it go."""
+        """Make it kinematic and stop it, or dynamic again."""
         self.SetLinkStatic(static)
 
     # Batteries ---------------------------------------------------------------------------------------------------
 
-    @functools.cached_property
+    @property
     def batteries(self) -> list[Battery]:
-        """Those that its file names."""
-        elements = self._sdf.named("battery") if self._sdf is not None else ()
-        return [Battery(e.Get(str, "name"), e.Get(float, "voltage")) for e in elements]
+        """Its batteries, in the order of the file."""
+        return self._world.server.activity.batteries_of(self)
 
     def Battery(self, which: str | int) -> Battery | None:
-        """A battery by name or number; None if there is none."""
+        """A battery by name or index; None if there is none."""
         if isinstance(which, int):
             return self.batteries[which] if 0 <= which < len(self.batteries) else None
         return next((battery for battery in self.batteries if battery.Name() == which), None)
 
     def BatteryCount(self) -> int:
-        """How many batteries it has."""
+        """The number of its batteries."""
         return len(self.batteries)
 
-    # Parts -------------------------------------------------------------------------------------------------------
+    # Children and joints -----------------------------------------------------------------------------------------
 
     def GetModel(self) -> Model:
         """The model."""
         return self.model
 
     def GetCollisions(self) -> list[Collision]:
-        """Its collisions in order."""
-        found = []
-        for geom in self.body.geoms:
-            if geom.space is not None:
-                found.append(self._collision(geom))
-        return found
+        """Its collisions, in the order of the file."""
+        return [self._collision(geom) for geom in self.body.geoms if geom.space is not None]
 
     def _collision(self, geom: Geom) -> Collision:
         return view_of(geom, lambda: Collision(self, geom))
@@ -325,37 +319,37 @@ class Link(Entity):
         return found if isinstance(found, Collision) else None
 
     def visuals(self) -> list[Geom]:
-        """The geoms that are drawn and touch nothing."""
+        """The geoms that are rendered and have no contacts."""
         return [geom for geom in self.body.geoms if geom.space is None]
 
     def GetParentJoints(self) -> list[Joint]:
-        """The joints whose child it is."""
+        """The joints that have it as child."""
         return [joint for joint in self._all_joints() if joint.GetChild() is self]
 
     def GetChildJoints(self) -> list[Joint]:
-        """The joints whose parent it is."""
+        """The joints that have it as parent."""
         return [joint for joint in self._all_joints() if joint.GetParent() is self]
 
     def GetParentJointsLinks(self) -> list[Link]:
-        """The parents in those joints."""
+        """The parent links of GetParentJoints."""
         return [link for joint in self.GetParentJoints() if (link := joint.GetParent()) is not None]
 
     def GetChildJointsLinks(self) -> list[Link]:
-        """The children in those joints."""
+        """The child links of GetChildJoints."""
         return [link for joint in self.GetChildJoints() if (link := joint.GetChild()) is not None]
 
     def _all_joints(self) -> list[Joint]:
         return [joint for model in self._world.Models() for joint in model.all_joints()]
 
     def GetSensorCount(self) -> int:
-        """How many sensors it carries."""
+        """The number of its sensors."""
         return len(self._sensor_names())
 
     def GetSensorName(self, index: int) -> str:
-        """Scoped name of a sensor; an empty string if there is none."""
+        """The scoped name of a sensor by index; an empty string if there is none."""
         names = self._sensor_names()
         return names[index] if 0 <= index < len(names) else ""
 
     def _sensor_names(self) -> list[str]:
         prefix = f"{self.GetScopedName(True)}::"
-        return [name for name in self._world.sensor_names() if name.startswith(prefix)]
+        return [name for name in self._world.server.sensor_names() if name.startswith(prefix)]

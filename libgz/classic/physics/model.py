@@ -1,14 +1,13 @@
-"""Model: links and joints that belong together."""
+"""Model: links, joints and nested models."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.joint import Joint, first_axes
-from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
 from libgz.errors import ClosedError
@@ -20,6 +19,7 @@ from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import NumericAnimation
+    from libgz.classic.physics.joint_controller import JointController
     from libgz.classic.physics.world import World
     from libgz.physics.body import Body
     from libgz.sdf.element import Element
@@ -28,7 +28,7 @@ __all__ = ["Model"]
 
 
 class Model(Entity):
-    """A view on a model of the engine: one built from SDF, or a legacy one."""
+    """A view on a model of the engine: one built from SDF, or a legacy model."""
 
     entity_type = Base.ENTITY | Base.MODEL
 
@@ -36,8 +36,6 @@ class Model(Entity):
         name = core.GetId().rpartition("::")[2]
         super().__init__(world, name, parent, getattr(core, "sdf", None))
         self.core = core
-        self.controller: JointController | None = None
-        self.plugins: list[Any] = []  # what the server loaded for it
 
     def children(self) -> list[Base]:
         """Links, joints, then nested models."""
@@ -50,7 +48,7 @@ class Model(Entity):
         return self.core.GetPose()
 
     def move(self, pose: GzPose) -> None:
-        """Move all links, those of nested and attached models included, as one [m]; velocities stay."""
+        """Set the global pose [m]: all links, those of nested models too, move with it; velocities stay."""
         before = self.core.GetPose()
         for body in self._family_bodies():
             body.SetPose(GzCoordPoseAdd(GzCoordPoseSub(body.GetPose(), before), pose))
@@ -61,114 +59,111 @@ class Model(Entity):
             yield from model.core.bodies
 
     def family(self) -> Iterator[Model]:
-        """Itself and the models nested in it or attached to it, parents first."""
+        """The model and all models nested in it, parents first."""
         yield self
         for model in self.NestedModels():
             yield from model.family()
 
     def InitialRelativePose(self) -> Pose3d:
-        """The pose that a reset goes back to [m]."""
+        """The pose relative to the parent that a reset restores [m]."""
         return Pose3d(GzCoordPoseSub(self.core.initPose, self._frame()))
 
     def SetInitialRelativePose(self, pose: GzPose) -> None:
-        """Set the pose that a reset goes back to [m]; models inside keep their places in it."""
+        """Set the pose that a reset restores, relative to the parent [m]; nested models keep their relative poses."""
         before, now = self.core.initPose, GzCoordPoseAdd(pose, self._frame())
         for model in self.family():
             model.core.initPose = GzCoordPoseAdd(GzCoordPoseSub(model.core.initPose, before), now)
 
     def WorldLinearVel(self) -> Vector3d:
-        """Velocity of the first link's origin [m/s], global."""
+        """Linear velocity of the canonical link's origin [m/s], in the world frame."""
         return self._canonical().WorldLinearVel()
 
     def WorldAngularVel(self) -> Vector3d:
-        """Angular velocity of the first link [rad/s], global."""
+        """Angular velocity of the canonical link [rad/s], in the world frame."""
         return self._canonical().WorldAngularVel()
 
     def WorldLinearAccel(self) -> Vector3d:
-        """Acceleration of the first link in the last step [m/s^2], global."""
+        """Linear acceleration of the canonical link in the last step [m/s^2], in the world frame."""
         return self._canonical().WorldLinearAccel()
 
     def WorldAngularAccel(self) -> Vector3d:
-        """Angular acceleration of the first link in the last step [rad/s^2], global."""
+        """Angular acceleration of the canonical link in the last step [rad/s^2], in the world frame."""
         return self._canonical().WorldAngularAccel()
 
     def _canonical(self) -> Link:
         return self.GetLinks()[0] if self.core.bodies else next(self.family_links())
 
     def SetLinearVel(self, vel: VectorLike) -> None:
-        """Set the velocity of all links [m/s], global."""
+        """Set the linear velocity of all links [m/s], in the world frame."""
         for link in self.family_links():
             link.SetLinearVel(vel)
 
     def SetAngularVel(self, vel: VectorLike) -> None:
-        """Set the angular velocity of all links [rad/s], global."""
+        """Set the angular velocity of all links [rad/s], in the world frame."""
         for link in self.family_links():
             link.SetAngularVel(vel)
 
     def SetWorldTwist(self, linear: VectorLike, angular: VectorLike, updateChildren: bool = True) -> None:
-        """Set both velocities of all links [m/s], [rad/s]."""
+        """Set linear [m/s] and angular [rad/s] velocity of all links, in the world frame."""
         self.SetLinearVel(linear)
         self.SetAngularVel(angular)
 
     def SetLinkWorldPose(self, pose: GzPose, which: str | Link) -> None:
-        """Move the whole model so that one link, by name or itself, comes to a global pose [m]."""
+        """Move the whole model so that a link, given by name or view, has a global pose [m]."""
         link = self.GetLink(which) if isinstance(which, str) else which
         if link is not None:
             offset = GzCoordPoseSub(self.core.GetPose(), link.pose())
             self.move(GzCoordPoseAdd(offset, pose))
 
     def ResetPhysicsStates(self) -> None:
-        """Stop all links."""
+        """Set velocities, forces and torques of all links to zero."""
         for link in self.family_links():
             link.ResetPhysicsStates()
 
     def Reset(self, resetType: int = 0) -> None:
-        """Put it back to where it began, at rest, and reset its plugins."""
+        """Restore the initial poses at rest, and reset joints, controllers, batteries and plugins."""
         self.core.restore()
         self.after_reset()
 
     def after_reset(self) -> None:
-        """Its links were put back: so are its joints, their controller, and its plugins."""
+        """Reset joints, controller, batteries and plugins; called after the poses were restored."""
         for joint in self.GetJoints():
             joint.Reset()
-        for link in self.GetLinks():
-            for battery in link.batteries:
-                battery.ResetVoltage()
-        if self.controller is not None:
-            self.controller.Reset()
-        with self._world.core.hold():
-            for plugin in list(self.plugins):
-                plugin.call("Reset")
+        self._world.server.activity.reset_model(self)
+        self._world.server.reset_plugins(self)
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy of all links [J]."""
         return sum(link.GetWorldEnergyPotential() for link in self.family_links())
 
     def GetWorldEnergyKinetic(self) -> float:
-        """Energy of motion of all links [J]."""
+        """Kinetic energy of all links [J]."""
         return sum(link.GetWorldEnergyKinetic() for link in self.family_links())
 
     def GetWorldEnergy(self) -> float:
-        """All energy of all links [J]."""
+        """The sum of potential and kinetic energy of all links [J]."""
         return self.GetWorldEnergyPotential() + self.GetWorldEnergyKinetic()
 
     # Links -------------------------------------------------------------------------------------------------------
 
     def GetLinks(self) -> list[Link]:
-        """Its links in order."""
+        """Its links, in the order of the file."""
         return [self.link(body) for body in self.core.bodies]
 
     def link(self, body: Body) -> Link:
         """The view on a body."""
+        return view_of(body, lambda: self._new_link(body))
+
+    def _new_link(self, body: Body) -> Link:
         name = self.body_name(body)
-        return view_of(body, lambda: Link(self, name, body, self._element("link", name)))
+        return Link(self, name, body, self._element("link", name))
 
     def body_name(self, body: Body) -> str:
         """The name of a link."""
         return body.bodyName or f"link_{self.core.bodies.index(body)}"
 
     def GetLink(self, name: str = "canonical") -> Link | None:
-        """A link by name, also ``nested::link``; the first one for ``canonical``; None if there is none."""
+        """A link by name or ``nested::link``; ``canonical`` is the first one; None if there is none."""
         links = self.GetLinks()
         if name == "canonical":
             return self._canonical()
@@ -188,10 +183,10 @@ class Model(Entity):
         """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken.
 
         Raises:
-            ClosedError: the model has left the world.
+            ClosedError: the model was removed from the world.
         """
         if self.core not in self._world.core.models:
-            raise ClosedError(f"model {self.GetScopedName()!r} has left the world; it can be given no link")
+            raise ClosedError(f"model {self.GetScopedName()!r} was removed from the world; no link can be added to it")
         if self.GetLink(name) is not None or not isinstance(self.core, SdfModel):
             return None
         return self.link(self.core.create_link(name))
@@ -214,7 +209,7 @@ class Model(Entity):
     # Joints ------------------------------------------------------------------------------------------------------
 
     def GetJoints(self) -> list[Joint]:
-        """Its joints in order."""
+        """Its joints, in the order of the file."""
         cores = self.core.sdf_joints.values() if isinstance(self.core, SdfModel) else ()
         return [self.joint(core) for core in cores]
 
@@ -224,15 +219,15 @@ class Model(Entity):
             yield from model.GetJoints()
 
     def GetJoint(self, name: str) -> Joint | None:
-        """A joint by name, also ``nested::joint``; None if there is none."""
+        """A joint by name or ``nested::joint``; None if there is none."""
         return next((j for j in self.all_joints() if name in (j.GetName(), j.GetScopedName(), self._inside(j))), None)
 
     def _inside(self, part: Base) -> str:
-        """The name of a part as seen from this model."""
+        """The name of a descendant, relative to this model."""
         return part.GetScopedName().removeprefix(f"{self.GetScopedName()}::")
 
     def GetJointCount(self) -> int:
-        """How many joints there are, those of nested models included."""
+        """The number of joints, those of nested models included."""
         return sum(1 for _ in self.all_joints())
 
     def CreateJoint(
@@ -240,7 +235,7 @@ class Model(Entity):
     ) -> Joint | None:
         """Add a joint from a `<joint>` element, or by name, kind, parent and child; None if the name is taken.
 
-        By name, its frame is the child's, and its axes are the world's z and, for a second one, x.
+        By name, its frame is the child's, and its axes are the world's z and, for a second axis, x.
         """
         core, text = self.core, name if isinstance(name, str) else name.Get(str, "name")
         if not isinstance(core, SdfModel) or text in core.sdf_joints:
@@ -261,7 +256,7 @@ class Model(Entity):
         return view_of(core, lambda: Joint(self._world, self, core))
 
     def RemoveJoint(self, name: str) -> bool:
-        """Take a joint out; whether there was one."""
+        """Remove a joint; returns whether there was one."""
         joint = self.GetJoint(name)
         if joint is None:
             return False
@@ -269,48 +264,45 @@ class Model(Entity):
         return True
 
     def GetJointController(self) -> JointController:
-        """What holds its joints at positions and velocities."""
-        if self.controller is None:
-            self.controller = JointController(self)
-            self._world.controllers.append(self.controller)
-        return self.controller
+        """The controller of its joints, created on first use."""
+        return self._world.server.activity.controller_of(self)
 
     def SetJointPosition(self, jointName: str, position: float, index: int = 0) -> None:
-        """Bring a joint to a position [rad] or [m] at once."""
+        """Set the position of a joint [rad] or [m] at once."""
         self.GetJointController().SetJointPosition(jointName, position, index)
 
     def SetJointPositions(self, jointPositions: dict[str, float]) -> None:
-        """Bring joints to positions [rad] or [m] at once."""
+        """Set the positions of joints [rad] or [m] at once."""
         self.GetJointController().SetJointPositions(jointPositions)
 
     def SetJointAnimation(
         self, animations: dict[str, NumericAnimation], onComplete: Callable[[], object] | None = None
     ) -> None:
-        """Move joints along animations of their positions, by sim time; then call `onComplete`."""
-        self._world.animations.start_joints(self, animations, onComplete)
+        """Play animations of joint positions, in sim time; call `onComplete` at the end."""
+        self._world.server.activity.animations.start_joints(self, animations, onComplete)
 
     def StopAnimation(self) -> None:
-        """Leave it, and its joints, where animations have brought them."""
-        self._world.animations.stop(self)
+        """Stop its animations; the model and its joints stay at their present positions."""
+        self._world.server.activity.animations.stop(self)
 
     # Nested models -----------------------------------------------------------------------------------------------
 
     def NestedModels(self) -> list[Model]:
-        """The models directly inside it."""
+        """The models nested directly in it."""
         views = (self._world.view(core) for core in self.core.children)
         return [model for model in views if model.GetParent() is self]
 
     def NestedModel(self, name: str) -> Model | None:
-        """A model inside it by name; None if there is none."""
+        """A nested model by name; None if there is none."""
         return next((m for m in self.NestedModels() if name in (m.GetName(), m.GetScopedName())), None)
 
     def AttachStaticModel(self, model: Model, offset: GzPose) -> None:
-        """Carry another model along, without weight or collision between them, at an offset [m]."""
-        self._world.attach(self, model, offset)
+        """Move another model with this one, at an offset [m]; there are no forces between them."""
+        self._world.server.activity.attach(self, model, offset)
 
     def DetachStaticModel(self, model: str) -> None:
-        """Let go a model that was attached."""
-        self._world.detach(self, model)
+        """Undo AttachStaticModel for a model by name."""
+        self._world.server.activity.detach(self, model)
 
     # Switches ----------------------------------------------------------------------------------------------------
 
@@ -319,40 +311,40 @@ class Model(Entity):
         return bool(getattr(self.core, "static", False))
 
     def SetStatic(self, static: bool) -> None:
-        """Hold all its links where they are, or let them go."""
+        """Make all its links kinematic and stop them, or dynamic again."""
         for link in self.family_links():
             link.SetStatic(static)
 
     def SetCollideMode(self, mode: str) -> None:
-        """What it touches: ``all``, ``none``, ``sensors`` or ``ghost``."""
+        """Set the collide mode of all its collisions; see Collision.SetCollideMode."""
         for link in self.family_links():
             link.SetCollideMode(mode)
 
     def SetGravityMode(self, value: bool) -> None:
-        """Whether gravity acts on it."""
+        """Enable or disable gravity for all its links."""
         for link in self.family_links():
             link.SetGravityMode(value)
 
     def SetEnabled(self, enabled: bool) -> None:
-        """Wake it, or put it to sleep."""
+        """Wake all its links, or put them to sleep (auto-disabled)."""
         for link in self.family_links():
             link.SetEnabled(enabled)
 
     def SetAutoDisable(self, disable: bool) -> None:
-        """Whether its links may fall asleep at rest; without effect where there are joints."""
+        """Enable or disable auto-disable, sleep while at rest; without effect on models with joints."""
         if not self.GetJointCount():
             for link in self.family_links():
                 link.SetAutoDisable(disable)
 
     def SetLaserRetro(self, retro: float) -> None:
-        """How much it reflects of a laser."""
+        """Set the laser retro value of all its collisions."""
         for link in self.family_links():
             link.SetLaserRetro(retro)
 
     def SetScale(self, scale: VectorLike, publish: bool = False) -> None:
-        """Make all its shapes, collisions and visuals, so many times as large as they were at first.
+        """Scale all its shapes, collisions and visuals, to this multiple of their first sizes.
 
-        Places stay, and so do meshes and masses.
+        Poses, meshes and masses do not change.
         """
         for link in self.family_links():
             for geom in link.body.geoms:
@@ -361,18 +353,20 @@ class Model(Entity):
     # Sensors and plugins -----------------------------------------------------------------------------------------
 
     def SensorScopedName(self, name: str) -> list[str]:
-        """Full names of its sensors of this name."""
+        """The full scoped names of its sensors with this name."""
         prefix = f"{self.GetScopedName(True)}::"
-        return [full for full in self._world.sensor_names() if full.startswith(prefix) and full.endswith(f"::{name}")]
+        return [
+            full for full in self._world.server.sensor_names() if full.startswith(prefix) and full.endswith(f"::{name}")
+        ]
 
     def GetSensorCount(self) -> int:
-        """How many sensors it carries."""
+        """The number of sensors on its links."""
         return sum(link.GetSensorCount() for link in self.family_links())
 
     def GetPluginCount(self) -> int:
-        """How many `<plugin>` elements it has."""
+        """The number of its `<plugin>` elements."""
         return sum(1 for _ in self._sdf.named("plugin")) if self._sdf is not None else 0
 
     def AttachPlugin(self, filename: str, name: str, sdf: Element | None = None) -> bool:
-        """Load a plugin for it now; whether it runs."""
-        return self._world.load_model_plugin(self, filename, name, sdf)
+        """Load a plugin for it now; returns whether it runs."""
+        return self._world.server.load_model_plugin(self, filename, name, sdf)

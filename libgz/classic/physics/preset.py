@@ -1,4 +1,4 @@
-"""PresetManager: the `<physics>` elements of a world as profiles to switch between."""
+"""PresetManager: physics profiles of a world: its `<physics>` elements, and those created at run time."""
 
 from __future__ import annotations
 
@@ -13,35 +13,34 @@ if TYPE_CHECKING:
 
 __all__ = ["PresetManager"]
 
-# Engine parameters and where a <physics> element has them.
-PLACES = {
-    "max_step_size": (),
-    "real_time_update_rate": (),
-    "max_contacts": (),
-    "solver_type": ("ode", "solver", "type"),
-    "iters": ("ode", "solver"),
-    "sor": ("ode", "solver"),
-    "erp": ("ode", "constraints"),
-    "cfm": ("ode", "constraints"),
-    "contact_max_correcting_vel": ("ode", "constraints"),
-    "contact_surface_layer": ("ode", "constraints"),
+# Parameters of a profile: the path of their element in <physics>, and their type.
+PARAMETERS: dict[str, tuple[tuple[str, ...], type]] = {
+    "max_step_size": (("max_step_size",), float),
+    "real_time_update_rate": (("real_time_update_rate",), float),
+    "max_contacts": (("max_contacts",), int),
+    "solver_type": (("ode", "solver", "type"), str),
+    "iters": (("ode", "solver", "iters"), int),
+    "sor": (("ode", "solver", "sor"), float),
+    "erp": (("ode", "constraints", "erp"), float),
+    "cfm": (("ode", "constraints", "cfm"), float),
+    "contact_max_correcting_vel": (("ode", "constraints", "contact_max_correcting_vel"), float),
+    "contact_surface_layer": (("ode", "constraints", "contact_surface_layer"), float),
 }
 
 
 def read_profile(element: Element) -> dict[str, Any]:
-    """Engine parameters of a `<physics>` element."""
+    """The parameters of a `<physics>` element."""
     found: dict[str, Any] = {}
-    for key, path in PLACES.items():
+    for key, ((*path, name), kind) in PARAMETERS.items():
         holder = element
-        for name in path[:2]:
-            holder = holder.child(name)
-        kind = int if key in ("iters", "max_contacts") else str if key == "solver_type" else float
-        found[key] = holder.Get(kind, path[2] if len(path) == 3 else key)
+        for part in path:
+            holder = holder.child(part)
+        found[key] = holder.Get(kind, name)
     return found
 
 
 class PresetManager:
-    """The profiles of a world."""
+    """The physics profiles of a world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -62,7 +61,7 @@ class PresetManager:
         return name in self._profiles
 
     def CurrentProfile(self, name: str | None = None) -> str | bool:
-        """The name of the profile in force; with a name, take that one: true.
+        """The name of the current profile; with a name, switch to that one, and return True.
 
         Raises:
             NotFoundError: there is no such profile.
@@ -72,7 +71,7 @@ class PresetManager:
         parameters = self._profile(name)
         if name in self._settings.profiles:
             apply_profile(self._world.core, name)
-        for key, value in parameters.items():  # as they were set since
+        for key, value in parameters.items():  # they may have been changed since
             self._world.Physics().SetParam(key, value)
         self._current = name
         return True
@@ -85,13 +84,13 @@ class PresetManager:
         return self._profiles[name]
 
     def CreateProfile(self, name: str) -> str:
-        """Add a profile with the present parameters; its name."""
+        """Add a profile with the present parameters; returns its name."""
         physics = self._world.Physics()
-        self._profiles[name] = {key: physics.GetParam(key) for key in PLACES}
+        self._profiles[name] = {key: physics.GetParam(key) for key in PARAMETERS}
         return name
 
     def RemoveProfile(self, name: str) -> None:
-        """Take a profile out."""
+        """Remove a profile."""
         self._profiles.pop(name, None)
 
     def ProfileParam(self, name: str, key: str) -> Any:
@@ -99,16 +98,16 @@ class PresetManager:
         return self._profile(name).get(key)
 
     def SetProfileParam(self, name: str, key: str, value: Any) -> bool:
-        """Set a parameter of a profile, and of the engine if the profile is in force; true."""
+        """Set a parameter of a profile, and of the engine if it is the current one; returns True."""
         self._profile(name)[key] = value
         if name == self._current:
             self._world.Physics().SetParam(key, value)
         return True
 
     def CurrentProfileParam(self, key: str) -> Any:
-        """A parameter of the profile in force."""
+        """A parameter of the current profile."""
         return self.ProfileParam(self._current, key)
 
     def SetCurrentProfileParam(self, key: str, value: Any) -> bool:
-        """Set a parameter of the profile in force; true."""
+        """Set a parameter of the current profile; returns True."""
         return self.SetProfileParam(self._current, key, value)

@@ -1,4 +1,4 @@
-"""RayShape and MultiRayShape: rays that tell what they hit first."""
+"""RayShape and MultiRayShape: rays, with the nearest collision on each."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["MultiRayShape", "RayShape", "ScanGrid"]
 
-NOTHING = 1000.0  # [m] what a ray answers that hits nothing
+NO_HIT = 1000.0  # [m] the distance that a ray without a hit returns, as in Gazebo
 
 
 class RayShape:
@@ -32,7 +32,7 @@ class RayShape:
 
     Args:
         world: the world.
-        link: what the ray is fixed to; None for one in the world's frame.
+        link: the link that the ray is fixed to; None: the world frame.
     """
 
     def __init__(self, world: World, link: Link | None = None) -> None:
@@ -46,10 +46,10 @@ class RayShape:
         return "ray"
 
     def SetPoints(self, posStart: VectorLike, posEnd: VectorLike) -> None:
-        """Place it between two points [m]; what it hits is what lies between them.
+        """Set start and end [m].
 
         Raises:
-            ParameterError: both are the same point, or not finite, or absurdly far away.
+            ParameterError: both are the same point, or not finite, or out of range.
         """
         start, end = (Vector3d(*finite_tuple(point, 3, "end of a ray [m]", LARGEST)) for point in (posStart, posEnd))
         if start.Distance(end) < 1e-9:
@@ -58,11 +58,11 @@ class RayShape:
         self._length, self._hit = start.Distance(end), None
 
     def RelativePoints(self) -> tuple[Vector3d, Vector3d]:
-        """Both ends [m], in the frame it is fixed in."""
+        """Start and end [m], in the frame of the link."""
         return Vector3d(*self._start), Vector3d(*self._end)
 
     def GlobalPoints(self) -> tuple[Vector3d, Vector3d]:
-        """Both ends [m], global."""
+        """Start and end [m], in the world frame."""
         if self._link is None:
             return self.RelativePoints()
         pose = self._link.body.GetPose()
@@ -72,7 +72,7 @@ class RayShape:
     GetRelativePoints, GetGlobalPoints = RelativePoints, GlobalPoints
 
     def Update(self) -> None:
-        """Cast it."""
+        """Cast the ray."""
         start, end = self.GlobalPoints()
         full = start.Distance(end)
         engine = self._world.core.engine
@@ -84,39 +84,39 @@ class RayShape:
         self._length = float(ranges[0]) if self._hit is not None else full
 
     def GetIntersection(self) -> tuple[float, str]:
-        """(distance [m], scoped name) of the collision that it hits now; (1000, "") for none."""
+        """(distance [m], scoped name) of the nearest collision on the ray now; (1000, "") for none."""
         self.Update()
         if self._hit is None:
-            return NOTHING, ""
+            return NO_HIT, ""
         collision = self._world.collision_of(self._hit)
         return self._length, collision.GetScopedName() if collision is not None else ""
 
     def GetLength(self) -> float:
-        """How far it reached in the last Update [m]; its whole length if it hit nothing."""
+        """The distance of the hit in the last Update [m]; the length of the ray if there was none."""
         return self._length
 
     def SetLength(self, length: float) -> None:
-        """Say how far it reached [m]."""
+        """Set the distance that GetLength returns until the next Update [m]."""
         self._length = float(length)
 
     def GetRetro(self) -> float:
-        """How much of a laser comes back from what it hit; 0 for nothing."""
+        """The laser retro value of the hit; 0 for none."""
         return self._hit.GetRetro() if self._hit is not None else 0.0
 
     def GetFiducial(self) -> int:
-        """The fiducial number of what it hit; -1 for none."""
+        """The fiducial number of the hit; -1 for none."""
         return self._hit.GetFiducial() if self._hit is not None else -1
 
     Length, Retro, Fiducial = GetLength, GetRetro, GetFiducial
 
 
 class ScanGrid:
-    """Directions of a scan: rows of rays, from the lowest up, each from `min_angle` to `max_angle`.
+    """The directions of a scan: rows of rays, the lowest row first, each from `min_angle` to `max_angle`.
 
     Args:
-        samples: rays in a row, and rows.
+        samples: number of rays in a row, and of rows.
         angles: ((lowest, highest) about z, (lowest, highest) above the horizon) [rad].
-        reach: nearest and farthest that is measured [m].
+        reach: minimum and maximum range [m].
     """
 
     def __init__(
@@ -128,9 +128,9 @@ class ScanGrid:
         self.samples, self.angles, self.reach = samples, angles, reach
 
     def rays(self, offset: GzPose) -> NDArray[np.float64]:
-        """Start [m], direction and length [m] of all rays, shape (n, 7), seen from a frame the scan lies in."""
+        """Start [m], direction and length [m] of all rays, shape (n, 7), in the frame of `offset`'s parent."""
         yaw, pitch = (
-            np.linspace(*angles, samples) if samples > 1 else np.zeros(1)  # one ray looks straight ahead
+            np.linspace(*angles, samples) if samples > 1 else np.zeros(1)  # a single ray points along x
             for angles, samples in zip(self.angles, self.samples, strict=True)
         )
         up, around = (grid.ravel() for grid in np.meshgrid(pitch, yaw, indexing="ij"))

@@ -1,10 +1,8 @@
-"""The worlds of this process, by name."""
+"""The worlds of Gazebo classic that run in this process, by name."""
 
 from __future__ import annotations
 
-import importlib
 from typing import TYPE_CHECKING
-from weakref import WeakSet
 
 from libgz.errors import NotFoundError
 from libgz.simulation.event import owner
@@ -13,41 +11,26 @@ from libgz.simulation.world import World as CoreWorld
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["enter", "get_world", "has_world", "leave", "live_worlds", "own_world", "worlds"]
-
-_worlds: WeakSet[World] = WeakSet()
-
-
-def enter(world: World) -> None:
-    """Note a world's view."""
-    _worlds.add(world)
-
-
-def leave(world: World) -> None:
-    """A world ends."""
-    _worlds.discard(world)
-
-
-def live_worlds() -> list[World]:
-    """The views that there are already."""
-    return sorted(_worlds, key=lambda world: world.GetId())
+__all__ = ["get_world", "has_world", "own_world", "worlds"]
 
 
 def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
+    found = []
     for core in CoreWorld.all_running():
         if core.engine.classic:
-            importlib.import_module("libgz.classic.server").attach(core)  # by name: it stands on the views
-    return live_worlds()
+            core.attach_era()
+            found.append(core.view)
+    return found
 
 
 def has_world(name: str = "") -> bool:
-    """Whether there is a world of this name, or any."""
+    """Whether there is a world of this name; without a name, whether there is any."""
     return any(not name or world.Name() == name for world in worlds())
 
 
 def get_world(name: str = "") -> World:
-    """A world by name; without one, that of the plugin that is running, or the first.
+    """A world by name; without one, the world of the plugin that is running, or the first world.
 
     Raises:
         NotFoundError: there is none.
@@ -60,6 +43,6 @@ def get_world(name: str = "") -> World:
 
 
 def own_world() -> World | None:
-    """The world of the plugin that is running; None outside plugins, and in those of all worlds."""
+    """The world of the plugin that is running; None outside plugins, and in System plugins."""
     by = owner.get()
     return next((world for world in worlds() if by is not None and by.events is world.core.events), None)

@@ -1,4 +1,4 @@
-"""Shapes: the form of a collision or visual, which can be changed at run time."""
+"""Shapes: the geometry of a collision or visual; sizes can be changed at run time."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ class Shape:
         return self.kind
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Make it so many times as large as it was at first; shapes without a size have nothing to scale.
+        """Scale it to this multiple of its first size; without effect on planes and meshes.
 
         Raises:
             ParameterError: a factor is not above zero.
         """
-        new, known = tuple(map(float, scale)), self.geom.__dict__
-        self._stretch(new, known.get("classic_scale", (1.0, 1.0, 1.0)))
-        known["classic_scale"] = new
+        new = tuple(map(float, scale))
+        self._rescale(new, self.geom.scale)
+        self.geom.scale = new
 
-    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
-        """Go from one set of factors to another."""
+    def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        """Change the size from one set of factors to another."""
 
 
 class BoxShape(Shape):
@@ -54,7 +54,7 @@ class BoxShape(Shape):
         """Set the full lengths [m]."""
         self.geom.resize(*size)
 
-    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+    def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         self.SetSize([length * a / b for length, a, b in zip(self.geom.size, new, old, strict=True)])
 
 
@@ -65,15 +65,15 @@ class SphereShape(Shape):
     geom: SphereGeom
 
     def GetRadius(self) -> float:
-        """[m]."""
+        """The radius [m]."""
         return self.geom.radius
 
     def SetRadius(self, radius: float) -> None:
         """Set the radius [m]."""
         self.geom.resize(radius)
 
-    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
-        self.SetRadius(self.geom.radius * max(new) / max(old))  # the largest factor counts
+    def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+        self.SetRadius(self.geom.radius * max(new) / max(old))  # the largest factor applies
 
 
 class CylinderShape(Shape):
@@ -83,11 +83,11 @@ class CylinderShape(Shape):
     geom: CylinderGeom
 
     def GetRadius(self) -> float:
-        """[m]."""
+        """The radius [m]."""
         return self.geom.radius
 
     def GetLength(self) -> float:
-        """[m]."""
+        """The length [m]."""
         return self.geom.length
 
     def SetRadius(self, radius: float) -> None:
@@ -102,7 +102,7 @@ class CylinderShape(Shape):
         """Set radius and length [m]."""
         self.geom.resize(radius, length)
 
-    def _stretch(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
+    def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         self.SetSize(self.geom.radius * max(new[:2]) / max(old[:2]), self.geom.length * new[2] / old[2])
 
 
@@ -113,7 +113,7 @@ class PlaneShape(Shape):
     geom: PlaneGeom
 
     def Normal(self) -> Vector3d:
-        """The direction it faces, global."""
+        """The normal, in the world frame."""
         return Vector3d(*self.geom.normal)
 
     GetNormal = Normal
@@ -136,5 +136,5 @@ KINDS: tuple[tuple[type[Geom], type[Shape]], ...] = (
 
 
 def shape_of(geom: Geom) -> Shape:
-    """The shape of a geom."""
+    """The shape of a geom, by its class."""
     return next((shape(geom) for kind, shape in KINDS if isinstance(geom, kind)), Shape(geom))

@@ -1,4 +1,4 @@
-"""WorldState: where everything is and how it moves; and the world written back to a file."""
+"""WorldState: poses and velocities of a world at one time; and the world as an SDF document."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["WorldState", "save_world", "world_text"]
 
 
 class WorldState:
-    """Poses [m] and velocities [m/s], [rad/s] of all links of a world at one moment, by scoped name."""
+    """Poses [m] and velocities [m/s], [rad/s] of all links of a world at one time, by scoped name."""
 
     def __init__(self, world: World) -> None:
         self.name = world.Name()
@@ -30,13 +30,13 @@ class WorldState:
                 self._links[link.GetScopedName()] = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
 
     def GetSimTime(self) -> Time:
-        """When it was."""
+        """The sim time."""
         return self._time
 
     SimTime = GetSimTime
 
     def GetModelStateCount(self) -> int:
-        """How many models it knows."""
+        """The number of models."""
         return len({name.partition("::")[0] for name in self._links})
 
     def LinkPose(self, name: str) -> GzPose:
@@ -44,7 +44,7 @@ class WorldState:
         return self._links[name][0]
 
     def apply(self, world: World) -> None:
-        """Bring the links of a world to it; links that it does not know stay."""
+        """Set the poses and velocities of a world's links; links that are not in the state do not change."""
         for model in world.all_models():
             for link in model.GetLinks():
                 known = self._links.get(link.GetScopedName())
@@ -55,11 +55,11 @@ class WorldState:
 
 
 def world_text(world: World, folder: Path | None = None) -> str:
-    """A world as SDF 1.6 with the present poses.
+    """A world as an SDF document with the present poses.
 
     Args:
-        world: which.
-        folder: where the text will lie; files beside it keep their short names.
+        world: the world.
+        folder: the folder of the document; paths of files in it stay relative.
 
     Raises:
         WorldFileError: the world was not made from SDF.

@@ -1,70 +1,73 @@
-"""World: a view on a running world, as plugins see it."""
+"""World: a view on a simulated world, for plugins; the parent of all other views.
+
+Modules below import the types of views above them, such as Model for Link, from here, for type checkers only; at run
+time each of them imports modules below it only.
+"""
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
+from libgz.classic.common import SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
-from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
+from libgz.classic.physics.companion import Companion
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.insertion import insert_document, insert_file, insert_text
+from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
-from libgz.classic.physics.registry import enter, leave
 from libgz.classic.physics.state import WorldState, save_world
 from libgz.errors import NotFoundError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
+from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
 from libgz.sdfworld.loader import SdfLight, WorldJoints
 from libgz.sdfworld.model import SdfModel
-from libgz.simulation.event import Event
+from libgz.sdfworld.settings import settings_of
+from libgz.simulation.changes import delete_models
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
     from libgz.classic import sdf as classic_sdf
-    from libgz.classic.physics.joint_controller import JointController
-    from libgz.classic.server import WorldServer
+    from libgz.classic.physics.collision import Collision
     from libgz.legacy.model import Model as CoreModel
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
     from libgz.sdf.reader import SdfFile
 
-__all__ = ["World"]
+__all__ = ["Joint", "Link", "Model", "World"]
 
-NOWHERE = 1000.0  # [m] what looks down sees nothing farther than this
+NO_HIT = 1000.0  # [m] the range of rays that look for the entity below, and their distance without a hit
 
 
 class World(Base):
-    """A view on a simulated world."""
+    """A view on a simulated world.
 
-    def __init__(self, core: CoreWorld, server: WorldServer) -> None:
+    Attributes:
+        core: the engine's world.
+        server: its companion.
+    """
+
+    def __init__(self, core: CoreWorld, server: Companion) -> None:
         self.core, self.server = core, server
         super().__init__(self, core.name, None)
-        self.animations = Animations(self)
-        self.controllers: list[JointController] = []
-        self._physics = PhysicsEngine(self)
-        self._presets: PresetManager | None = None
-        self.joint_event = Event("JointUpdate")
-        self._batteries: list[Battery] | None = None
-        self._attached: list[tuple[Model, Model, GzPose]] = []
-        enter(self)
 
     def Name(self) -> str:
-        """The name in its file."""
+        """The name."""
         return self.core.name
 
     GetName = Name
 
     def children(self) -> list[Base]:
-        """Models, then lights."""
+        """The top-level models, then the lights."""
         return [*self.Models(), *self.Lights()]
 
     def SDF(self) -> Element | None:
@@ -76,55 +79,55 @@ class World(Base):
     # Time --------------------------------------------------------------------------------------------------------
 
     def SimTime(self) -> Time:
-        """Simulated time, pauses excluded."""
+        """The sim time, pauses excluded."""
         return Time(self.core.GetSimTime())
 
     GetSimTime = SimTime
 
     def SetSimTime(self, t: Time) -> None:
-        """Set the simulated time."""
+        """Set the sim time."""
         self.core.set_sim_time(float(t))
 
     def RealTime(self) -> Time:
-        """Time since the world started."""
+        """The real time since the world started."""
         return Time(self.core.GetRealTime())
 
     GetRealTime = RealTime
 
     def PauseTime(self) -> Time:
-        """Simulated time spent paused."""
+        """The sim time spent paused."""
         return Time(self.core.GetPauseTime())
 
     GetPauseTime = PauseTime
 
     def StartTime(self) -> Time:
-        """Wall-clock time when the world started."""
+        """The wall-clock time at which the world started."""
         return Time(self.core.GetWallTime() - self.core.GetRealTime())
 
     GetStartTime = StartTime
 
     def Iterations(self) -> int:
-        """Steps done."""
+        """The number of iterations."""
         return self.core.iterations
 
     GetIterations = Iterations
 
     def update_info(self) -> UpdateInfo:
-        """What callbacks of an iteration are given; each time anew, for some keep it."""
+        """The argument of update callbacks; a new object each time, which callbacks may keep."""
         return UpdateInfo(self.core.name, Time(self.core.GetSimTime()), Time(self.core.GetRealTime()))
 
     # Run ---------------------------------------------------------------------------------------------------------
 
     def IsPaused(self) -> bool:
-        """Whether time stands still."""
+        """Whether the world is paused."""
         return self.core.paused
 
     def SetPaused(self, p: bool) -> None:
-        """Stop time, or let it run."""
+        """Pause the world, or resume it."""
         self.core.paused = bool(p)
 
     def Step(self, steps: int = 1) -> None:
-        """Run so many iterations, paused or not; a paused world is paused again after them."""
+        """Run a number of iterations, also of a paused world, which is paused again afterwards."""
         paused = self.core.paused
         self.core.paused = False
         try:
@@ -137,7 +140,7 @@ class World(Base):
     StepWorld = Step
 
     def Run(self, iterations: int = 0) -> None:
-        """Run so many iterations; 0: until Stop is called."""
+        """Run a number of iterations; 0: until Stop is called."""
         self.server.stopped = False
         done = 0
         while not self.server.stopped and (not iterations or done < iterations):
@@ -145,23 +148,23 @@ class World(Base):
             done += 1
 
     def Stop(self) -> None:
-        """End Run, or the server's loop."""
+        """End Run, or the loop of gzserver."""
         self.server.stopped = True
 
     def Running(self) -> bool:
-        """Whether it has not been stopped."""
+        """Whether Stop was not called."""
         return not self.server.stopped
 
     GetRunning = Running
 
     def PhysicsEnabled(self) -> bool:
-        """Whether forces and contacts act."""
+        """Whether physics is enabled."""
         return self.core.physics_enabled
 
     GetEnablePhysicsEngine = PhysicsEnabled
 
     def SetPhysicsEnabled(self, enable: bool) -> None:
-        """Let physics act, or leave all where it is while time goes on."""
+        """Enable or disable physics; without it sim time advances and nothing moves."""
         self.core.physics_enabled = bool(enable)
 
     EnablePhysicsEngine = SetPhysicsEnabled
@@ -169,11 +172,11 @@ class World(Base):
     # Reset -------------------------------------------------------------------------------------------------------
 
     def Reset(self) -> None:
-        """Put clock, models and plugins back to the start; in a callback, at the end of this iteration."""
+        """Reset time, models and plugins; in a callback, at the end of the iteration."""
         self.core.Reset()
 
     def ResetTime(self) -> None:
-        """Set the clock to 0."""
+        """Set the sim time to 0; in a callback, at the end of the iteration."""
         self.core.after_step(self._reset_time)
 
     def _reset_time(self) -> None:
@@ -182,7 +185,7 @@ class World(Base):
         self.core.events["TimeReset"]()
 
     def ResetEntities(self, type: int = Base.BASE) -> None:
-        """Put entities of a kind back: models, or everything."""
+        """Reset the entities of a type: Base.MODEL, Base.ENTITY or Base.BASE; other types are not reset."""
         if type in (Base.BASE, Base.ENTITY, Base.MODEL):
             for model in self.Models():
                 model.Reset()
@@ -201,13 +204,13 @@ class World(Base):
         return self.view(core.parent) if isinstance(core.parent, SdfModel) else None
 
     def Models(self) -> list[Model]:
-        """The models that are not nested."""
+        """The top-level models."""
         return [model for model in self.all_models() if model.GetParent() is None]
 
     GetModels = Models
 
     def ModelCount(self) -> int:
-        """How many models there are, nested ones not counted."""
+        """The number of top-level models."""
         return len(self.Models())
 
     GetModelCount = ModelCount
@@ -220,19 +223,19 @@ class World(Base):
         return None if core is None else self.view(core)
 
     def ModelByIndex(self, index: int) -> Model | None:
-        """A model by its number; None if there is none."""
+        """A top-level model by index; None if there is none."""
         models = self.Models()
         return models[index] if 0 <= index < len(models) else None
 
     def GetModel(self, which: str | int) -> Model | None:
-        """A model by name or number; None if there is none."""
+        """A model by name or index; None if there is none."""
         return self.ModelByIndex(which) if isinstance(which, int) else self.ModelByName(which)
 
     def BaseByName(self, name: str) -> Base | None:
-        """Anything by its name or scoped name; None if there is none."""
+        """A model, link, joint, collision or light by name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
         scope = name
-        while scope:  # a scoped name is looked for in its model, not in all
+        while scope:  # search the model of a scoped name before all others
             model = self.ModelByName(scope)
             found = next((part for part in model.tree() if part.GetScopedName() == name), None) if model else None
             if found is not None:
@@ -258,7 +261,7 @@ class World(Base):
         return view_of(core, lambda: Light(self, core))
 
     def LightCount(self) -> int:
-        """How many lights there are."""
+        """The number of lights."""
         return len(self.Lights())
 
     def LightByName(self, name: str) -> Light | None:
@@ -266,53 +269,55 @@ class World(Base):
         return next((light for light in self.Lights() if light.GetName() == name), None)
 
     def Light(self, which: str | int) -> Light | None:
-        """A light by name or number; None if there is none."""
+        """A light by name or index; None if there is none."""
         lights = self.Lights()
         if isinstance(which, int):
             return lights[which] if 0 <= which < len(lights) else None
         return self.LightByName(which)
 
     def PrintEntityTree(self) -> str:
-        """The names of everything, a line each."""
+        """The names of all objects, one per line."""
         return self.Print()
 
-    # What a geom or body belongs to ------------------------------------------------------------------------------
+    # Views on bodies and geoms -----------------------------------------------------------------------------------
 
-    def link_of(self, body: Body) -> Any:
-        """The Link of a body; None for one of no model."""
+    def link_of(self, body: Body) -> Link | None:
+        """The view on a body; None for one that belongs to no model of this world."""
         core = body.model
         if core is None or core.world is not self.core or isinstance(core, SdfLight | WorldJoints):
             return None
         return self.view(core).link(body)
 
-    def collision_of(self, geom: Geom) -> Any:
-        """The Collision of a geom; None for one of no model."""
-        known = geom.__dict__.get("classic_view")
-        link = self.link_of(geom.body) if known is None else None
-        if link is None:
-            return known
-        return next((c for c in link.GetCollisions() if c.geom is geom), None) if link is not None else None
+    def collision_of(self, geom: Geom) -> Collision | None:
+        """The view on a geom; None for one that belongs to no model of this world, and for one without contacts."""
+        if geom.view is None:
+            link = self.link_of(geom.body)
+            if link is None:
+                return None
+            link.GetCollisions()  # creates the views of all its geoms
+        view: Collision | None = geom.view
+        return view
 
     def ray_down(self, start: VectorLike, above: Base | None = None) -> tuple[float, str]:
-        """(distance [m], scoped name) of the collision below a point; those of `above` are not seen.
+        """(distance [m], scoped name) of the nearest collision below a point, without those of link `above`.
 
         Raises:
-            ParameterError: the point is not finite, or absurdly far away.
+            ParameterError: the point is not finite, or out of range.
         """
         engine = self.core.engine
         frame = np.array((*finite_tuple(start, 3, "point [m]", LARGEST), 1.0, 0.0, 0.0, 0.0))
-        rays = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, -1.0, NOWHERE]])
+        rays = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, -1.0, NO_HIT]])
         ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
         owner = getattr(getattr(above, "body", None), "number", 0)
         engine.scan(frame, rays, owner, ranges, rows)
         row = int(rows[0])
         if row < 0:
-            return NOWHERE, ""
+            return NO_HIT, ""
         collision = self.collision_of(engine.geoms[row])
         return float(ranges[0]), collision.GetScopedName() if collision is not None else ""
 
     def EntityBelowPoint(self, pt: VectorLike) -> Entity | None:
-        """The collision below a point [m]; None if there is none."""
+        """The nearest collision below a point [m]; None if there is none."""
         return self.EntityByName(self.ray_down(pt)[1])
 
     GetEntityBelowPoint = EntityBelowPoint
@@ -320,31 +325,31 @@ class World(Base):
     # Changes -----------------------------------------------------------------------------------------------------
 
     def InsertModelString(self, sdfString: str) -> None:
-        """Add the models and lights of an SDF text; in a callback, at the end of this iteration.
+        """Add the models and lights of an SDF text; in a callback, at the end of the iteration.
 
         Raises:
-            ParameterError: it is no text.
+            ParameterError: it is not a string.
         """
         insert_text(self, sdfString)
 
     def InsertModelFile(self, sdfFilename: str | os.PathLike[str]) -> None:
-        """Add the models and lights of a file, `model://name` included; in a callback, at the end of this iteration.
+        """Add the models and lights of a file or `model://name`; in a callback, at the end of the iteration.
 
         Raises:
-            ParameterError: it is no file's name.
+            ParameterError: it is not the name of a file.
         """
         insert_file(self, sdfFilename)
 
     def InsertModelSDF(self, sdf: Element | SdfFile | classic_sdf.SDF) -> None:
-        """Add the models and lights of an SDF document; in a callback, at the end of this iteration.
+        """Add the models and lights of an SDF document; in a callback, at the end of the iteration.
 
         Raises:
-            ParameterError: it is none.
+            ParameterError: it is not an SDF document.
         """
         insert_document(self, sdf)
 
     def RemoveModel(self, which: Model | str) -> None:
-        """Take a model or light out, with all that is in it; in a callback, at the end of this iteration.
+        """Remove a model, with all nested models, or a light; in a callback, at the end of the iteration.
 
         Raises:
             NotFoundError: there is none of this name.
@@ -356,10 +361,11 @@ class World(Base):
         family: list[CoreModel] = [entity.core]
         if isinstance(entity, Model):
             family = [model.core for model in entity.family()]
-        self.core.after_step(lambda: self.server.remove(family))
+        nested_first = list(reversed(family))
+        self.core.after_step(lambda: delete_models(self.core, nested_first))
 
     def Clear(self) -> None:
-        """Take everything out."""
+        """Remove all models and lights."""
         for part in self.children():
             self.RemoveModel(part)  # type: ignore[arg-type]
 
@@ -368,82 +374,72 @@ class World(Base):
         self.server.load_world_plugin(filename, name, sdf)
 
     def RemovePlugin(self, name: str) -> None:
-        """Let a World plugin go, with all it is connected to."""
+        """Remove a World plugin; its connections and subscriptions end.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
         self.server.remove_world_plugin(name)
-
-    def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
-        """Load a Model plugin now; whether it runs."""
-        return self.server.load_model_plugin(model, filename, name, sdf)
-
-    def attach(self, parent: Model, model: Model, offset: GzPose) -> None:
-        """Carry a model along with another."""
-        model.SetEnabled(False)
-        self._attached.append((parent, model, offset))
-
-    def detach(self, parent: Model, name: str) -> None:
-        """Let such a model go."""
-        self._attached = [
-            row
-            for row in self._attached
-            if not (row[0] is parent and name in (row[1].GetName(), row[1].GetScopedName()))
-        ]
 
     # Physics -----------------------------------------------------------------------------------------------------
 
     def Physics(self) -> PhysicsEngine:
         """The physics engine."""
-        return self._physics
+        return self.server.physics
 
     GetPhysicsEngine = Physics
 
     def PresetMgr(self) -> PresetManager:
-        """The world's `<physics>` profiles."""
-        if self._presets is None:
-            self._presets = PresetManager(self)
-        return self._presets
+        """The physics profiles."""
+        return self.server.presets
 
     GetPresetManager = PresetMgr
 
     def Gravity(self) -> Vector3d:
-        """[m/s^2]."""
+        """The gravity [m/s^2]."""
         return Vector3d(*self.core.engine.gravity)
 
     def SetGravity(self, gravity: VectorLike) -> None:
-        """Set it [m/s^2]; what sleeps wakes."""
+        """Set the gravity [m/s^2], and wake all models."""
         self.core.engine.gravity = tuple(gravity)
         for model in self.Models():
             model.SetEnabled(True)
 
     def MagneticField(self) -> Vector3d:
-        """[T]."""
-        return self.server.magnetic_field()
+        """The magnetic field [T]."""
+        return Vector3d(*settings_of(self.core).magnetic_field)
 
     def SetMagneticField(self, field: VectorLike) -> None:
-        """Set it [T].
+        """Set the magnetic field [T].
 
         Raises:
             ParameterError: it is not three finite numbers.
         """
-        self.server.set_magnetic_field(finite_tuple(field, 3, "magnetic field [T]"))
+        settings_of(self.core).magnetic_field = GzVector(*finite_tuple(field, 3, "magnetic field [T]"))
 
     def SphericalCoords(self) -> SphericalCoordinates:
-        """Where on Earth the world lies."""
-        return self.server.spherical_coordinates()
+        """The world's position and orientation on Earth, from its file."""
+        place = settings_of(self.core).spherical_coordinates
+        if place is None:
+            return SphericalCoordinates()
+        return SphericalCoordinates(
+            SphericalCoordinates.EARTH_WGS84,  # the only surface that SDF has
+            math.radians(place.Get(float, "latitude_deg")),
+            math.radians(place.Get(float, "longitude_deg")),
+            place.Get(float, "elevation"),
+            math.radians(place.Get(float, "heading_deg")),
+        )
 
     GetSphericalCoordinates = SphericalCoords
 
     # Sensors, state ----------------------------------------------------------------------------------------------
 
-    def sensor_names(self) -> list[str]:
-        """Full names of all sensors."""
-        return self.server.sensor_names()
-
     def SensorsInitialized(self) -> bool:
-        """Whether all sensors are ready: once the world runs, always."""
+        """Whether all sensors are ready: always, as soon as the world runs."""
         return True
 
     def SetState(self, state: WorldState) -> None:
-        """Bring all links to the poses and velocities of a state."""
+        """Set the poses and velocities of all links to those of a state."""
         state.apply(self)
 
     def Save(self, filename: str) -> None:
@@ -453,38 +449,3 @@ class World(Base):
             WorldFileError: the file cannot be written.
         """
         save_world(self, Path(filename))
-
-    def forget(self, model: Model) -> None:
-        """A model leaves."""
-        self.controllers = [c for c in self.controllers if c is not model.controller]
-        for part in model.tree():
-            if isinstance(part, Entity):
-                self.animations.stop(part)
-        self._attached = [row for row in self._attached if model not in row[:2]]
-
-    def close(self) -> None:
-        """The world ends."""
-        leave(self)
-
-    # Called by the server ----------------------------------------------------------------------------------------
-
-    def changed(self) -> None:
-        """Models have come or gone."""
-        self._batteries = None
-
-    def _all_batteries(self) -> list[Battery]:
-        if self._batteries is None:
-            self._batteries = [b for model in self.all_models() for link in model.GetLinks() for b in link.batteries]
-        return self._batteries
-
-    def before_physics(self) -> None:
-        """What acts by itself in every iteration: joint controllers, animations, what is carried along."""
-        for controller in self.controllers:
-            controller.Update()
-        for battery in self._all_batteries():
-            battery.Update()
-        if self.joint_event:
-            self.joint_event()
-        self.animations.update()
-        for parent, model, offset in self._attached:
-            model.move(GzCoordPoseAdd(offset, parent.pose()))

@@ -166,13 +166,13 @@ class Visual:
     def begin_plugin(self, filename: str, name: str, sdf: Element) -> None:
         """Construct a plugin and Load it."""
         plugin = self._scene.world.server.new_plugin("Visual", filename, name, f"Visual[{self._name}]")
-        if plugin is not None and plugin.call("Load", self, sdf):
+        if plugin is not None and plugin.load(self, sdf):
             self.plugins.append(plugin)
 
     def init_plugins(self) -> None:
         """Init all its plugins."""
         for plugin in list(self.plugins):
-            plugin.call("Init")
+            plugin.init()
 
     def LoadPlugin(self, filename: str, name: str, sdf: Element | None = None) -> None:
         """Load one more plugin; then all are Inited, those that were there a second time, as classic did."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from libgz.classic.common import Time
 from libgz.classic.physics.contact import Contact, read_contacts
-from libgz.classic.physics.contact_topics import contacts_message
+from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic
 from libgz.classic.sensors.sensor import Sensor
 

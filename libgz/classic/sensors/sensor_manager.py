@@ -77,7 +77,7 @@ class SensorManager:
         if not isinstance(parent, Link | Joint):
             names = [part.GetScopedName() for part in world.tree() if isinstance(part, Link | Joint)]
             raise NotFoundError(f"world {worldName!r} has no link or joint {parentName!r}{nearest(parentName, names)}")
-        sensors = world.server.all_sensors()
+        sensors: WorldSensors = world.server.all_sensors()
         sensor = sensors.create(parent, sdf)
         sensors.start_new()
         if sensor is None:

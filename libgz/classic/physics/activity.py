@@ -1,0 +1,135 @@
+"""Activity: what acts in a world before physics in every iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from libgz.classic.common import Battery
+from libgz.classic.physics.animations import Animations
+from libgz.classic.physics.base import Entity
+from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.joint_controller import JointController
+from libgz.classic.physics.link import Link
+from libgz.classic.physics.model import Model
+from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.simulation.event import Event
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+
+__all__ = ["Activity"]
+
+
+class Activity:
+    """Joint controllers, batteries, animations and attached models of a world.
+
+    Attributes:
+        animations: the running animations.
+        joint_update: the event of Joint.ConnectJointUpdate.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self.animations = Animations(world)
+        self.joint_update = Event("JointUpdate")
+        self._controllers: dict[Model, JointController] = {}
+        self._batteries: dict[Link, list[Battery]] = {}
+        self._all_batteries: list[Battery] | None = None  # None after models were added or removed
+        self._attached: list[tuple[Model, Model, GzPose]] = []
+
+    # Controllers -------------------------------------------------------------------------------------------------
+
+    def controller_of(self, model: Model) -> JointController:
+        """The joint controller of a model, created on first use; one of a removed model has no effect."""
+        found = self._controllers.get(model)
+        if found is None:
+            found = JointController(model)
+            if model.core in self._world.core.models:
+                self._controllers[model] = found
+        return found
+
+    def joint_added(self, joint: Joint) -> None:
+        """Add a joint to the controllers of its model and of the models around that."""
+        for controller in self._controllers_of(joint):
+            controller.AddJoint(joint)
+
+    def joint_removed(self, joint: Joint) -> None:
+        """Remove a joint from the controllers that have it."""
+        for controller in self._controllers_of(joint):
+            controller.RemoveJoint(joint)
+
+    def _controllers_of(self, joint: Joint) -> Iterator[JointController]:
+        part = joint.GetParentModel()
+        while isinstance(part, Model):
+            if part in self._controllers:
+                yield self._controllers[part]
+            above = part.GetParent()
+            part = above if isinstance(above, Model) else None
+
+    # Batteries ---------------------------------------------------------------------------------------------------
+
+    def batteries_of(self, link: Link) -> list[Battery]:
+        """The batteries of a link, in the order of the file."""
+        if link not in self._batteries:
+            sdf = link.GetSDF()
+            elements = sdf.named("battery") if sdf is not None else ()
+            self._batteries[link] = [Battery(e.Get(str, "name"), e.Get(float, "voltage")) for e in elements]
+        return self._batteries[link]
+
+    # Attached models ---------------------------------------------------------------------------------------------
+
+    def attach(self, parent: Model, model: Model, offset: GzPose) -> None:
+        """Move a model with another, at an offset [m]."""
+        model.SetEnabled(False)
+        self._attached.append((parent, model, offset))
+
+    def detach(self, parent: Model, name: str) -> None:
+        """Undo `attach` for a model by name."""
+        self._attached = [
+            row
+            for row in self._attached
+            if not (row[0] is parent and name in (row[1].GetName(), row[1].GetScopedName()))
+        ]
+
+    # Changes and updates -----------------------------------------------------------------------------------------
+
+    def models_changed(self) -> None:
+        """Models were added or removed."""
+        self._all_batteries = None
+
+    def forget(self, model: Model) -> None:
+        """Drop all that belongs to a model that is being removed."""
+        self._controllers.pop(model, None)
+        for part in model.tree():
+            if isinstance(part, Entity):
+                self.animations.stop(part)
+            if isinstance(part, Link):
+                self._batteries.pop(part, None)
+        self._attached = [row for row in self._attached if model not in row[:2]]
+
+    def reset_model(self, model: Model) -> None:
+        """Reset batteries and controller of a model."""
+        for link in model.GetLinks():
+            for battery in self.batteries_of(link):
+                battery.ResetVoltage()
+        if model in self._controllers:
+            self._controllers[model].Reset()
+
+    def update(self) -> None:
+        """Act for one iteration, before physics."""
+        for controller in list(self._controllers.values()):
+            controller.Update()
+        for battery in self._batteries_of_all():
+            battery.Update()
+        if self.joint_update:
+            self.joint_update()
+        self.animations.update()
+        for parent, model, offset in self._attached:
+            model.move(GzCoordPoseAdd(offset, parent.pose()))
+
+    def _batteries_of_all(self) -> list[Battery]:
+        if self._all_batteries is None:
+            models = self._world.all_models()
+            self._all_batteries = [b for model in models for link in model.GetLinks() for b in self.batteries_of(link)]
+        return self._all_batteries

@@ -1,0 +1,83 @@
+"""Companion: what the views of a world require of the world's companion, `libgz.classic.server.WorldServer`.
+
+The companion keeps the state that is neither the engine's nor a view's; it stands above this package.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+
+from libgz.classic.loading import LoadedPlugin
+from libgz.classic.physics.activity import Activity
+from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.joint import Joint
+from libgz.classic.physics.model import Model
+from libgz.classic.physics.preset import PresetManager
+from libgz.sdf.element import Element
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+
+__all__ = ["Companion"]
+
+
+class Companion(Protocol):
+    """The companion of a world.
+
+    Attributes:
+        world: the view on the world.
+        element: the `<world>` element; None if the world was not loaded from SDF.
+        activity: joint controllers, batteries, animations and attached models.
+        physics, presets: settings of the engine, and their profiles.
+        sensors, visuals: sensors and Visual plugins, of packages above this one; None as long as there are none.
+        stopped: whether World.Stop was called.
+    """
+
+    world: World
+    element: Element | None
+    activity: Activity
+    physics: PhysicsEngine
+    presets: PresetManager
+    sensors: Any
+    visuals: Any
+    stopped: bool
+
+    def all_sensors(self) -> Any:
+        """The sensors, created on first use."""
+
+    def sensor_names(self) -> list[str]:
+        """The full scoped names of all sensors."""
+
+    def serve_visuals(self) -> Any:
+        """The Visual plugins, created on first use."""
+
+    def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
+        """A plugin of this world, constructed; None if that fails, which is logged."""
+
+    def load_world_plugin(self, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a World plugin; returns whether it runs."""
+
+    def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
+        """Load a Model plugin; returns whether it runs."""
+
+    def remove_world_plugin(self, name: str) -> None:
+        """Remove a World plugin.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+
+    def reset_plugins(self, model: Model) -> None:
+        """Reset the Model plugins of a model."""
+
+    def finish_added(self) -> None:
+        """Create sensors and plugins of models that were inserted."""
+
+    def joint_added(self, joint: Joint) -> None:
+        """A joint was added to a model."""
+
+    def joint_removed(self, joint: Joint) -> None:
+        """A joint was removed from its model."""
+
+    def time_was_reset(self) -> None:
+        """The sim time was set back."""

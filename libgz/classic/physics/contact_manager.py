@@ -1,0 +1,140 @@
+"""ContactManager: the contacts of the last step, and topics that publish those of some collisions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from libgz.classic import msgs
+from libgz.classic.physics.contact import Contact, read_contacts
+from libgz.classic.physics.contact_messages import contacts_message
+from libgz.classic.transport import Node, Publisher
+from libgz.errors import NotFoundError, ParameterError, nearest
+
+if TYPE_CHECKING:
+    from libgz.classic.physics.world import World
+
+__all__ = ["ContactManager"]
+
+
+class ContactManager:
+    """The contacts of the last step. They are recorded from the first request on."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._read_at = (-1, -1)  # the step and the collision pass that `_contacts` are of
+        self._contacts: list[Contact] = []
+        self._never_drop = False
+        self._requested = False
+        self._holders: set[object] = set()
+        self._node: Node | None = None  # of the filters
+        self._filters: dict[str, tuple[Publisher, frozenset[str]]] = {}
+        self._published = -1  # the step whose contacts were published last
+
+    def want(self) -> None:
+        """Record contacts from the next step on."""
+        self._requested = True
+        self._world.core.engine.record_contacts = True
+
+    def hold(self, holder: object) -> None:
+        """Record contacts until `holder` releases them."""
+        self._holders.add(holder)
+        self._world.core.engine.record_contacts = True
+
+    def release(self, holder: object) -> None:
+        """End the request of `holder`; contacts are recorded as long as there is another."""
+        self._holders.discard(holder)
+        if not (self._requested or self._holders):
+            self._world.core.engine.record_contacts = False
+
+    def SetNeverDropContacts(self, neverDrop: bool) -> None:
+        """Record contacts even without a request."""
+        self._never_drop = bool(neverDrop)
+        if neverDrop:
+            self.want()
+
+    def NeverDropContacts(self) -> bool:
+        """Whether contacts are recorded even without a request."""
+        return self._never_drop
+
+    def GetContactCount(self) -> int:
+        """The number of contacts, one for each pair of collisions."""
+        return len(self.GetContacts())
+
+    def GetContact(self, index: int) -> Contact | None:
+        """A contact by index; None if there is none."""
+        found = self.GetContacts()
+        return found[index] if 0 <= index < len(found) else None
+
+    def GetContacts(self) -> list[Contact]:
+        """The contacts of the last step, one for each pair of collisions."""
+        self.want()
+        return self.read()
+
+    def read(self) -> list[Contact]:
+        """The recorded contacts of the last step; does not request recording."""
+        engine = self._world.core.engine
+        now = engine.steps, engine.collisions
+        if self._read_at != now:
+            self._read_at = now
+            self._contacts = read_contacts(self._world, engine.contacts)
+        return self._contacts
+
+    # Filters -----------------------------------------------------------------------------------------------------
+
+    def CreateFilter(self, name: str, collisions: str | Iterable[str]) -> str:
+        """Publish the contacts of some collisions, by scoped name, in each iteration; returns the topic's name.
+
+        Raises:
+            ParameterError: there is a filter of this name, or no collision is given.
+        """
+        name = name.replace("::", "/")
+        wanted = [collisions] if isinstance(collisions, str) else list(collisions)
+        if name in self._filters:
+            raise ParameterError(f"there is a contact filter {name!r} already")
+        if not wanted:
+            raise ParameterError(f"contact filter {name!r} has no collisions")
+        if self._node is None:
+            self._node = Node()
+            self._node.Init(self._world.Name())
+            self._published = self._world.core.engine.steps
+        prefix = f"{self._world.Name()}::"
+        topic = f"~/{name}/contacts"
+        publisher = self._node.Advertise(msgs.Contacts, topic)
+        self._filters[name] = publisher, frozenset(one.removeprefix(prefix) for one in wanted)
+        return topic
+
+    def RemoveFilter(self, name: str) -> None:
+        """Remove a filter, and its topic.
+
+        Raises:
+            NotFoundError: there is no filter of this name.
+        """
+        name = name.replace("::", "/")
+        if name not in self._filters:
+            raise NotFoundError(f"there is no contact filter {name!r}{nearest(name, self._filters)}")
+        publisher, _ = self._filters.pop(name)
+        publisher.Fini()
+        self.release(publisher)
+
+    def HasFilter(self, name: str) -> bool:
+        """Whether there is a filter of this name."""
+        return name.replace("::", "/") in self._filters
+
+    def GetFilterCount(self) -> int:
+        """The number of filters."""
+        return len(self._filters)
+
+    def PublishContacts(self) -> None:
+        """Publish the contacts of the last step on the topics that have subscribers; called in every iteration."""
+        step = self._world.core.engine.steps
+        if not self._filters or step == self._published:
+            return
+        self._published = step
+        for publisher, names in self._filters.values():
+            if not publisher.HasConnections():
+                self.release(publisher)
+                continue
+            self.hold(publisher)
+            found = [one for one in self.read() if not names.isdisjoint(one.names)]
+            publisher.Publish(contacts_message(found, self._world.SimTime()))

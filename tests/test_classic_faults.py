@@ -115,7 +115,7 @@ def test_a_controller_with_absurd_gains_lets_its_joint_go(core, view, caplog):
     controller.SetPositionPID("hinge", PID(math.nan))
     controller.SetPositionTarget("hinge", 1.0)
     core.step(3)
-    assert caplog.text.count("joint arm::hinge is held no more") == 1
+    assert caplog.text.count("joint arm::hinge is not controlled any more") == 1
     assert controller.GetPositions() == {}
 
 

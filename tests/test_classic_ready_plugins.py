@@ -439,7 +439,7 @@ def test_a_battery_is_used_up_by_its_consumers(run):
         voltages.append(battery.Voltage())
         core.Reset()
     assert voltages[0] == pytest.approx(voltages[1], abs=1e-9)
-    world.ModelByName("robot").plugins[-1].drop()
+    world.server.model_plugins(world.ModelByName("robot"))[-1].drop()
     gc.collect()
     core.run(1.0)
     assert battery.PowerLoads() == {}

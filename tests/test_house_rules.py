@@ -35,12 +35,14 @@ CLASSIC_LEVELS = [
     {"common"},
     {"msgs"},
     {"transport"},
-    {"plugin", "event", "sdf", "loading"},
+    {"plugin_base", "event", "sdf", "loading"},
     {"physics"},
     {"rendering"},
     {"sensors"},
     {"describe", "commands", "topics", "server"},
-    {"gui", "plugins", "log"},
+    {"gui", "log"},
+    {"plugin"},
+    {"plugins"},
 ]
 CLASSIC_LEVEL = {name: i for i, row in enumerate(CLASSIC_LEVELS) for name in row}
 

@@ -219,7 +219,7 @@ class WorldServer:
     def plugins(self) -> Iterator[LoadedPlugin]:
         """All running plugins of this world."""
         for model in self.world.all_models():
-            yield from self._model_plugins.get(model, ())
+            yield from self.model_plugins(model)
         yield from self._other_plugins()
 
     def _other_plugins(self) -> Iterator[LoadedPlugin]:
@@ -229,10 +229,14 @@ class WorldServer:
             if part is not None:
                 yield from part.plugins()
 
+    def model_plugins(self, model: Model) -> list[LoadedPlugin]:
+        """The Model plugins of a model, in the order of the file."""
+        return list(self._model_plugins.get(model, ()))
+
     def reset_plugins(self, model: Model) -> None:
         """Reset the Model plugins of a model."""
         with self.core.hold():
-            for plugin in list(self._model_plugins.get(model, ())):
+            for plugin in self.model_plugins(model):
                 plugin.reset()
 
     # Companion of the world --------------------------------------------------------------------------------------

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
-from libgz.errors import nearest
-from libgz.simulation.event import Connection, Event
+from libgz.classic.event import EventNames
+from libgz.simulation.event import Event
 
 __all__ = ["Events"]
 
@@ -27,25 +24,9 @@ EVENTS = {
 _events = {name: Event(name) for name in EVENTS}
 
 
-class _Names(type):
-    """`Connect<Name>`, `Disconnect<Name>`, and the event itself as `<name>`."""
+class Events(metaclass=EventNames):
+    """The client's events; calling one, such as `Events.mainWindowReady()`, signals it."""
 
-    def __getattr__(cls, name: str) -> Any:
-        for prefix in ("Connect", "Disconnect"):
-            event = name.removeprefix(prefix)
-            if name.startswith(prefix) and event in _events:
-                return _events[event].Connect if prefix == "Connect" else _disconnect
-        capital = name[:1].upper() + name[1:]
-        if capital in _events:
-            return _events[capital]
-        raise AttributeError(f"there is no event {name!r}{nearest(name, [f'Connect{event}' for event in _events])}")
-
-    def __dir__(cls) -> list[str]:
-        return [*super().__dir__(), *(f"Connect{event}" for event in _events)]
-
-
-_disconnect: Callable[[Connection], None] = lambda connection: connection.Disconnect()  # noqa: E731
-
-
-class Events(metaclass=_Names):
-    """The client's events. `Events.mainWindowReady()` and its like make one happen."""
+    @classmethod
+    def _events(cls) -> dict[str, Event]:
+        return _events

@@ -67,7 +67,7 @@ def test_corners_of_a_region_in_any_order(run):
 )
 def test_what_an_event_needs_is_told(event, tag, run, caplog):
     run(body("stone"), sim_events(event))
-    assert f"and needs a <{tag}>" in caplog.text
+    assert f"and requires a <{tag}>" in caplog.text
 
 
 # Sensors -------------------------------------------------------------------------------------------------------------
@@ -123,7 +123,7 @@ def test_a_wing_without_an_upper_side_is_told(run, caplog):
 @pytest.mark.parametrize(
     ("said", "force", "words"),
     [
-        ("<volume>-1</volume>", 0.5, "<volume> is -1 m^3; it must be above zero"),
+        ("<volume>-1</volume>", 0.5, "<volume> is -1 m^3; it must be positive"),
         ("<center_of_volume>0 0 1</center_of_volume>", 0.5, "<volume> is 0 m^3"),
         ("<volume>2</volume>", 2.0, ""),
     ],

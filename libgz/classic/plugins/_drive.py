@@ -1,4 +1,4 @@
-"""DrivePlugin: what robots have in common that are driven by ``~/<model>/vel_cmd``."""
+"""DrivePlugin: base class of plugins that drive a model by ``~/<model>/vel_cmd``."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = ["DrivePlugin"]
 
 
 class DrivePlugin(ModelPlugin):
-    """Hears commands, and runs the wheels in every iteration."""
+    """Receives commands, and runs the wheels in every iteration."""
 
-    command = (0.0, 0.0)  # speed forward [m/s], yaw rate [rad/s] as the message has it
+    command = (0.0, 0.0)  # speed forward [m/s], yaw rate [rad/s] with the sign of the message
 
     def listen(self, model: Model) -> None:
-        """Begin, when the wheels are known."""
+        """Subscribe to commands, and start to update."""
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.subscriber = self.node.Subscribe(f"~/{model.GetName()}/vel_cmd", self.OnVelMsg)
@@ -33,9 +33,9 @@ class DrivePlugin(ModelPlugin):
         self.command = message.position.x, Quaterniond(ConvertIgn(message.orientation)).Yaw()
 
     def OnUpdate(self) -> None:
-        """Run the wheels."""
+        """Run the wheels; called in every iteration."""
         raise NotImplementedError
 
     def Reset(self) -> None:
-        """Stop."""
+        """Set the command to zero."""
         self.command = (0.0, 0.0)

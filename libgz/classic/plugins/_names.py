@@ -1,4 +1,4 @@
-"""Joints, links and batteries that the elements of plugins name."""
+"""Look-up of joints, links and batteries that the elements of plugins name."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def find_joint(model: Model, name: str) -> Joint:
 
 
 def named_joint(model: Model, sdf: Element, *tags: str) -> Joint:
-    """The joint that an element of a plugin names; the first of several spellings of the tag that is there.
+    """The joint that an element of a plugin names; of several spellings of its tag, the first one present is read.
 
     Raises:
         NotFoundError: there is no such element, or no such joint.

@@ -1,4 +1,4 @@
-"""Wheels: joints that drive a model, by their speed on the ground."""
+"""Wheels: joints that drive a model, commanded by their speed on the ground."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ class Wheel:
 
     Args:
         joint: of the wheel, which is its child.
-        torque: the most that its motor does [N m]; 0 or less: the wheel is given its speed, whatever that takes.
+        torque: maximum torque of its motor [N m]; 0 or less: the velocity is set directly.
         radius: of the wheel [m]; by default that of its shape.
 
     Raises:
-        ParameterError: the radius is not given, and the wheel has no shape to tell it.
+        ParameterError: the radius is not given, and the wheel has no shape with a radius.
     """
 
     def __init__(self, joint: Joint, torque: float = 0.0, radius: float | None = None) -> None:
         self.joint, self.torque = joint, torque
         self.radius = radius_of(joint.GetChild()) if radius is None else radius
         if not self.radius > 0.0:
-            raise ParameterError(f"joint {joint.GetScopedName()!r}: its child has no shape that tells its radius")
+            raise ParameterError(f"joint {joint.GetScopedName()!r}: its child has no shape with a radius")
 
     def run(self, speed: float) -> None:
-        """Roll with a speed on the ground [m/s] in the coming step, or with a motor from then on."""
+        """Set the speed on the ground [m/s]: for the next step, or with a motor until the next call."""
         rate = speed / self.radius
         if self.torque > 0.0:
             self.joint.SetParam("fmax", 0, self.torque)
@@ -56,5 +56,5 @@ class Wheel:
             self.joint.SetVelocity(0, rate)
 
     def speed(self) -> float:
-        """How fast it rolls on the ground [m/s]."""
+        """The speed on the ground [m/s]."""
         return self.joint.GetVelocity(0) * self.radius

@@ -1,4 +1,4 @@
-"""BuoyancyPlugin: lets a model float in a fluid that is everywhere."""
+"""BuoyancyPlugin: buoyancy of a model in a fluid that fills the world."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ WATER = 999.1026  # [kg/m^3] at 15 degrees and normal pressure
 
 
 class BuoyancyPlugin(ModelPlugin):
-    """Pushes each link up with the weight of the fluid that it displaces: -density * volume * gravity.
+    """Applies to each link the buoyancy of the fluid that it displaces: -density * volume * gravity.
 
     The force acts at the centre of volume. Volumes are those of the collisions (box, sphere, cylinder) where the
-    element of the link does not say otherwise. The fluid has no surface and no resistance; `<velocity_decay>` or a
-    plugin of one's own can slow a model down.
+    element of the link does not give them. The fluid has no surface and no drag; `<velocity_decay>` or another plugin
+    can add drag.
 
     Elements:
         fluid_density: [kg/m^3] (999.1026, water).
@@ -32,7 +32,7 @@ class BuoyancyPlugin(ModelPlugin):
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Gather volumes."""
+        """Read the density, and the volumes of all links."""
         self.world = model.GetWorld()
         self.density = sdf.Get(float, "fluid_density", WATER)[0]
         given = {element.Get(str, "name"): element for element in sdf.named("link")}
@@ -41,29 +41,29 @@ class BuoyancyPlugin(ModelPlugin):
             element = given.pop(link.GetName(), None)
             volume, centre = volume_of(link)
             if element is not None:
-                volume, centre = _said(element, volume, centre)
+                volume, centre = _given(element, volume, centre)
             if volume > 0.0:
                 self.volumes.append((link, volume, centre))
             else:
-                gzwarn(f"{self.GetHandle()}: link {link.GetScopedName()} has no volume, and does not float")
+                gzwarn(f"{self.GetHandle()}: link {link.GetScopedName()} has no volume, and no buoyancy")
         for name, element in given.items():
             gzwarn(f"{element.where}: Specified link [{name}] not found.")
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnUpdate(self) -> None:
-        """Push."""
+        """Apply the forces."""
         up = -self.world.Gravity() * self.density
         for link, volume, centre in self.volumes:
             link.AddForceAtWorldPosition(up * volume, link.WorldPose().CoordPositionAdd(centre))
 
 
-def _said(element: Element, volume: float, centre: Vector3d) -> tuple[float, Vector3d]:
-    """What the file says; what it does not say is that of the collisions."""
-    said = element.Get(float, "volume")
-    if said > 0.0:
-        volume = said
+def _given(element: Element, volume: float, centre: Vector3d) -> tuple[float, Vector3d]:
+    """Volume and centre of an element; where they are missing or invalid, those of the collisions."""
+    given = element.Get(float, "volume")
+    if given > 0.0:
+        volume = given
     else:
-        gzwarn(f"{element.where}: <volume> is {said:g} m^3; it must be above zero, and that of the collisions is taken")
+        gzwarn(f"{element.where}: <volume> is {given:g} m^3; it must be positive; that of the collisions is used")
     return volume, element.Get(Vector3d, "center_of_volume", centre)[0]
 
 
@@ -78,7 +78,7 @@ def volume_of(link: Link) -> tuple[float, Vector3d]:
 
 
 def shape_volume(collision: Collision) -> float:
-    """[m^3]; 0 for shapes whose volume is not known."""
+    """The volume of a collision [m^3]; 0 for shapes other than box, sphere and cylinder."""
     shape = collision.GetShape()
     if isinstance(shape, BoxShape):
         return math.prod(shape.Size())

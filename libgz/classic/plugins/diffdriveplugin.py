@@ -1,4 +1,4 @@
-"""DiffDrivePlugin: drives a model with two wheels by a topic."""
+"""DiffDrivePlugin: drives a model with two wheels, commanded on a topic."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ class DiffDrivePlugin(DrivePlugin):
 
     ~/<model>/vel_cmd takes a Pose: x of the position is the speed [m/s], yaw of the orientation the turn rate [rad/s].
     As in Gazebo, **a positive yaw turns to the right**: the left wheel runs with speed + yaw * separation / 2. The
-    separation is the distance between the joints, the wheels' radius that of the left one. A command holds until the
-    next one; a reset stops the wheels.
+    separation is the distance between the joints, the wheels' radius that of the left one. A command is valid
+    until the next one; a reset stops the wheels.
 
     Elements:
         left_joint, right_joint: names of the joints (also leftJoint, rightJoint).
-        torque: the most that each wheel's motor does [N m]; without it the wheels have their speed at once, as in
-            Gazebo from version 5 on.
+        torque: maximum torque of each wheel's motor [N m]; without it the velocity of the wheels is set directly, as
+            in Gazebo from version 5 on.
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Find the joints, and listen."""
+        """Find the joints, and subscribe."""
         torque = sdf.Get(float, "torque", 0.0)[0]
         left = named_joint(model, sdf, "left_joint", "leftJoint")
         right = named_joint(model, sdf, "right_joint", "rightJoint")

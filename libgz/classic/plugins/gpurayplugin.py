@@ -1,4 +1,4 @@
-"""GpuRayPlugin: switches its sensor on; the class itself is in `libgz.classic.plugins.hooks`, to derive from."""
+"""GpuRayPlugin: activates its sensor; the class is in `libgz.classic.plugins.hooks`, for deriving from it."""
 
 from libgz.classic.plugin import GZ_REGISTER_SENSOR_PLUGIN
 from libgz.classic.plugins.hooks import GpuRayPlugin

@@ -1,6 +1,6 @@
-"""Sensor plugins to derive from: each switches its sensor on and calls a function with every measurement.
+"""Base classes for sensor plugins: each activates its sensor and calls a method with every measurement.
 
-A plugin of one's own says what to do::
+A plugin overrides the method::
 
     from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN
     from libgz.classic.plugins.hooks import RayPlugin
@@ -11,8 +11,8 @@ A plugin of one's own says what to do::
 
     GZ_REGISTER_SENSOR_PLUGIN(Nearest)
 
-The ready plugins libCameraPlugin.so, libRayPlugin.so and so on are these as they stand: they switch the sensor on, so
-that it measures and publishes, and do nothing else.
+The ready plugins libCameraPlugin.so, libRayPlugin.so and so on are these classes themselves: they activate the sensor,
+so that it measures and publishes, and do nothing else.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ __all__ = [
 
 
 class _Hook(SensorPlugin):
-    """Keeps the sensor as `sensor`, and switches it on."""
+    """Stores the sensor as `sensor`, and activates it."""
 
-    types: ClassVar[tuple[str, ...]] = ()  # of sensors that it is for
+    types: ClassVar[tuple[str, ...]] = ()  # types of sensors that it accepts
     sensor: Any
 
     def Load(self, sensor: Any, sdf: Element) -> None:
-        """Connect, and switch the sensor on.
+        """Connect to the sensor's events, and activate it.
 
         Raises:
             ParameterError: the sensor is of another type.
@@ -59,133 +59,133 @@ class _Hook(SensorPlugin):
         sensor.SetActive(True)
 
     def connect(self) -> list[Any]:
-        """Connections to the sensor's events."""
+        """Return connections to the sensor's events."""
         raise NotImplementedError
 
-    def asks_for(self, name: str) -> bool:
-        """Whether a class derived from this has a callback of its own."""
+    def overrides(self, name: str) -> bool:
+        """Whether a derived class overrides a method of this module."""
         return any(name in vars(kind) for kind in type(self).__mro__ if kind.__module__ != __name__)
 
 
 class CameraPlugin(_Hook):
-    """Of a camera."""
+    """Plugin of a camera."""
 
     types = ("camera", "depth")
 
     def connect(self) -> list[Any]:
-        """To pictures."""
+        """Connect to images."""
         self.camera = self.sensor.Camera()
         return [self.camera.ConnectNewImageFrame(self.OnNewFrame)]
 
     def OnNewFrame(self, data: bytes, width: int, height: int, depth: int, image_format: str) -> None:
-        """A picture: `depth` bytes a pixel, `width` times `height` of them [px], top row first."""
+        """A new image: `width` times `height` pixels of `depth` bytes, top row first."""
 
 
 class DepthCameraPlugin(_Hook):
-    """Of a depth camera."""
+    """Plugin of a depth camera."""
 
     types = ("depth",)
 
     def connect(self) -> list[Any]:
-        """To depths and pictures."""
+        """Connect to depths and images; to point clouds only if they are used."""
         self.camera = self.sensor.DepthCamera()
         connections = [
             self.camera.ConnectNewDepthFrame(self.OnNewDepthFrame),
             self.camera.ConnectNewImageFrame(self.OnNewImageFrame),
         ]
-        if self.asks_for("OnNewRGBPointCloud"):  # a cloud takes time to make
+        if self.overrides("OnNewRGBPointCloud"):  # expensive
             connections.append(self.camera.ConnectNewRGBPointCloud(self.OnNewRGBPointCloud))
         return connections
 
     def OnNewDepthFrame(self, data: Any, width: int, height: int, depth: int, image_format: str) -> None:
-        """Depths [m], `width` times `height` of them, top row first."""
+        """New depths [m], `width` times `height` of them, top row first."""
 
     def OnNewImageFrame(self, data: bytes, width: int, height: int, depth: int, image_format: str) -> None:
-        """The picture that belongs to them."""
+        """The image that belongs to the depths."""
 
     def OnNewRGBPointCloud(self, data: Any, width: int, height: int, depth: int, image_format: str) -> None:
-        """The points that are seen, four numbers each: x right, y down, z forward [m], colour."""
+        """The visible points, four numbers each: x right, y down, z forward [m], colour."""
 
 
 class RayPlugin(_Hook):
-    """Of a ray sensor; `sensor.Ranges()` has the ranges."""
+    """Plugin of a ray sensor; `sensor.Ranges()` returns the ranges."""
 
     types = ("ray", "gpu_ray")
 
     def connect(self) -> list[Any]:
-        """To scans that the sensor has taken over."""
+        """Connect to scans."""
         return [self.sensor.ConnectUpdated(self.OnNewLaserScans)]
 
     def OnNewLaserScans(self) -> None:
-        """There is a new scan."""
+        """A new scan."""
 
 
 class ContactPlugin(_Hook):
-    """Of a contact sensor; `sensor.Contacts()` has the contacts."""
+    """Plugin of a contact sensor; `sensor.Contacts()` returns the contacts."""
 
     types = ("contact",)
 
     def connect(self) -> list[Any]:
-        """To measurements."""
+        """Connect to measurements."""
         return [self.sensor.ConnectUpdated(self.OnUpdate)]
 
     def OnUpdate(self) -> None:
-        """Contacts were gathered; there may be none."""
+        """New contacts; there may be none."""
 
 
 class GpuRayPlugin(_Hook):
-    """Of a gpu_ray sensor, which is a ray sensor here."""
+    """Plugin of a gpu_ray sensor, which is a ray sensor here."""
 
     types = ("gpu_ray",)
 
     def connect(self) -> list[Any]:
-        """To scans."""
+        """Connect to scans; to laser frames only if they are used."""
         connections = [self.sensor.ConnectUpdated(self.OnUpdate)]
-        if self.asks_for("OnNewLaserFrame"):
+        if self.overrides("OnNewLaserFrame"):
             connections.append(self.sensor.ConnectNewLaserFrame(self.OnNewLaserFrame))
         return connections
 
     def OnUpdate(self) -> None:
-        """There is a new scan."""
+        """A new scan."""
 
     def OnNewLaserFrame(self, data: Any, width: int, height: int, depth: int, image_format: str) -> None:
-        """The scan as `width` times `height` readings of `depth` numbers: range [m], how much came back, 0."""
+        """The scan as `width` times `height` readings of `depth` numbers: range [m], intensity, 0."""
 
 
 class ImuSensorPlugin(_Hook):
-    """Of an imu; `sensor.LinearAcceleration()` and the like have what it measured."""
+    """Plugin of an imu; `sensor.LinearAcceleration()` and other getters return the measurement."""
 
     types = ("imu",)
 
     def connect(self) -> list[Any]:
-        """To measurements."""
+        """Connect to measurements."""
         return [self.sensor.ConnectUpdated(self.OnUpdate)]
 
     def OnUpdate(self) -> None:
-        """There is a new measurement."""
+        """A new measurement."""
 
 
 class SonarPlugin(_Hook):
-    """Of a sonar."""
+    """Plugin of a sonar."""
 
     types = ("sonar",)
 
     def connect(self) -> list[Any]:
-        """To measurements."""
+        """Connect to measurements."""
         return [self.sensor.ConnectUpdate(self.OnUpdate)]
 
     def OnUpdate(self, message: Any) -> None:
-        """A msgs.SonarStamped."""
+        """A new measurement, as a msgs.SonarStamped."""
 
 
 class ForceTorquePlugin(_Hook):
-    """Of a force_torque sensor."""
+    """Plugin of a force_torque sensor."""
 
     types = ("force_torque",)
 
     def connect(self) -> list[Any]:
-        """To measurements."""
+        """Connect to measurements."""
         return [self.sensor.ConnectUpdate(self.OnUpdate)]
 
     def OnUpdate(self, message: Any) -> None:
-        """A msgs.WrenchStamped."""
+        """A new measurement, as a msgs.WrenchStamped."""

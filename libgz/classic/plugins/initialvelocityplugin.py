@@ -1,4 +1,4 @@
-"""InitialVelocityPlugin: lets a model begin with a velocity."""
+"""InitialVelocityPlugin: sets the initial velocity of a model."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ if TYPE_CHECKING:
 
 
 class InitialVelocityPlugin(ModelPlugin):
-    """Gives all links of a model a velocity at the start and after each reset.
+    """Sets the velocity of all links of a model at the start and after each reset.
 
     Elements:
-        linear: global [m/s].
-        angular: global [rad/s].
+        linear: in the world frame [m/s].
+        angular: in the world frame [rad/s].
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
@@ -26,7 +26,7 @@ class InitialVelocityPlugin(ModelPlugin):
         self.Reset()
 
     def Reset(self) -> None:
-        """Set them again."""
+        """Set the velocities again."""
         if self.sdf.HasElement("linear"):
             self.model.SetLinearVel(self.sdf.Get(Vector3d, "linear"))
         if self.sdf.HasElement("angular"):

@@ -1,4 +1,4 @@
-"""JointTrajectoryPlugin: moves joints to and fro."""
+"""JointTrajectoryPlugin: moves joints periodically."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class JointTrajectoryPlugin(ModelPlugin):
     """Sets joints to the position cos(t) [rad] or [m] in every iteration, t being the sim time [s].
 
-    They have the velocity that belongs to it, so that what hangs on them does not gather speed under gravity.
+    Their velocities are set accordingly, so that the links do not accelerate under gravity.
 
     Elements:
         joint: the name of a joint; any number of them.

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
 class KeyboardGUIPlugin(GUIPlugin):
     """Publishes each key press of the client on ~/keyboard/keypress: a msgs.Any with the key's number as `int_value`.
 
-    The number is that of the character, `ord("w")`, or for keys without one, such as arrows, the event's own. Presses
-    of keys are events of the client: ``gui.Events.keyPress(msgs.KeyEvent(text="w"))``.
+    The number is that of the character, `ord("w")`, or the event's own for keys without one, such as arrows. Key
+    presses are events of the client: ``gui.Events.keyPress(msgs.KeyEvent(text="w"))``.
     """
 
     def Load(self, sdf: Element) -> None:
-        """Listen to keys."""
+        """Connect to key presses of the client."""
         self.node = transport.Node()
         self.node.Init(gui.get_world())
         self.publisher = self.node.Advertise(msgs.Any, "~/keyboard/keypress")

@@ -1,4 +1,4 @@
-"""KeysToCmdVelPlugin: makes commands for wheels from keys."""
+"""KeysToCmdVelPlugin: drives wheels by keys."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ KEYS = {
 
 
 class KeysToCmdVelPlugin(ModelPlugin):
-    """Takes keys from ~/keyboard/keypress and publishes a Pose with speed and turn rate, for libDiffDrivePlugin.
+    """Subscribes to ~/keyboard/keypress and publishes a Pose with speed and turn rate, for libDiffDrivePlugin.
 
     Each press changes the command by a step. As in Gazebo, the key for left makes the yaw smaller.
 
     Elements:
-        cmd_vel_topic: where the commands go (~/cmd_vel); `~/<model>/vel_cmd` for libDiffDrivePlugin.
-        max_linear_vel, min_linear_vel: [m/s] (1, and minus the former).
+        cmd_vel_topic: topic of the commands (~/cmd_vel); `~/<model>/vel_cmd` for libDiffDrivePlugin.
+        max_linear_vel, min_linear_vel: [m/s] (1, and -max_linear_vel).
         max_angular_vel: [rad/s] (1).
-        linear_increment, angular_increment: of a press [m/s] (0.5), [rad/s] (0.5).
+        linear_increment, angular_increment: change per key press [m/s] (0.5), [rad/s] (0.5).
         key_controls: numbers of keys, as `stop`, `accelerate`, `decelerate`, `left`, `right` elements, several of each;
             without it arrows, Space and Enter.
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Read the keys, and listen."""
+        """Read the elements, and subscribe to keys."""
         topic = self.LoadParam(sdf, "cmd_vel_topic", "~/cmd_vel")
-        self.fastest = self.LoadParam(sdf, "max_linear_vel", 1.0)
-        self.slowest = self.LoadParam(sdf, "min_linear_vel", -self.fastest)
-        self.quickest = self.LoadParam(sdf, "max_angular_vel", 1.0)
-        self.step = self.LoadParam(sdf, "linear_increment", 0.5)
-        self.turn_step = self.LoadParam(sdf, "angular_increment", 0.5)
+        self.max_speed = self.LoadParam(sdf, "max_linear_vel", 1.0)
+        self.min_speed = self.LoadParam(sdf, "min_linear_vel", -self.max_speed)
+        self.max_turn = self.LoadParam(sdf, "max_angular_vel", 1.0)
+        self.increment = self.LoadParam(sdf, "linear_increment", 0.5)
+        self.turn_increment = self.LoadParam(sdf, "angular_increment", 0.5)
         self.keys = KEYS
         controls = next(sdf.named("key_controls"), None)
         if controls is not None and controls.children:
@@ -68,14 +68,14 @@ class KeysToCmdVelPlugin(ModelPlugin):
         else:
             faster = ("accelerate" in pressed) - ("decelerate" in pressed)
             right = ("right" in pressed) - ("left" in pressed)
-            self.speed = clamp(self.speed + faster * self.step, self.slowest, self.fastest)
-            self.turn = clamp(self.turn + right * self.turn_step, -self.quickest, self.quickest)
+            self.speed = clamp(self.speed + faster * self.increment, self.min_speed, self.max_speed)
+            self.turn = clamp(self.turn + right * self.turn_increment, -self.max_turn, self.max_turn)
         command = msgs.Pose()
         msgs.Set(command, Pose3d(self.speed, 0.0, 0.0, 0.0, 0.0, self.turn))
         self.publisher.Publish(command)
 
     def Reset(self) -> None:
-        """Stand still; whoever drives is reset as well."""
+        """Set the command to zero; it is not published, as the drive plugin is reset, too."""
         self.speed = self.turn = 0.0
 
 

@@ -1,4 +1,4 @@
-"""libgz_legacy: models of legacy worldfiles in an SDF world."""
+"""libgz_legacy: legacy models in an SDF world."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ PREFIX = "model:"
 
 
 class LegacyPlugin(WorldPlugin):
-    """Puts models of the legacy era into an SDF world, with all that legacy worldfiles can say of them.
+    """Inserts legacy models into an SDF world, with all elements of legacy worldfiles.
 
-    They touch the SDF models, serve their interfaces to clients, can be looked at as `physics` models by other plugins,
-    and go back to their places when the world is reset. Ground and light are those of the SDF world.
+    They have contacts with SDF models, serve their interfaces to clients, are `physics` models for other plugins, and
+    return to their initial poses when the world is reset. Ground and light are those of the SDF world.
 
     Elements:
         model:<Class>: as in a worldfile, `<model:Pioneer2AT xmlns:model="model"><id>robot1</id>...</model:Pioneer2AT>`;
@@ -35,7 +35,7 @@ class LegacyPlugin(WorldPlugin):
         for element in models:
             world.core.InsertModel(element.ToString(), element.where)
         if not models:
-            gzwarn(f"{self.GetHandle()}: there is no <{PREFIX}...> element in it")
+            gzwarn(f"{self.GetHandle()}: it has no <{PREFIX}...> element")
 
 
 GZ_REGISTER_WORLD_PLUGIN(LegacyPlugin)

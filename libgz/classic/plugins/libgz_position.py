@@ -1,4 +1,4 @@
-"""libgz_position: a model of an SDF world, driven by clients of the legacy era."""
+"""libgz_position: a model of an SDF world, driven by legacy clients."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ LARGEST_COMMAND = 100.0  # [m/s] or [rad/s], as for legacy robots
 class PositionPlugin(ModelPlugin):
     """Serves the libgazebo interface `position` for a model with two driven wheels.
 
-    Old clients drive it: `libgz.Client().position("robot1").command(vx=0.3)`, Player's driver, or a C program with
+    Legacy clients drive it: `libgz.Client().position("robot1").command(vx=0.3)`, Player's driver, or a C program with
     libgazebo, if the world runs with a server id (`gzserver --server-id 0`). Speed forward, yaw rate left positive.
-    Odometry starts at zero and comes from the wheels; it is zero again after a reset. A command holds until the next.
+    Odometry is computed from the wheels, from zero at the start and after a reset. A command is valid until the next.
 
     Elements:
         leftJoint, rightJoint: names of the wheels' joints (also left_joint, right_joint).
         wheelSeparation: [m]; by default the distance between the joints.
         wheelDiameter: [m]; by default that of the left wheel's shape.
-        torque: the most that each wheel's motor does [N m] (5).
+        torque: maximum torque of each wheel's motor [N m] (5).
         updateRate: updates of the interface per second of sim time [Hz] (10).
         id: of the interface; by default the model's name.
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Make the interface."""
+        """Read the elements, and create the interface."""
         torque = self._positive(sdf, "torque", 5.0)
         left = named_joint(model, sdf, "leftJoint", "left_joint")
         right = named_joint(model, sdf, "rightJoint", "right_joint")
@@ -55,8 +55,8 @@ class PositionPlugin(ModelPlugin):
         self.position, self.guard = Position(), Guard(f"position.{name}")
         self.position.create(core.world.gz_server, name, model.GetName(), core.GetIntId(), core.GetParentIntId())
         self.position.data.cmd_enable_motors = 1
-        weakref.finalize(self, self.position.destroy)  # when the plugin is let go
-        self.step = model.GetWorld().Physics().GetMaxStepSize
+        weakref.finalize(self, self.position.destroy)  # when the plugin is dropped
+        self.step_size = model.GetWorld().Physics().GetMaxStepSize
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
@@ -68,7 +68,7 @@ class PositionPlugin(ModelPlugin):
         return value
 
     def Reset(self) -> None:
-        """Odometry and command begin again."""
+        """Set odometry and command to zero."""
         self.odometry = [0.0, 0.0, 0.0]  # x [m], y [m], yaw [rad]
         self.velocity = (0.0, 0.0)  # [m/s], [rad/s]
         self.command = (0.0, 0.0)
@@ -77,8 +77,8 @@ class PositionPlugin(ModelPlugin):
             data.cmd_vel_pos[:] = data.cmd_vel_rot[:] = (0.0, 0.0, 0.0)
 
     def OnUpdate(self, info: UpdateInfo) -> None:
-        """Measure; at the update rate publish, and take the client's command."""
-        self._measure(self.step())
+        """Update odometry; at the update rate publish it, and read the client's command."""
+        self._measure(self.step_size())
         now = info.simTime.Double()
         if self.rate.due(now):
             self._exchange(now)
@@ -88,27 +88,27 @@ class PositionPlugin(ModelPlugin):
             self.right.run(speed + half)
 
     def _measure(self, step: float) -> None:
-        """Bring odometry up to date after a step [s]."""
+        """Update odometry after a step [s]."""
         left, right = self.left.speed(), self.right.speed()
         self.velocity = (left + right) / 2.0, (right - left) / self.separation
-        way, yaw = step * self.velocity[0], self.odometry[2]
-        self.odometry[0] += way * math.cos(yaw)
-        self.odometry[1] += way * math.sin(yaw)
+        distance, yaw = step * self.velocity[0], self.odometry[2]
+        self.odometry[0] += distance * math.cos(yaw)
+        self.odometry[1] += distance * math.sin(yaw)
         self.odometry[2] = NORMALIZE(yaw + step * self.velocity[1])
 
     def _exchange(self, now: float) -> None:
         if not self.position.lock():
             return
         data = self.position.data
-        enabled, wishes = data.cmd_enable_motors, (data.cmd_vel_pos[0], data.cmd_vel_rot[2])
+        enabled, commands = data.cmd_enable_motors, (data.cmd_vel_pos[0], data.cmd_vel_rot[2])
         data.time, data.stall = now, 0
         data.pos[0], data.pos[1], data.rot[2] = self.odometry
         data.vel_pos[0], data.vel_rot[2] = self.velocity
         self.position.unlock()
         names = ("cmd_vel_pos[0]", "cmd_vel_rot[2]")
         speed, turn = (
-            self.guard.number(name, wish, old, LARGEST_COMMAND)
-            for name, wish, old in zip(names, wishes, self.command, strict=True)
+            self.guard.number(name, value, old, LARGEST_COMMAND)
+            for name, value, old in zip(names, commands, self.command, strict=True)
         )
         self.command = (speed, turn) if enabled else (0.0, 0.0)
 

@@ -1,4 +1,4 @@
-"""LiftDragPlugin: what flowing air does to a wing, a rudder or a rotor blade."""
+"""LiftDragPlugin: lift and drag of a wing, a rudder or a rotor blade."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
-SLOWEST = 0.01  # [m/s]; below, nothing acts
+MIN_SPEED = 0.01  # [m/s]; below, no force is applied
 HALF = math.pi / 2.0
-PARALLEL = 1e-6  # sine of the least angle between forward and upward
+PARALLEL = 1e-6  # sine of the smallest angle between forward and upward
 
 
 class LiftDragPlugin(ModelPlugin):
-    """Pushes a link with the lift and drag of a surface, at its centre of pressure.
+    """Applies lift and drag of a surface to a link, at the centre of pressure.
 
     With v the velocity of the centre of pressure in the plane of `forward` and `upward`, q = air_density v^2 / 2 and
-    alpha the angle of attack, lift = cl q area, across v, and drag = |cd| q area, against v. Up to the stall angle
-    cl = cla alpha and cd = cda alpha; beyond it both go on from there with the slopes cla_stall and cda_stall, and cl
-    does not change its sign. Both shrink with the squared cosine of the sweep, the angle between the velocity and the
+    alpha the angle of attack, lift = cl q area, normal to v, and drag = |cd| q area, opposite to v. Up to the stall
+    angle cl = cla alpha and cd = cda alpha; beyond it both continue with the slopes cla_stall and cda_stall, and cl does
+    not change its sign. Both are multiplied by the squared cosine of the sweep, the angle between the velocity and the
     plane. As in Gazebo there is no moment: cma and cma_stall are read and have no effect.
 
     Elements:
@@ -39,13 +39,14 @@ class LiftDragPlugin(ModelPlugin):
         forward, upward: directions in the link's frame (1 0 0, 0 0 1).
         area: [m^2] (1).
         air_density: [kg/m^3] (1.2041).
-        radial_symmetry: true: `upward` is wherever the air comes from, as for a body of revolution (false).
-        control_joint_name: a joint whose position changes cl, such as that of a flap.
-        control_joint_rad_to_cl: by how much [1/rad] (4).
+        radial_symmetry: true: `upward` is normal to `forward`, in the plane of the velocity, for bodies of revolution
+            (false).
+        control_joint_name: a joint whose position is added to cl, such as that of a flap.
+        control_joint_rad_to_cl: factor of that position [1/rad] (4).
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Read the surface."""
+        """Read the parameters of the surface."""
         self.link = named_link(model, sdf)
 
         def number(tag: str, default: float) -> float:
@@ -69,9 +70,9 @@ class LiftDragPlugin(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnUpdate(self) -> None:
-        """Push."""
+        """Apply lift and drag."""
         velocity = self.link.WorldLinearVel(self.cp)
-        if velocity.Length() <= SLOWEST:
+        if velocity.Length() <= MIN_SPEED:
             return
         pose = self.link.WorldPose()
         forward, upward = pose.Rot().RotateVector(self.forward), pose.Rot().RotateVector(self.upward)
@@ -81,7 +82,7 @@ class LiftDragPlugin(ModelPlugin):
         self.link.AddForceAtWorldPosition(self.force(velocity, forward, upward), pose.CoordPositionAdd(self.cp))
 
     def force(self, velocity: Vector3d, forward: Vector3d, upward: Vector3d) -> Vector3d:
-        """Lift and drag [N] at a velocity [m/s]; all global."""
+        """The sum of lift and drag [N] at a velocity [m/s]; all vectors in the world frame."""
         span = forward.Cross(upward).Normalize()
         sweep = clamp(span.Dot(velocity) / velocity.Length(), -1.0, 1.0)
         cos_sweep2 = 1.0 - sweep * sweep
@@ -99,7 +100,7 @@ class LiftDragPlugin(ModelPlugin):
         return lift_direction * (cl * pressure) - in_plane * (abs(cd) * cos_sweep2 * pressure / speed)
 
     def attack(self, in_plane: Vector3d, forward: Vector3d, upward: Vector3d) -> float:
-        """Angle of attack [rad], within +-pi / 2: positive if the air comes from below."""
+        """The angle of attack [rad], within +-pi / 2; positive for flow from below."""
         angle = math.acos(clamp(forward.Dot(in_plane) / in_plane.Length(), -1.0, 1.0))
         alpha = self.alpha0 + math.copysign(angle, -upward.Dot(in_plane))
         while abs(alpha) > HALF:

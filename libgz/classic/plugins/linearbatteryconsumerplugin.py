@@ -1,4 +1,4 @@
-"""LinearBatteryConsumerPlugin: draws power from a battery."""
+"""LinearBatteryConsumerPlugin: a constant load on a battery."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ if TYPE_CHECKING:
 
 
 class LinearBatteryConsumerPlugin(ModelPlugin):
-    """Draws a constant power from a battery, as long as the plugin is there.
+    """A constant power load on a battery, as long as the plugin runs.
 
     Elements:
-        link_name, battery_name: which battery.
-        power_load: [W].
+        link_name, battery_name: link and name of the battery.
+        power_load: the power [W].
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Begin to draw."""
+        """Add the load."""
         battery = named_battery(named_link(model, sdf), sdf)
         number = battery.AddConsumer()
         battery.SetPowerLoad(number, sdf.Get(float, "power_load"))

@@ -1,4 +1,4 @@
-"""LinearBatteryPlugin: the voltage of a battery that is being used up."""
+"""LinearBatteryPlugin: the voltage of a battery as it discharges."""
 
 from __future__ import annotations
 
@@ -13,26 +13,26 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Model
     from libgz.sdf.element import Element
 
-FLAT = 1e-3  # [V]; below, the battery is empty for good
+EMPTY = 1e-3  # [V]; below, the voltage is zero from then on
 HOUR = 3600.0  # [s]
 
 
 class LinearBatteryPlugin(ModelPlugin):
-    """Lets a battery's voltage follow what is drawn from it: V = e0 + e1 (1 - q / c) - r i.
+    """Computes a battery's voltage from the loads on it: V = e0 + e1 (1 - q / c) - r i.
 
-    The current i is the power of all consumers over the voltage, smoothed with the time constant tau; the charge q
-    falls by it. `libLinearBatteryConsumerPlugin.so` and `battery.AddConsumer()` are consumers.
+    The current i is the power of all consumers divided by the voltage, smoothed with the time constant tau; the
+    charge q decreases by it. `libLinearBatteryConsumerPlugin.so` and `battery.AddConsumer()` are consumers.
 
     Elements:
-        link_name, battery_name: which battery.
+        link_name, battery_name: link and name of the battery.
         open_circuit_voltage_constant_coef, open_circuit_voltage_linear_coef: e0 and e1 [V].
-        initial_charge, capacity: q at the start, and c [A h].
+        initial_charge, capacity: initial q, and c [A h].
         resistance: r [ohm].
         smooth_current_tau: tau [s].
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Take the battery over."""
+        """Read the parameters, and set the update function of the battery."""
         self.physics = model.GetWorld().Physics()
         battery = named_battery(named_link(model, sdf), sdf)
         self.e0 = sdf.Get(float, "open_circuit_voltage_constant_coef")
@@ -48,15 +48,15 @@ class LinearBatteryPlugin(ModelPlugin):
     def voltage(self, battery: Battery) -> float:
         """The voltage after a step [V]."""
         before, step = battery.Voltage(), self.physics.GetMaxStepSize()
-        if before < FLAT:
+        if before < EMPTY:
             return 0.0
-        drawn = sum(battery.PowerLoads().values()) / before
-        self.current += (drawn - self.current) * step / self.tau
+        current = sum(battery.PowerLoads().values()) / before
+        self.current += (current - self.current) * step / self.tau
         self.charge -= self.current * step / HOUR
         return self.e0 + self.e1 * (1.0 - self.charge / self.capacity) - self.resistance * self.current
 
     def Reset(self) -> None:
-        """As full as at the start."""
+        """Restore the initial charge."""
         self.charge, self.current = self.initial, 0.0
 
 

@@ -1,4 +1,4 @@
-"""PlaneDemoPlugin: flies a model by keys: engines, thrusters, control surfaces."""
+"""PlaneDemoPlugin: controls engines, thrusters and control surfaces of a model by keys."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Link, Model
     from libgz.sdf.element import Element
 
-CENTRE_KEY = ord("c")  # brings all control surfaces back to 0
+CENTRE_KEY = ord("c")  # centres all control surfaces
 UNLIMITED = 1e16
 
 
 class _Keys:
-    """Two keys that change something by steps."""
+    """Two keys that increase and decrease a value."""
 
     def __init__(self, sdf: Element) -> None:
         self._up, self._down = sdf.Get(int, "inc_key"), sdf.Get(int, "dec_key")
 
-    def step(self, key: int) -> float:
-        """1, -1, or 0 for other keys."""
+    def direction(self, key: int) -> float:
+        """1 for the increase key, -1 for the decrease key, 0 for others."""
         return 1.0 if key == self._up else -1.0 if key == self._down else 0.0
 
 
@@ -42,7 +42,7 @@ class _Engine:
         self.change, self.torque = sdf.Get(float, "inc_val"), 0.0
 
     def press(self, key: int) -> None:
-        self.torque = clamp(self.torque + self.keys.step(key) * self.change, self.least, self.most)
+        self.torque = clamp(self.torque + self.keys.direction(key) * self.change, self.least, self.most)
 
     def act(self, _seconds: float) -> None:
         self.joint.SetForce(0, self.torque)
@@ -59,8 +59,8 @@ class _Thruster:
         self.change, self.least, self.most = (sdf.Get(Vector3d, f"{tag}_val") for tag in ("inc", "min", "max"))
 
     def press(self, key: int) -> None:
-        wanted = self.force + self.change * self.keys.step(key)
-        self.force = Vector3d(*(clamp(v, a, b) for v, a, b in zip(wanted, self.least, self.most, strict=True)))
+        command = self.force + self.change * self.keys.direction(key)
+        self.force = Vector3d(*(clamp(v, a, b) for v, a, b in zip(command, self.least, self.most, strict=True)))
 
     def act(self, _seconds: float) -> None:
         self.link.AddRelativeForce(self.force)
@@ -70,7 +70,7 @@ class _Thruster:
 
 
 class _Control:
-    """A joint that is held at a position."""
+    """A joint that is controlled to a position."""
 
     def __init__(self, joint: Joint, sdf: Element) -> None:
         self.joint, self.keys = joint, _Keys(sdf)
@@ -82,8 +82,8 @@ class _Control:
         self.pid = PID(p, i, d, i_max, i_min, most, least)
 
     def press(self, key: int) -> None:
-        wanted = 0.0 if key == CENTRE_KEY else self.target + self.keys.step(key) * self.change
-        self.target = clamp(wanted, self.least, self.most)
+        command = 0.0 if key == CENTRE_KEY else self.target + self.keys.direction(key) * self.change
+        self.target = clamp(command, self.least, self.most)
 
     def act(self, seconds: float) -> None:
         self.joint.SetForce(0, self.pid.Update(self.joint.Position(0) - self.target, seconds))
@@ -94,20 +94,20 @@ class _Control:
 
 
 class PlaneDemoPlugin(ModelPlugin):
-    """Steers a model by keys, which come as msgs.Any with an `int_value` on ~/keyboard/keypress.
+    """Controls a model by keys, received as msgs.Any with an `int_value` on ~/keyboard/keypress.
 
-    All parts have inc_key and dec_key, numbers of keys (119 is w), and inc_val, by how much a key press changes the
-    command; min_val and max_val limit it. The key c brings the control surfaces back to 0.
+    All parts have inc_key and dec_key, numbers of keys (119 is w), and inc_val, the change of the command per key
+    press; min_val and max_val limit it. The key c centres the control surfaces.
 
     Elements:
-        engine: a torque [N m] on the joint joint_name; limits are by default those of the joint's effort.
+        engine: a torque [N m] on the joint joint_name; limits are by default the effort limit of the joint.
         thruster: a force [N] on the link link_name, three numbers along its axes, min_val and max_val too.
-        control: holds the joint joint_name at a position [rad] with a PID of p, i, d, i_max, i_min, cmd_max (1000),
-            cmd_min (-1000); limits are by default those of the joint.
+        control: controls the joint joint_name to a position [rad] with a PID of p, i, d, i_max, i_min, cmd_max (1000),
+            cmd_min (-1000); limits are by default the joint's.
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Gather the parts, and listen to keys."""
+        """Create the parts, and subscribe to keys."""
         self.parts: list[_Engine | _Thruster | _Control] = [
             *(_Engine(named_joint(model, e, "joint_name"), e) for e in sdf.named("engine")),
             *(_Thruster(named_link(model, e), e) for e in sdf.named("thruster")),
@@ -125,14 +125,14 @@ class PlaneDemoPlugin(ModelPlugin):
             part.press(message.int_value)
 
     def OnUpdate(self, info: UpdateInfo) -> None:
-        """Push."""
+        """Apply all efforts."""
         now = info.simTime.Double()
         seconds, self.last = now - (now if self.last is None else self.last), now
         for part in self.parts:
             part.act(seconds)
 
     def Reset(self) -> None:
-        """Everything off and centred."""
+        """Set all commands to zero."""
         self.last = None
         for part in self.parts:
             part.reset()

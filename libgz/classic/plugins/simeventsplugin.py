@@ -1,4 +1,4 @@
-"""SimEventsPlugin: tells on a topic when something happens in a world."""
+"""SimEventsPlugin: publishes events of a world on a topic."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ TOPIC = "/gazebo/sim_events"
 
 
 class Region:
-    """Boxes along the world's axes."""
+    """A union of axis-aligned boxes."""
 
     def __init__(self, element: Element) -> None:
         self.name = element.Get(str, "name").strip()
         corners = [(v.Get(Vector3d, "min"), v.Get(Vector3d, "max")) for v in element.named("volume")]
         self.boxes = [(tuple(map(min, a, b)), tuple(map(max, a, b))) for a, b in corners]
 
-    def holds(self, point: Iterable[float]) -> bool:
+    def contains(self, point: Iterable[float]) -> bool:
         """Whether a point [m] is in one of the boxes."""
         x = tuple(point)
         return any(all(a <= v <= b for a, v, b in zip(low, x, high, strict=True)) for low, high in self.boxes)
 
 
 class SimEventsPlugin(WorldPlugin):
-    """Publishes a SimEvent on /gazebo/sim_events whenever one of its events happens.
+    """Publishes a SimEvent on /gazebo/sim_events whenever one of its events occurs.
 
     A message has the event's name, its type, the world's statistics, and as data a JSON text, such as
     ``{"state": "inside", "region": "end", "model": "can1"}``.
@@ -43,15 +43,15 @@ class SimEventsPlugin(WorldPlugin):
     Elements:
         region: `<name>`, and `<volume>` elements with `<min>` and `<max>`, corners of boxes [m].
         event: `<name>`, `<type>`, and `<active>` (true). The types:
-            sim_state: the world is paused, or runs again. States paused, running.
-            existence: a model whose name begins with `<model>` comes or goes; any model without it. States creation,
-                deletion.
+            sim_state: the world is paused or resumed. States paused, running.
+            existence: a model whose name begins with `<model>`, or any model without it, is inserted or removed. States
+                creation, deletion.
             inclusion: the origin of `<model>` enters or leaves `<region>`. States inside, outside.
             joint: `<joint>` of `<model>` (or the first model whose name begins so) enters or leaves `<range>`: `<type>`
                 position, normalized_angle (within +-pi), velocity or applied_force; `<min>`, `<max>` [rad], [m] and per
                 second, [N m], [N]. States in_range, out_of_range.
             occupied: in each iteration, for each model that is not static and whose origin is in `<region>`, a GzString
-                with `<msg_data>` goes to `<topic>`; no SimEvent.
+                with `<msg_data>` is published on `<topic>`; no SimEvent.
     """
 
     def Load(self, world: World, sdf: Element) -> None:
@@ -63,7 +63,7 @@ class SimEventsPlugin(WorldPlugin):
         self.regions = {region.name: region for region in map(Region, sdf.named("region"))}
         self.connections: list[Any] = []
         self.checks: list[Callable[[], None]] = []
-        self.changes: list[Callable[[], None]] = []  # forget what was, after a reset
+        self.resets: list[Callable[[], None]] = []
         self.number = 0
         kinds = {
             "sim_state": self._sim_state,
@@ -82,14 +82,14 @@ class SimEventsPlugin(WorldPlugin):
         self.connections.append(Events.ConnectWorldUpdateBegin(self.OnUpdate))
 
     def OnUpdate(self) -> None:
-        """Look at everything that has to be looked at."""
+        """Check all events that need it."""
         for check in self.checks:
             check()
 
     def Reset(self) -> None:
-        """Everything is as at the start."""
-        for forget in self.changes:
-            forget()
+        """Reset the states of all events."""
+        for reset in self.resets:
+            reset()
 
     def _emit(self, event: Element, /, **data: Any) -> None:
         if event.Get(str, "active", "true")[0].strip() not in ("true", "1"):
@@ -106,21 +106,21 @@ class SimEventsPlugin(WorldPlugin):
         msgs.Set(statistics.pause_time, self.world.PauseTime())
         self.publisher.Publish(message)
 
-    def _watch(self, test: Callable[[], bool | None], tell: Callable[[bool], None]) -> None:
-        """Tell when a condition changes; None means that it cannot be told."""
+    def _watch(self, test: Callable[[], bool | None], notify: Callable[[bool], None]) -> None:
+        """Call `notify` when a condition changes; None means that it is unknown."""
         state = [False]
 
         def check() -> None:
             now = test()
             if now is not None and now != state[0]:
                 state[0] = now
-                tell(now)
+                notify(now)
 
-        def forget() -> None:
+        def reset() -> None:
             state[0] = False
 
         self.checks.append(check)
-        self.changes.append(forget)
+        self.resets.append(reset)
 
     def _region(self, event: Element) -> Region:
         name = event.Get(str, "region").strip()
@@ -134,46 +134,46 @@ class SimEventsPlugin(WorldPlugin):
     # Kinds -------------------------------------------------------------------------------------------------------
 
     def _sim_state(self, event: Element) -> None:
-        def tell(paused: bool) -> None:
+        def notify(paused: bool) -> None:
             self._emit(event, state="paused" if paused else "running")
 
-        self.connections.append(Events.ConnectPause(tell))
+        self.connections.append(Events.ConnectPause(notify))
 
     def _existence(self, event: Element) -> None:
         prefix = event.Get(str, "model").strip()
-        models = {model.GetName() for model in self.world.Models()}  # what goes may be a light
+        models = {model.GetName() for model in self.world.Models()}  # lights are removed, too
 
-        def come(name: str) -> None:
+        def added(name: str) -> None:
             if any(model.GetName() == name for model in self.world.Models()):
                 models.add(name)
-                told(name, "creation")
+                notify(name, "creation")
 
-        def gone(name: str) -> None:
+        def removed(name: str) -> None:
             if name in models:
                 models.remove(name)
-                told(name, "deletion")
+                notify(name, "deletion")
 
-        def told(name: str, state: str) -> None:
+        def notify(name: str, state: str) -> None:
             if name.startswith(prefix):
                 self._emit(event, event="existence", state=state, model=name)
 
-        self.connections.append(Events.ConnectAddEntity(come))
-        self.connections.append(Events.ConnectDeleteEntity(gone))
+        self.connections.append(Events.ConnectAddEntity(added))
+        self.connections.append(Events.ConnectDeleteEntity(removed))
 
     def _inclusion(self, event: Element) -> None:
-        region, name = self._region(event), _needed(event, "model")
+        region, name = self._region(event), _required(event, "model")
 
         def test() -> bool | None:
             model = self.world.ModelByName(name)
-            return region.holds(model.WorldPose().Pos()) if model is not None else None
+            return region.contains(model.WorldPose().Pos()) if model is not None else None
 
-        def tell(inside: bool) -> None:
+        def notify(inside: bool) -> None:
             self._emit(event, state="inside" if inside else "outside", region=region.name, model=name)
 
-        self._watch(test, tell)
+        self._watch(test, notify)
 
     def _joint(self, event: Element) -> None:
-        name, joint_name, limits = _needed(event, "model"), _needed(event, "joint"), event.child("range")
+        name, joint_name, limits = _required(event, "model"), _required(event, "joint"), event.child("range")
         low, high = limits.Get(float, "min", -math.inf)[0], limits.Get(float, "max", math.inf)[0]
         kind = limits.Get(str, "type").strip()
         values: dict[str, Callable[[Joint], float]] = {
@@ -191,7 +191,7 @@ class SimEventsPlugin(WorldPlugin):
             joint = self._find_joint(name, joint_name)
             return low <= values[kind](joint) <= high if joint is not None else None
 
-        def tell(inside: bool) -> None:
+        def notify(inside: bool) -> None:
             joint = self._find_joint(name, joint_name)
             if joint is not None:
                 self._emit(
@@ -206,7 +206,7 @@ class SimEventsPlugin(WorldPlugin):
                     force=joint.GetForce(0),
                 )
 
-        self._watch(test, tell)
+        self._watch(test, notify)
 
     def _find_joint(self, name: str, joint: str) -> Joint | None:
         models = self.world.Models()
@@ -215,22 +215,22 @@ class SimEventsPlugin(WorldPlugin):
 
     def _occupied(self, event: Element) -> None:
         region = self._region(event)
-        publisher = self.node.Advertise(msgs.GzString, _needed(event, "topic"))
+        publisher = self.node.Advertise(msgs.GzString, _required(event, "topic"))
         message = msgs.GzString(data=event.Get(str, "msg_data").strip())
 
         def check() -> None:
             for model in self.world.Models():
-                if not model.IsStatic() and region.holds(model.WorldPose().Pos()):
+                if not model.IsStatic() and region.contains(model.WorldPose().Pos()):
                     publisher.Publish(message)
 
         self.checks.append(check)
 
 
-def _needed(event: Element, tag: str) -> str:
+def _required(event: Element, tag: str) -> str:
     text = event.Get(str, tag).strip()
     if not text:
         name, kind = (event.Get(str, key).strip() for key in ("name", "type"))
-        raise NotFoundError(f"{event.where}: event {name!r} is of type {kind}, and needs a <{tag}>")
+        raise NotFoundError(f"{event.where}: event {name!r} is of type {kind}, and requires a <{tag}>")
     return text
 
 

@@ -1,4 +1,4 @@
-"""SkidSteerDrivePlugin: drives a model with four wheels by a topic."""
+"""SkidSteerDrivePlugin: drives a model with four wheels, commanded on a topic."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ class SkidSteerDrivePlugin(DrivePlugin):
     """Drives a model whose four wheels do not steer.
 
     The joints are called right_front, right_rear, left_front and left_rear. ~/<model>/vel_cmd takes a Pose: x of the
-    position is the speed [m/s], yaw of the orientation the turn [rad/s], left positive. As in Gazebo, the sides run
-    with speed -+ yaw * separation: twice what the geometry asks for, for wheels that skid turn the body less than they
-    roll. Separation and radius are those of the front wheels. A command holds until the next one.
+    position is the speed [m/s], yaw of the orientation the turn rate [rad/s], left positive. As in Gazebo, the sides
+    run with speed -+ yaw * separation: twice the ideal value, because skidding wheels turn the body less. Separation
+    and radius are those of the front wheels. A command is valid until the next one.
 
     Elements:
-        max_force: the most that each wheel's motor does [N m]; without it the wheels have their speed at once.
+        max_force: maximum torque of each wheel's motor [N m]; without it the velocity of the wheels is set directly.
     """
 
     def Load(self, model: Model, sdf: Element) -> None:
-        """Find the wheels, and listen."""
+        """Find the wheels, and subscribe."""
         torque = sdf.Get(float, "max_force", 0.0)[0]
         joints = {name: find_joint(model, name) for name in ("right_front", "right_rear", "left_front", "left_rear")}
         self.separation = separation(joints["right_front"], joints["left_front"])

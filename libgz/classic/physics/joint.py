@@ -78,7 +78,7 @@ class Joint(Base):
     # Forces ------------------------------------------------------------------------------------------------------
 
     def SetForce(self, index: int, effort: float) -> None:
-        """Add an effort for the next step; their sum is limited by the effort limit."""
+        """Apply an effort, clamped to the effort limit, for the next step; several calls add up."""
         self.core.add_force(effort, index)
 
     def GetForce(self, index: int) -> float:

@@ -25,8 +25,8 @@ class LiftDragPlugin(ModelPlugin):
 
     With v the velocity of the centre of pressure in the plane of `forward` and `upward`, q = air_density v^2 / 2 and
     alpha the angle of attack, lift = cl q area, normal to v, and drag = |cd| q area, opposite to v. Up to the stall
-    angle cl = cla alpha and cd = cda alpha; beyond it both continue with the slopes cla_stall and cda_stall, and cl does
-    not change its sign. Both are multiplied by the squared cosine of the sweep, the angle between the velocity and the
+    angle cl = cla alpha and cd = cda alpha; beyond it both continue with the slopes cla_stall and cda_stall, and cl
+    keeps its sign. Both are multiplied by the squared cosine of the sweep, the angle between the velocity and the
     plane. As in Gazebo there is no moment: cma and cma_stall are read and have no effect.
 
     Elements:

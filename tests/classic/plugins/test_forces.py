@@ -4,20 +4,9 @@ import logging
 import math
 
 import pytest
-from plugin_worlds import HINGE, body, collision, keep_to, plugin, worlds_of_elements
+from plugin_worlds import HINGE, body, collision, plugin
 
 from libgz.classic.math import Vector3d
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def run():
-    """Makes a world of some elements: (engine's world, view)."""
-    yield from worlds_of_elements()
 
 
 def test_initial_velocity_is_given_again_after_a_reset(run):

@@ -19,7 +19,7 @@ from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Pose3d, Rand
 from libgz.reference.classic_pages import classic_pages
 
-EXAMPLES = Path(__file__).parent.parent / "examples" / "plugins"
+EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 
 
 @pytest.fixture(autouse=True)

@@ -3,21 +3,10 @@
 import json
 
 import pytest
-from plugin_worlds import HINGE, body, collision, keep_to, plugin, worlds_of_elements
+from plugin_worlds import HINGE, body, collision, plugin
 
 from libgz.classic import msgs, transport
 from libgz.errors import ClosedError
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def run():
-    """Makes a world of some elements: (engine's world, view)."""
-    yield from worlds_of_elements()
 
 
 def listen(topic, heard):

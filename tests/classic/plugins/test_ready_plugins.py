@@ -9,24 +9,12 @@ import sys
 import textwrap
 
 import pytest
-from plugin_worlds import GROUND, HINGE, body, collision, command, keep_to, plugin, worlds_of_elements
+from plugin_worlds import GROUND, HINGE, body, collision, command, plugin
 
 from libgz.classic import gui, msgs, transport
 from libgz.classic.loading import new_plugin
 from libgz.classic.math import Quaterniond
 from libgz.sdf.element import Element
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def run():
-    """Makes a world of some elements: (engine's world, view)."""
-    yield from worlds_of_elements()
-
 
 # Wheels --------------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,121 @@
+"""Link: motion, forces, mass and switches of a link, and its collisions."""
+
+import math
+
+import pytest
+from plugin_worlds import body, collision
+
+from libgz.classic.math import Pose3d, Vector3d
+
+BOX = collision("<box><size>1 2 3</size></box>")
+BATTERY = "<battery name='main'><voltage>12</voltage></battery>"
+
+
+@pytest.fixture
+def link(run):
+    """A link of 2 kg at z = 5 m, turned by a right angle about z, without gravity."""
+    pose = f"0 0 5 0 0 {math.pi / 2}"
+    _, view = run(body("box", pose, mass=2.0, link=BOX + BATTERY, gravity="false"))
+    return view.ModelByName("box").GetLink()
+
+
+def test_collide_modes_go_back_to_the_bits_that_were_set(run):
+    _, view = run(body("box", link=BOX))
+    shape = view.ModelByName("box").GetLink().GetCollision(0)
+    shape.GetSurface().collideBitmask = 2
+    shape.SetCollideMode("none")
+    shape.SetCollideMode("all")
+    assert shape.GetSurface().collideBitmask == 2
+
+
+def test_forces_in_the_frames_of_world_and_link(link):
+    link.AddForce((1, 0, 0))
+    link.AddRelativeForce((1, 0, 0))  # the link's x is the world's y
+    assert tuple(link.WorldForce()) == pytest.approx((1, 1, 0))
+    assert tuple(link.RelativeForce()) == pytest.approx((1, -1, 0))
+    link.GetWorld().Step(1)
+    assert tuple(link.WorldLinearVel()) == pytest.approx((0.0005, 0.0005, 0))
+    assert tuple(link.RelativeLinearVel()) == pytest.approx((0.0005, -0.0005, 0))
+    assert link.WorldForce() == Vector3d()
+
+
+def test_forces_at_points_give_torques(link):
+    link.AddForceAtWorldPosition((0, 0, 1), (1, 0, 5))
+    assert tuple(link.WorldTorque()) == pytest.approx((0, -1, 0))
+    link.SetForce((0, 0, 0))
+    link.SetTorque((0, 0, 0))
+    link.AddForceAtRelativePosition((0, 0, 1), (1, 0, 0))  # that point is on the world's y
+    assert tuple(link.WorldTorque()) == pytest.approx((1, 0, 0))
+    assert tuple(link.RelativeTorque()) == pytest.approx((0, -1, 0))
+    link.SetTorque((0, 0, 0))
+    link.AddLinkForce((0, 0, 1), (1, 0, 0))
+    assert tuple(link.WorldTorque()) == pytest.approx((1, 0, 0))
+    link.AddTorque((0, 0, 2))
+    link.AddRelativeTorque((2, 0, 0))
+    assert tuple(link.WorldTorque()) == pytest.approx((1, 2, 2))
+
+
+def test_the_velocity_of_a_point(link):
+    link.SetWorldTwist((1, 0, 0), (0, 0, 2))
+    assert tuple(link.WorldLinearVel(Vector3d(1, 0, 0))) == pytest.approx((-1, 0, 0))
+    assert link.GetWorldEnergyKinetic() == pytest.approx(0.5 * 2.0 * 1.0 + 0.5 * 4.0)
+
+
+def test_inertia_is_written_to_the_engine(link):
+    inertial = link.GetInertial()
+    inertial.SetMass(4.0)
+    inertial.SetInertiaMatrix(1.0, 2.0, 3.0, 0.0, 0.0, 0.0)
+    assert link.body.mass == 4.0
+    turned = link.WorldInertiaMatrix()
+    assert [turned.m[i][i] for i in range(3)] == pytest.approx([2.0, 1.0, 3.0])
+    inertial.SetCoG(0, 0, 1)
+    assert tuple(link.WorldCoGPose().Pos()) == pytest.approx((0, 0, 6))
+    other = link.GetInertial()
+    assert (other.CoG(), other.Mass()) == (Vector3d(0, 0, 1), 4.0)
+
+
+def test_a_kinematic_link_is_not_moved_by_forces(link):
+    link.SetKinematic(True)
+    link.SetLinearVel((0, 0, 1))
+    link.AddForce((100, 0, 0))
+    link.GetWorld().Step(100)
+    assert link.GetKinematic()
+    assert tuple(link.WorldPose().Pos()) == pytest.approx((0, 0, 5.1))
+    link.SetStatic(True)
+    link.GetWorld().Step(100)
+    assert tuple(link.WorldPose().Pos()) == pytest.approx((0, 0, 5.1))
+
+
+def test_gravity_and_damping_are_switched(link):
+    world = link.GetWorld()
+    link.SetGravityMode(True)
+    world.Step(1)
+    assert link.WorldLinearVel().Z() == pytest.approx(-0.0098)
+    link.SetGravityMode(False)
+    link.SetLinearVel((1, 0, 0))
+    link.SetLinearDamping(0.1)
+    world.Step(1)
+    assert link.WorldLinearVel().X() == pytest.approx(0.9)
+
+
+def test_the_bounding_box_is_turned_with_the_link(link):
+    box = link.BoundingBox()
+    assert tuple(box.Size()) == pytest.approx((2, 1, 3))
+    assert tuple(box.Min()) == pytest.approx((-1, -0.5, 3.5))
+
+
+def test_collisions_batteries_and_sensors_by_name_and_index(link):
+    (shape,) = link.GetCollisions()
+    assert link.GetCollision("c") is link.GetCollision(0) is link.GetChild(0) is shape
+    assert link.GetCollision("d") is link.GetCollision(1) is link.Battery("spare") is link.Battery(1) is None
+    assert link.Battery("main") is link.Battery(0) is link.batteries[0]
+    assert (link.BatteryCount(), link.GetSensorCount(), link.GetSensorName(0)) == (1, 0, "")
+
+
+def test_an_entity_is_put_on_the_one_below(run):
+    _, view = run(body("table", "0 0 1 0 0 0", link=BOX), body("cup", "0 0 9 0 0 0", link=BOX))
+    cup = view.ModelByName("cup")
+    assert cup.GetNearestEntityBelow() == (pytest.approx(5.0, abs=1e-4), "table::link::c")
+    cup.PlaceOnNearestEntityBelow()
+    assert cup.WorldPose().Pos().Z() == pytest.approx(4.0, abs=1e-4)
+    assert cup.RelativePose() == cup.WorldPose() == Pose3d(cup.WorldPose())

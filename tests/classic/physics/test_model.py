@@ -1,0 +1,87 @@
+"""Model: poses, velocities, links, joints and nested models of a model."""
+
+import pytest
+from plugin_worlds import body
+
+from libgz.classic.math import Pose3d, Vector3d
+from libgz.errors import ClosedError
+
+INNER = "<model name='inner'><pose>0 0 1 0 0 0</pose><link name='tip'/></model>"
+FIXED = "<joint name='hook' type='fixed'><parent>link</parent><child>inner::tip</child></joint>"
+
+
+@pytest.fixture
+def model(run):
+    """A model with one link and a nested model that is fixed to it."""
+    _, view = run(body("outer", pose="1 0 0 0 0 0", gravity="false", inside=INNER + FIXED), version="1.7")
+    return view.ModelByName("outer")
+
+
+def test_a_model_that_has_left_is_given_no_link(run):
+    _, view = run(body("box"))
+    box = view.ModelByName("box")
+    view.RemoveModel(box)
+    with pytest.raises(ClosedError, match="was removed from the world"):
+        box.CreateLink("more")
+
+
+def test_a_view_is_always_the_same_object(model):
+    world = model.GetWorld()
+    assert world.ModelByName("outer") is model is world.ModelByIndex(0) is world.GetModel("outer")
+    assert model.GetLink("link") is model.GetLink() is model.GetChild("link")
+    assert model.NestedModel("inner").GetParent() is model
+    assert model.core.view is model
+    assert model.GetLink().body.view is model.GetLink()
+
+
+def test_nested_models_move_with_their_parent(model):
+    inner = model.NestedModel("inner")
+    model.SetWorldPose(Pose3d(5, 0, 0, 0, 0, 0))
+    assert tuple(inner.WorldPose().Pos()) == pytest.approx((5, 0, 1))
+    assert tuple(inner.RelativePose().Pos()) == pytest.approx((0, 0, 1))
+    model.SetLinkWorldPose(Pose3d(0, 0, 3, 0, 0, 0), "inner::tip")
+    assert tuple(model.WorldPose().Pos()) == pytest.approx((0, 0, 2))
+
+
+def test_velocities_are_those_of_all_links(model):
+    model.SetLinearVel((1, 0, 0))
+    model.SetAngularVel((0, 0, 2))
+    for link in model.family_links():
+        assert (link.WorldCoGLinearVel(), link.WorldAngularVel()) == (Vector3d(1, 0, 0), Vector3d(0, 0, 2))
+    assert model.GetWorldEnergyKinetic() == pytest.approx(
+        sum(link.GetWorldEnergyKinetic() for link in model.family_links())
+    )
+    model.ResetPhysicsStates()
+    assert model.GetWorldEnergyKinetic() == 0.0
+
+
+def test_names_in_a_model(model):
+    assert [link.GetScopedName() for link in model.family_links()] == ["outer::link", "outer::inner::tip"]
+    assert model.GetLink("inner::tip") is model.NestedModel("inner").GetLink("tip")
+    assert model.GetJoint("hook").GetScopedName(True) == "default::outer::hook"
+    assert model.GetByName("tip") is model.GetLink("inner::tip")
+    assert model.GetLink("nothing") is model.GetJoint("nothing") is model.NestedModel("nothing") is None
+    assert model.Print() == "outer\n  link\n  hook\n  inner\n    tip\n"
+
+
+def test_a_reset_restores_the_initial_pose(model):
+    model.SetInitialRelativePose(Pose3d(0, 7, 0, 0, 0, 0))
+    model.SetLinearVel((1, 2, 3))
+    model.Reset()
+    assert tuple(model.WorldPose().Pos()) == pytest.approx((0, 7, 0))
+    assert tuple(model.NestedModel("inner").InitialRelativePose().Pos()) == pytest.approx((0, 0, 1))
+    assert model.WorldLinearVel() == Vector3d()
+
+
+def test_an_attached_model_moves_with_the_other(run):
+    core, view = run(body("cart", "0 0 9 0 0 0", gravity="false"), body("load", "5 5 9 0 0 0"))
+    cart, load = view.ModelByName("cart"), view.ModelByName("load")
+    cart.AttachStaticModel(load, Pose3d(0, 0, 1, 0, 0, 0))
+    cart.SetLinearVel((1, 0, 0))
+    core.step(100)
+    before = cart.WorldPose().Pos()
+    assert tuple(load.WorldPose().Pos()) == pytest.approx((before.x, before.y, before.z + 1.0), abs=2e-3)
+    cart.DetachStaticModel("load")
+    core.step(100)
+    assert cart.WorldPose().Pos().X() > before.x + 0.05
+    assert load.WorldPose().Pos().X() < before.x + 0.01

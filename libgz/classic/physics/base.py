@@ -194,7 +194,9 @@ class Entity(Base):
         """The pose relative to the parent that a reset restores [m]."""
         return self.RelativePose()
 
-    GetInitialRelativePose = InitialRelativePose
+    def GetInitialRelativePose(self) -> Pose3d:
+        """The old name of InitialRelativePose."""
+        return self.InitialRelativePose()
 
     def IsStatic(self) -> bool:
         """Whether it is static."""

@@ -196,7 +196,6 @@ def test_efforts_add_up_and_are_limited(arm):
     assert joint.GetForce(0) == pytest.approx(1.0 + 3.0)
     arm.GetWorld().Step(1)
     assert joint.GetVelocity(0) == pytest.approx(4.0 * 0.001)  # about y, with a moment of 1 kg m^2
-    assert joint.GetForce(0) == 0.0
 
 
 def test_damping_and_stiffness_act(arm):

@@ -5,6 +5,7 @@ import math
 import pytest
 from plugin_worlds import body, collision
 
+from libgz.classic import physics
 from libgz.classic.math import Pose3d, Vector3d
 
 BOX = collision("<box><size>1 2 3</size></box>")
@@ -72,6 +73,9 @@ def test_inertia_is_written_to_the_engine(link):
     assert tuple(link.WorldCoGPose().Pos()) == pytest.approx((0, 0, 6))
     other = link.GetInertial()
     assert (other.CoG(), other.Mass()) == (Vector3d(0, 0, 1), 4.0)
+    other.SetMass(1.0)
+    link.SetInertial(physics.Inertial())
+    assert (link.GetInertial().Mass(), link.GetInertial().PrincipalMoments()) == (1.0, Vector3d(1, 1, 1))
 
 
 def test_a_kinematic_link_is_not_moved_by_forces(link):

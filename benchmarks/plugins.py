@@ -1,4 +1,4 @@
-"""What plugins' callbacks cost: a step with 1000 connected update callbacks against one with none, in one run."""
+"""The cost of plugins' callbacks: a step with 1000 connected update callbacks, and one with none, in one run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WORLD = """
 
 
 class Listener:
-    """What a plugin does at least."""
+    """A minimal plugin."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -30,7 +30,7 @@ class Listener:
 
 
 def cost(world: libgz.World) -> float:
-    """Of one step [ms]."""
+    """The time of one step [ms]."""
     begin = time.perf_counter()
     world.step(STEPS)
     return 1e3 * (time.perf_counter() - begin) / STEPS
@@ -49,7 +49,7 @@ def main() -> None:
             kept.clear()
     base, full = statistics.median(plain), statistics.median(loaded)
     print(f"step without callbacks {base:.4f} ms, with {CALLBACKS} callbacks {full:.4f} ms")
-    print(f"{CALLBACKS} callbacks cost {full - base:.4f} ms a step (asked: at most 0.3)")
+    print(f"{CALLBACKS} callbacks cost {full - base:.4f} ms a step (target: at most 0.3)")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ def keep_to(folder, monkeypatch):
 
 
 def worlds_of_elements():
-    """Yields what makes a world of some elements, (engine's world, view), and closes them all in the end."""
+    """Yields a function that makes a world of some elements, (engine's world, view); closes all worlds in the end."""
     worlds = []
 
     def load(*inside, version="1.6", **options):

@@ -26,7 +26,7 @@ class SDF:
         self._file.diagnostics.raise_errors()
 
     def Root(self, element: Element | None = None) -> Element:
-        """The `<sdf>` element; with an argument, make that the root."""
+        """The `<sdf>` element; an argument replaces it."""
         if element is not None:
             self._file.root = element
         return self._file.root

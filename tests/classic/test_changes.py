@@ -22,7 +22,7 @@ def plugin(tmp_path):
     """Writes a plugin file, with a list `notes`; returns its `<plugin>` element."""
 
     def write(name, text, kind="World"):
-        head = f"from libgz.classic import *\n\ntold = []\n\n\nclass P({kind}Plugin):\n"
+        head = f"from libgz.classic import *\n\nnotes = []\n\n\nclass P({kind}Plugin):\n"
         inside = "".join(f"    {line}\n" for line in text.splitlines())
         (tmp_path / f"{name}.py").write_text(f"{head}{inside}\n\nGZ_REGISTER_{kind.upper()}_PLUGIN(P)\n")
         return f"<plugin name='{name}' filename='lib{name}.so'/>"
@@ -30,9 +30,9 @@ def plugin(tmp_path):
     return write
 
 
-def told(name):
+def notes(name):
     """What the plugin of a file has noted."""
-    return [m for key, m in sys.modules.items() if key.startswith(f"libgz_plugin_{name}_")][-1].told
+    return [m for key, m in sys.modules.items() if key.startswith(f"libgz_plugin_{name}_")][-1].notes
 
 
 def names(view):
@@ -43,41 +43,41 @@ def names(view):
 
 SUICIDE = """def Load(self, model, sdf):
     self.model = model
-    self.c = event.Events.ConnectWorldUpdateBegin(lambda: told.append("update"))
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: notes.append("update"))
     model.GetWorld().RemoveModel(model)
-    told.append(model.GetWorld().ModelByName("box") is model)"""
+    notes.append(model.GetWorld().ModelByName("box") is model)"""
 
 
-def test_a_model_that_its_plugin_removes_in_load_goes_when_all_are_loaded(run, plugin):
+def test_a_model_that_its_plugin_removes_in_load_is_removed_when_all_are_loaded(run, plugin):
     core, view = run(body("box", inside=plugin("suicide", SUICIDE, "Model")))
     assert names(view) == []
     core.step(2)
-    assert told("suicide") == [True]  # its plugin went with it
+    assert notes("suicide") == [True]  # its plugin went with it
 
 
 def test_models_that_a_plugin_removes_in_load_still_get_their_own_plugins(run, plugin):
     first = plugin("first", "def Load(self, model, sdf):\n    model.GetWorld().RemoveModel('b')", "Model")
     text = """def Load(self, model, sdf):
-    told.append(model.GetLink().GetCollision(0).BoundingBox().Max().X())
-    self.c = event.Events.ConnectWorldUpdateBegin(lambda: told.append("update"))"""
+    notes.append(model.GetLink().GetCollision(0).BoundingBox().Max().X())
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: notes.append("update"))"""
     core, view = run(
         body("a", inside=first), body("b", "2 0 0 0 0 0", link=BOX, inside=plugin("second", text, "Model"))
     )
     assert names(view) == ["a"]
     core.step(2)
-    assert told("second") == [2.5]
+    assert notes("second") == [2.5]
 
 
-def test_a_model_inserted_in_load_is_there_when_all_are_loaded(run, plugin):
+def test_a_model_inserted_in_load_exists_when_all_are_loaded(run, plugin):
     text = f"""def Load(self, world, sdf):
     world.InsertModelString("{NEW}")
-    told.append(world.ModelByName("new"))"""
+    notes.append(world.ModelByName("new"))"""
     _, view = run(plugin("insert", text))
-    assert told("insert") == [None]
+    assert notes("insert") == [None]
     assert names(view) == ["new"]
 
 
-def test_what_reset_removes_and_inserts_waits_until_all_plugins_were_reset(run, plugin):
+def test_changes_in_reset_are_deferred_until_all_plugins_were_reset(run, plugin):
     text = f"""def Load(self, model, sdf):
     self.model = model
 def Reset(self):
@@ -86,16 +86,16 @@ def Reset(self):
     last = """def Load(self, world, sdf):
     self.world = world
 def Reset(self):
-    told.extend(model.GetName() for model in self.world.Models())"""
+    notes.extend(model.GetName() for model in self.world.Models())"""
     core, view = run(plugin("last", last), body("box", inside=plugin("goes", text, "Model")))
     core.step(3)
     view.Reset()
-    assert told("last") == ["box"]
+    assert notes("last") == ["box"]
     assert names(view) == ["new"]
     assert view.Iterations() == 0
 
 
-def test_what_comes_may_be_taken_out_again_by_who_hears_of_it(run, plugin):
+def test_an_inserted_model_may_be_removed_by_a_callback_of_its_insertion(run, plugin):
     text = """def Load(self, world, sdf):
     self.c = event.Events.ConnectAddEntity(lambda name: name == "new" and world.RemoveModel(name))"""
     core, view = run(body("box"), plugin("guard", text))
@@ -112,7 +112,7 @@ def test_a_world_is_neither_stepped_nor_closed_while_plugins_load(run, plugin, c
     assert core.iterations == 1
 
 
-def test_a_new_place_to_begin_at_takes_nested_models_along(run):
+def test_a_new_initial_pose_applies_to_nested_models(run):
     inner = "<model name='inner'><pose>1 0 0 0 0 0</pose><link name='l'/></model>"
     _, view = run(body("outer", "0 0 2 0 0 0", inside=inner))
     outer, nested = view.ModelByName("outer"), view.ModelByName("outer::inner")
@@ -125,9 +125,9 @@ def test_a_new_place_to_begin_at_takes_nested_models_along(run):
 
 def test_two_world_plugins_of_one_name_are_two(run, plugin):
     text = """def Load(self, world, sdf):
-    self.c = event.Events.ConnectWorldUpdateBegin(lambda: told.append("update"))
+    self.c = event.Events.ConnectWorldUpdateBegin(lambda: notes.append("update"))
 def Reset(self):
-    told.append("reset")"""
+    notes.append("reset")"""
     core, view = run(2 * plugin("twin", text))
     core.step(1)
     view.Reset()
@@ -135,14 +135,14 @@ def Reset(self):
     core.step(1)
     view.RemovePlugin("twin")
     core.step(1)
-    assert told("twin") == ["update", "update", "reset", "reset", "update"]
+    assert notes("twin") == ["update", "update", "reset", "reset", "update"]
 
 
 # Things that are asked for after a step ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("call", ["InsertModelString(None)", "InsertModelFile(3)", "InsertModelSDF('x')"])
-def test_what_cannot_be_inserted_is_refused_at_once(run, plugin, caplog, call):
+def test_an_invalid_insertion_is_refused_at_once(run, plugin, caplog, call):
     text = f"def Load(self, world, sdf):\n    self.c = event.Events.ConnectWorldUpdateBegin(lambda: world.{call})"
     core, _ = run(plugin("wrong", text))
     core.step(2)
@@ -150,7 +150,7 @@ def test_what_cannot_be_inserted_is_refused_at_once(run, plugin, caplog, call):
     assert "wrong.py" in caplog.text
 
 
-def test_what_fails_after_a_step_does_not_end_it(run, plugin, caplog):
+def test_a_failing_deferred_action_does_not_end_the_step(run, plugin, caplog):
     text = """def Load(self, world, sdf):
     self.c = event.Events.ConnectWorldUpdateBegin(lambda: world.core.after_step(lambda: 1 / 0))"""
     core, _ = run(plugin("late", text))
@@ -165,7 +165,7 @@ def test_a_world_that_closes_at_once_warns_of_nothing(run, caplog):
     assert "ended right after it began" not in caplog.text
 
 
-def test_what_a_callback_is_told_stays_as_it_was(run):
+def test_the_argument_of_a_callback_does_not_change_later(run):
     core, _ = run(body("box"))
     infos = []
     kept = event.Events.ConnectWorldUpdateBegin(infos.append)
@@ -174,16 +174,16 @@ def test_what_a_callback_is_told_stays_as_it_was(run):
     assert [info.simTime.Double() for info in infos] == pytest.approx([0.001, 0.002, 0.003])
 
 
-def test_the_sensors_of_a_joint_go_with_it(run, plugin):
+def test_sensors_of_a_joint_are_removed_with_it(run, plugin):
     text = """def Load(self, sensor, sdf):
-    self.c = sensor.ConnectUpdated(lambda: told.append(sensor.LastUpdateTime().Double()))"""
+    self.c = sensor.ConnectUpdated(lambda: notes.append(sensor.LastUpdateTime().Double()))"""
     felt = FELT.format("felt", plugin("felt", text, "Sensor"))
     core, view = run(body("arm", inside=HINGE.format(felt)))
     core.step(2)
     sensor = sensors.get_sensor("felt")
     assert view.ModelByName("arm").RemoveJoint("hinge")
     core.step(2)
-    assert told("felt") == pytest.approx([0.001, 0.002])
+    assert notes("felt") == pytest.approx([0.001, 0.002])
     assert sensors.get_sensor("felt") is None
     assert not sensor.IsActive()
 

@@ -71,7 +71,7 @@ RUNAWAYS = {
 
 
 @pytest.mark.parametrize("what", RUNAWAYS)
-def test_bodies_that_run_away_are_stopped_and_told_of(core, view, caplog, what):
+def test_diverging_bodies_are_stopped_and_reported(core, view, caplog, what):
     RUNAWAYS[what](view, view.ModelByName("box").GetLink())
     core.step(20)
     assert view.Iterations() == 20
@@ -81,7 +81,7 @@ def test_bodies_that_run_away_are_stopped_and_told_of(core, view, caplog, what):
             assert all(map(math.isfinite, (*link.WorldPose().Pos(), *link.WorldLinearVel())))
 
 
-def test_a_body_is_told_of_once(core, view, caplog):
+def test_a_body_is_reported_once(core, view, caplog):
     for _ in range(3):
         view.ModelByName("box").GetLink().AddForce((1e30, 0, 0))
         core.step(2)
@@ -103,14 +103,14 @@ def test_a_body_is_told_of_once(core, view, caplog):
         lambda view, link: event.Events.ConnectWorldUpdateBegin(None),
     ],
 )
-def test_absurd_arguments_are_refused(core, view, call):
+def test_invalid_arguments_are_refused(core, view, call):
     with pytest.raises(ParameterError):
         call(view, view.ModelByName("box").GetLink())
     core.step(3)
     assert view.ModelByName("box").WorldPose().Pos().Z() == pytest.approx(0.5, abs=1e-3)
 
 
-def test_a_controller_with_absurd_gains_lets_its_joint_go(core, view, caplog):
+def test_a_controller_with_invalid_gains_drops_its_targets(core, view, caplog):
     controller = view.ModelByName("arm").GetJointController()
     controller.SetPositionPID("hinge", PID(math.nan))
     controller.SetPositionTarget("hinge", 1.0)
@@ -122,25 +122,25 @@ def test_a_controller_with_absurd_gains_lets_its_joint_go(core, view, caplog):
 # Callbacks -----------------------------------------------------------------------------------------------------------
 
 
-def test_a_callback_that_was_taken_off_is_not_called_in_a_signal_under_way():
-    told, happened = [], Event("x")
-    first = happened.Connect(lambda: (told.append(1), second.Disconnect()))
-    second = happened.Connect(lambda: told.append(2))
+def test_a_disconnected_callback_is_not_called_by_the_running_signal():
+    notes, happened = [], Event("x")
+    first = happened.Connect(lambda: (notes.append(1), second.Disconnect()))
+    second = happened.Connect(lambda: notes.append(2))
     happened()
-    assert told == [1]
+    assert notes == [1]
     assert first.connected
     assert not second.connected
 
 
 def test_a_plugin_that_raises_has_no_other_callback_called(plugin, caplog):
-    body = """told = []
+    body = """notes = []
 def Load(self, world, sdf):
     self.a = event.Events.ConnectWorldUpdateBegin(self.fail)
-    self.b = event.Events.ConnectWorldUpdateBegin(lambda: self.told.append(1))
+    self.b = event.Events.ConnectWorldUpdateBegin(lambda: self.notes.append(1))
 def fail(self):
     raise ValueError("no")"""
     with plugin(body) as core:
-        seen = next(iter(core.companions)).world_plugins["p"].plugin_class.told
+        seen = next(iter(core.companions)).world_plugins["p"].plugin_class.notes
         core.step(3)
         assert seen == []
     assert caplog.text.count("Exception occured in a callback of event WorldUpdateBegin") == 1
@@ -170,7 +170,7 @@ def fail(self):
         ),
     ],
 )
-def test_what_a_plugin_gave_away_is_guarded(plugin, caplog, what, body):
+def test_functions_of_a_plugin_that_are_called_later_are_guarded(plugin, caplog, what, body):
     with plugin(body + "\ndef fail(self, *values):\n    raise ValueError('oh')") as core:
         core.step(6)
         assert core.iterations == 6
@@ -179,13 +179,13 @@ def test_what_a_plugin_gave_away_is_guarded(plugin, caplog, what, body):
     assert caplog.text.count("ValueError: oh") == 1
 
 
-def test_an_animation_that_leads_nowhere_ends(core, view, caplog):
+def test_an_invalid_animation_ends(core, view, caplog):
     view.ModelByName("box").SetAnimation(common.PoseAnimation("way", 1.0, False))
     core.step(3)
     assert "the animation of box ends: animation 'way' has no key frames" in caplog.text
 
 
-def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
+def test_failures_outside_plugins_have_one_wording(core, view, caplog):
     node = transport.Node()
     node.Init("errors")
     publisher = node.Advertise(msgs.Vector3d, "~/x")
@@ -201,9 +201,9 @@ def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
     core.after_step(lambda: publisher.Publish(msgs.Vector3d()))
     core.step(6)
     assert kept
-    told = [record.getMessage().partition("\n")[0] for record in caplog.records if "ValueError" in record.getMessage()]
+    notes = [record.getMessage().partition("\n")[0] for record in caplog.records if "ValueError" in record.getMessage()]
     name = fail.__qualname__
-    assert sorted(told) == [
+    assert sorted(notes) == [
         "a callback of event WorldUpdateEnd failed and is called no more:",
         f"the callback {name} of topic /gazebo/errors/x failed and is called no more:",
         "the end of the animation of box failed and is called no more:",
@@ -220,7 +220,7 @@ def test_a_callback_can_neither_step_nor_close_its_world(plugin, caplog, call):
     assert "in a callback: its step is under way" in caplog.text
 
 
-def test_what_fails_after_a_step_names_the_plugin(plugin, caplog):
+def test_a_failing_deferred_action_names_the_plugin(plugin, caplog):
     body = """def Load(self, world, sdf):
     self.c = event.Events.ConnectWorldUpdateBegin(lambda: world.InsertModelString("<sdf"))"""
     with plugin(body) as core:
@@ -228,19 +228,19 @@ def test_what_fails_after_a_step_names_the_plugin(plugin, caplog):
     assert "plugin with name[p] and filename[libp.so]: " in caplog.text
 
 
-def test_faults_without_a_frame_of_the_plugin_name_its_file(plugin, caplog):
+def test_errors_without_a_frame_of_the_plugin_name_its_file(plugin, caplog):
     plugin("def Load(self, world):\n    pass").close()
     assert "p.py" in caplog.text
     assert "takes 2 positional arguments but 3 were given" in caplog.text
 
 
-def test_a_syntax_error_is_told_without_the_machinery(plugin, caplog):
+def test_a_syntax_error_is_reported_without_frames_of_the_library(plugin, caplog):
     plugin("def Load(self world):\n    pass").close()
     assert "SyntaxError" in caplog.text
     assert "importlib" not in caplog.text
 
 
-def test_what_a_sensor_callback_takes_out_goes_after_the_step(plugin, caplog):
+def test_what_a_sensor_callback_removes_is_removed_after_the_step(plugin, caplog):
     body = """def Load(self, world, sdf):
     self.world, self.model = world, world.ModelByName("box")
     self.c = sensors.get_sensor("imu").ConnectUpdated(self.out)
@@ -256,21 +256,21 @@ def out(self):
 # Contacts ------------------------------------------------------------------------------------------------------------
 
 
-def test_a_contact_filter_tells_of_its_collisions_only(core, view):
+def test_a_contact_filter_publishes_its_collisions_only(core, view):
     manager = view.Physics().GetContactManager()
     topic = manager.CreateFilter("box::mine", ["errors::box::link::c"])
     other = manager.CreateFilter("arm", "arm::leaf::c")
     assert topic == "~/box/mine/contacts"
     assert manager.HasFilter("box::mine")
     assert manager.GetFilterCount() == 2
-    heard = {topic: [], other: []}
+    received = {topic: [], other: []}
     node = transport.Node()
     node.Init("errors")
-    kept = [node.Subscribe(name, told.append) for name, told in heard.items()]
+    kept = [node.Subscribe(name, notes.append) for name, notes in received.items()]
     core.step(4)
     assert kept
-    assert not any(message.contact for message in heard[other])
-    (contact,) = heard[topic][-1].contact
+    assert not any(message.contact for message in received[other])
+    (contact,) = received[topic][-1].contact
     assert {contact.collision1, contact.collision2} == {"box::link::c", "ground::l::c"}
     assert sum(wrench.body_1_wrench.force.z for wrench in contact.wrench) == pytest.approx(
         9.8 if contact.collision1.startswith("box") else -9.8, rel=0.05
@@ -281,24 +281,24 @@ def test_a_contact_filter_tells_of_its_collisions_only(core, view):
         manager.CreateFilter("arm", "x")
 
 
-def test_contacts_are_those_of_the_last_step_whenever_they_are_asked_for(core, view):
-    manager, told = view.Physics().GetContactManager(), {"Begin": [], "End": []}
+def test_contacts_are_always_those_of_the_last_step(core, view):
+    manager, notes = view.Physics().GetContactManager(), {"Begin": [], "End": []}
     manager.want()
     kept = [
-        event.Events.ConnectWorldUpdateBegin(lambda: told["Begin"].append(manager.GetContacts())),
-        event.Events.ConnectWorldUpdateEnd(lambda: told["End"].append(manager.GetContacts())),
+        event.Events.ConnectWorldUpdateBegin(lambda: notes["Begin"].append(manager.GetContacts())),
+        event.Events.ConnectWorldUpdateEnd(lambda: notes["End"].append(manager.GetContacts())),
     ]
     core.step(3)
     assert kept
-    assert told["Begin"][1:] == told["End"][:-1]
-    assert told["Begin"][1] is not told["End"][1]
+    assert notes["Begin"][1:] == notes["End"][:-1]
+    assert notes["Begin"][1] is not notes["End"][1]
 
 
 # Messages, steps, files ----------------------------------------------------------------------------------------------
 
 
-def test_messages_tell_what_cpp_idioms_are_in_python():
-    for name, said in (
+def test_messages_name_the_python_form_of_cpp_idioms():
+    for name, given in (
         ("contact_size", "len(message.contact)"),
         ("add_contact", "message.contact.append(value)"),
         ("mutable_time", "in Python that is message.time"),
@@ -307,10 +307,10 @@ def test_messages_tell_what_cpp_idioms_are_in_python():
     ):
         with pytest.raises(AttributeError, match="has no field") as raised:
             getattr(msgs.Contacts(), name)
-        assert said in str(raised.value)
+        assert given in str(raised.value)
 
 
-def test_many_steps_that_are_asked_for_do_not_hold_the_server(core, view):
+def test_many_requested_steps_do_not_block_the_server(core, view):
     node = transport.Node()
     node.Init("errors")
     control = node.Advertise(msgs.WorldControl, "~/world_control")
@@ -322,7 +322,7 @@ def test_many_steps_that_are_asked_for_do_not_hold_the_server(core, view):
     assert not view.IsPaused()
 
 
-def test_a_joint_made_at_run_time_takes_no_name_away(core, view):
+def test_a_joint_created_at_run_time_gets_a_free_name(core, view):
     arm = view.ModelByName("arm")
     made = view.Physics().CreateJoint("fixed")
     made.core.name = "joint_1"
@@ -361,7 +361,7 @@ def test_an_edited_plugin_is_run_again(plugin, tmp_path):
             assert server.world_plugins["p"].plugin.number == number
 
 
-def test_profiles_are_made_taken_and_suggested(view):
+def test_profiles_are_created_used_and_suggested(view):
     presets = view.PresetMgr()
     presets.CreateProfile("fast")
     presets.SetProfileParam("fast", "iters", 20)
@@ -371,7 +371,7 @@ def test_profiles_are_made_taken_and_suggested(view):
         presets.CurrentProfile("fasst")
 
 
-def test_parameters_without_effect_are_kept_and_told_of(view, caplog):
+def test_parameters_without_effect_are_kept_and_reported(view, caplog):
     engine = view.Physics()
     assert engine.GetParam("contact_surface_layer") == 0.001
     engine.SetParam("contact_surface_layer", 0.002)
@@ -381,7 +381,7 @@ def test_parameters_without_effect_are_kept_and_told_of(view, caplog):
     assert view.MagneticField() == Vector3d(1, 2, 3)
 
 
-def test_texts_of_sdf_have_no_blanks_around_them():
+def test_texts_of_sdf_are_stripped():
     root = SDF()
     plugin = "<plugin name='p' filename='f'><topic>\n a b\n </topic></plugin>"
     root.SetFromString(f"<sdf version='1.6'><model name=' m '><link name='l'/>{plugin}</model></sdf>")
@@ -390,7 +390,7 @@ def test_texts_of_sdf_have_no_blanks_around_them():
     assert model.GetElement("plugin").Get(str, "topic") == "a b"
 
 
-def test_accelerations_are_known_from_the_first_question_on(core, view):
+def test_accelerations_are_measured_from_the_first_call_on(core, view):
     box = view.ModelByName("box").GetLink()
     box.AddForce(Vector3d(100, 0, 0))
     core.step(1)

@@ -47,7 +47,7 @@ def publish(topic, message):
     return publisher
 
 
-def test_every_example_is_told_of_in_the_readme():
+def test_every_example_is_listed_in_the_readme():
     readme = (EXAMPLES / "README.md").read_text()
     folders = {path.name for path in EXAMPLES.iterdir() if path.is_dir() and path.name != "__pycache__"}
     assert folders == {name for name in folders if f"[{name}]({name}/" in readme}
@@ -112,7 +112,7 @@ def test_animated_box_goes_round_and_round():
             assert tuple(box.WorldPose().Pos())[:2] == pytest.approx(corner, abs=0.01)
 
 
-def test_factory_brings_models_by_file_text_document_and_message():
+def test_factory_inserts_models_by_file_text_document_and_message():
     with example("factory") as (core, world):
         core.step(2)
         names = {model.GetName() for model in world.Models()}
@@ -124,7 +124,7 @@ def test_factory_brings_models_by_file_text_document_and_message():
         assert world.ModelByName("sphere").WorldPose().Pos().Z() == pytest.approx(0.5, abs=0.01)
 
 
-def test_events_insert_and_delete_when_their_time_has_come(caplog):
+def test_events_insert_and_delete_at_their_times(caplog):
     with example("events") as (core, world):
         core.step(10)
         assert world.ModelByName("flag") is None
@@ -135,8 +135,8 @@ def test_events_insert_and_delete_when_their_time_has_come(caplog):
         assert world.ModelByName("gate").GetJoint("hinge").Position(0) > 0.3
         assert {"flag", "prize"} <= {model.GetName() for model in world.Models()}
         assert world.ModelByName("ball") is None
-        told = [record.getMessage() for record in caplog.records if record.name == "libgz.classic.console"]
-        words = [line.split("s: ")[-1] for line in told]
+        notes = [record.getMessage() for record in caplog.records if record.name == "libgz.classic.console"]
+        words = [line.split("s: ")[-1] for line in notes]
         assert words.index("insert flag") < words.index("insert prize") < words.index("delete ball")
         assert "there is prize now" in words
         assert "ball is gone" in words
@@ -150,7 +150,7 @@ def test_joint_pid_holds_the_arm():
         assert arm.GetJoint("elbow").Position(0) == pytest.approx(-0.5, abs=0.1)
 
 
-def test_joint_pid_turns_the_head_as_fast_as_the_topic_says():
+def test_joint_pid_turns_the_head_at_the_speed_of_the_topic():
     with example("joint_pid") as (core, world):
         neck = world.ModelByName("turret").GetJoint("neck")
         core.run(2.0)
@@ -161,7 +161,7 @@ def test_joint_pid_turns_the_head_as_fast_as_the_topic_says():
         del kept
 
 
-def test_random_velocity_takes_new_directions_and_the_same_ones_again():
+def test_random_velocity_takes_new_directions_and_repeats_them_after_a_reset():
     def directions():
         Rand.Seed(7)
         with example("random_velocity") as (core, world):
@@ -244,11 +244,11 @@ def server_of(core):
     return core.companions[0]
 
 
-def test_contact_tells_what_touches_and_what_leaves(caplog):
+def test_contact_reports_the_begin_and_end_of_contacts(caplog):
     with example("contact") as (core, _):
         core.run(2.0)
-        told = [record.getMessage() for record in caplog.records if record.name == "libgz.classic.console"]
-        first, last = told[0], told[-1]
+        notes = [record.getMessage() for record in caplog.records if record.name == "libgz.classic.console"]
+        first, last = notes[0], notes[-1]
         assert {*first.split(" touches ")} == {"ball::link::skin", "bumper::link::plate"}
         assert last == first.replace(" touches ", " has left ")
 
@@ -301,10 +301,10 @@ def test_system_gui_watches_the_server(tmp_path):
     )
     assert run.returncode == 0, run.stderr
     lines = [line.removeprefix("[Msg] ") for line in run.stdout.splitlines()]
-    told = [
+    notes = [
         "world default is there", "default has reached 0.050 s", "default has reached 0.100 s", "100 updates in all",
     ]  # fmt: skip
-    places = [lines.index(line) for line in told]
+    places = [lines.index(line) for line in notes]
     assert places == sorted(places)
 
 
@@ -333,12 +333,12 @@ def test_the_guides_first_plugins_run(tmp_path, capsys):
         assert physics.get_world().ModelByName("drone").WorldPose().Pos().Z() == pytest.approx(2.5, abs=0.01)
 
 
-def test_the_guide_tells_of_all_ready_plugins_and_links_to_what_is_there():
+def test_the_guide_lists_all_ready_plugins_and_its_links_exist():
     from libgz.classic.loading import READY
 
     files = {path.stem.removeprefix("lib") for path in READY.glob("[a-z]*.py")} - {"hooks"}
-    told = {word.lower() for word in re.findall(r"`lib(\w+)\.so`", GUIDE)}
-    assert files == told - {"hello_world"}
+    notes = {word.lower() for word in re.findall(r"`lib(\w+)\.so`", GUIDE)}
+    assert files == notes - {"hello_world"}
     for target in re.findall(r"\]\(([^)#]+)\)", GUIDE):
         assert (EXAMPLES.parent.parent / "docs" / target).exists(), target
     headings = {

@@ -26,7 +26,7 @@ def own_places(monkeypatch, tmp_path):
 
 @pytest.fixture
 def plugin(tmp_path):
-    """Writes a plugin file; its lines may use `heard`, a list that the test reads."""
+    """Writes a plugin file; its lines may use `received`, a list that the test reads."""
 
     def write(name, text):
         (tmp_path / f"{name}.py").write_text("from libgz.classic import *\n" + textwrap.dedent(text))
@@ -91,7 +91,7 @@ def test_a_plugin_is_found_under_its_old_name_and_beside_the_world(plugin, run, 
     assert capsys.readouterr().out.splitlines() == ["a libthing.so", "b thing.py", "c libthing.py"]
 
 
-def test_a_plugin_that_is_nowhere_is_told_with_all_places_and_the_world_runs(run, caplog):
+def test_a_missing_plugin_is_reported_with_all_places_and_the_world_runs(run, caplog):
     world = run(element("gone"))
     world.step(3)
     assert "Failed to load plugin libgone.so: libgone.so: cannot open shared object file" in caplog.text
@@ -99,14 +99,14 @@ def test_a_plugin_that_is_nowhere_is_told_with_all_places_and_the_world_runs(run
     assert "the current directory" in caplog.text
 
 
-def test_a_plugin_of_the_wrong_kind_is_told_in_classics_words(plugin, run, caplog):
+def test_a_plugin_of_the_wrong_kind_is_reported_with_classics_message(plugin, run, caplog):
     plugin("m", "class P(ModelPlugin): pass\nGZ_REGISTER_MODEL_PLUGIN(P)")
     run(element("m"))
     words = "World[default] is attempting to load a plugin, but detected an incorrect plugin type."
     assert f"{words} Plugin filename[libm.so] name[m]" in caplog.text
 
 
-def test_a_file_without_a_plugin_or_with_two_is_told(plugin, run, caplog):
+def test_a_file_without_a_plugin_or_with_two_is_reported(plugin, run, caplog):
     plugin("none", "x = 1")
     plugin("two", "class P(WorldPlugin): pass\nGZ_REGISTER_WORLD_PLUGIN(P)\nGZ_REGISTER_WORLD_PLUGIN(P)")
     plugin("broken", "import no_such_module")
@@ -188,31 +188,31 @@ def test_connections_end_when_they_are_dropped(plugin, run, caplog):
     assert "Deleting a connection right after creation" in caplog.text
 
 
-def test_events_come_in_classics_order_and_carry_what_they_should(plugin, run):
+def test_events_have_classics_order_and_arguments(plugin, run):
     world = run(BOX.format(name="box", pose="0 0 10 0 0 0", inside=""))
-    heard = []
+    received = []
     view = physics.get_world()
     box = view.ModelByName("box")
     kept = [
-        Events.ConnectWorldUpdateBegin(lambda info: heard.append(("begin", info.worldName, view.Iterations()))),
-        Events.ConnectBeforePhysicsUpdate(lambda info: heard.append(("before", box.WorldPose().Pos().Z()))),
-        Events.ConnectWorldUpdateEnd(lambda: heard.append(("end", box.WorldPose().Pos().Z() < 10.0))),
-        Events.ConnectPause(lambda on: heard.append(("pause", on))),
-        Events.ConnectWorldReset(lambda: heard.append(("reset", view.SimTime().Double()))),
+        Events.ConnectWorldUpdateBegin(lambda info: received.append(("begin", info.worldName, view.Iterations()))),
+        Events.ConnectBeforePhysicsUpdate(lambda info: received.append(("before", box.WorldPose().Pos().Z()))),
+        Events.ConnectWorldUpdateEnd(lambda: received.append(("end", box.WorldPose().Pos().Z() < 10.0))),
+        Events.ConnectPause(lambda on: received.append(("pause", on))),
+        Events.ConnectWorldReset(lambda: received.append(("reset", view.SimTime().Double()))),
     ]
     world.step()
-    assert heard == [("begin", "default", 1), ("before", pytest.approx(10.0, abs=1e-9)), ("end", True)]
-    heard.clear()
+    assert received == [("begin", "default", 1), ("before", pytest.approx(10.0, abs=1e-9)), ("end", True)]
+    received.clear()
     view.SetPaused(True)
     world.step(3)
     view.SetPaused(False)
     view.Reset()
-    assert heard == [("pause", True), ("pause", False), ("reset", 0.0)]
+    assert received == [("pause", True), ("pause", False), ("reset", 0.0)]
     assert box.WorldPose().Pos().Z() == pytest.approx(10.0, abs=1e-12)
     del kept
 
 
-def test_plugins_hear_only_their_own_world(plugin, run):
+def test_plugins_receive_events_of_their_own_world_only(plugin, run):
     plugin(
         "count",
         """
@@ -231,7 +231,7 @@ def test_plugins_hear_only_their_own_world(plugin, run):
     assert [w.companions[0].world_plugins["count"].plugin.count for w in (one, two)] == [3, 1]
 
 
-def test_world_plugins_come_and_go_at_run_time(plugin, run):
+def test_world_plugins_are_loaded_and_removed_at_run_time(plugin, run):
     plugin(
         "late",
         """
@@ -254,7 +254,7 @@ def test_world_plugins_come_and_go_at_run_time(plugin, run):
     assert kind.ticks == 2
 
 
-def test_models_join_with_their_plugins_and_leave_with_them(plugin, run):
+def test_models_are_inserted_and_removed_with_their_plugins(plugin, run):
     plugin(
         "spin",
         """
@@ -284,7 +284,7 @@ def test_models_join_with_their_plugins_and_leave_with_them(plugin, run):
     assert world.events["WorldUpdateBegin"].ConnectionCount() == 0
 
 
-def test_load_param_tells_what_it_took(plugin, run, caplog, capsys):
+def test_load_param_logs_the_value(plugin, run, caplog, capsys):
     plugin(
         "params",
         """
@@ -329,7 +329,7 @@ def test_a_topic_callback_that_raises_stops_its_plugin(plugin, run, caplog):
     assert world.events["WorldUpdateBegin"].ConnectionCount() == 0
 
 
-def test_batteries_follow_their_rule_and_are_reset(run):
+def test_batteries_follow_their_update_function_and_are_reset(run):
     inside = "<model name='m'><link name='l'><battery name='cell'><voltage>12</voltage></battery></link></model>"
     world = run(inside)
     view = physics.get_world()
@@ -343,7 +343,7 @@ def test_batteries_follow_their_rule_and_are_reset(run):
     assert cell.Voltage() == 12.0
 
 
-def test_a_model_can_be_held_where_it_is(run):
+def test_a_model_can_be_made_static(run):
     world = run(BOX.format(name="box", pose="0 0 5 0 0 0", inside=""))
     box = physics.get_world().ModelByName("box")
     world.step(50)
@@ -407,7 +407,7 @@ def test_animations_keep_time_when_others_begin(run):
     del kept
 
 
-def test_a_profile_brings_all_that_its_element_says(run):
+def test_a_profile_applies_all_of_its_element(run):
     cone = "<ode><solver><type>quick</type><friction_model>cone_model</friction_model></solver></ode>"
     world = run(
         "<physics name='plain' type='ode'/>",

@@ -49,7 +49,7 @@ def node(view):
 
 
 @pytest.fixture
-def say(node, core):
+def send(node, core):
     """Publish a message and let the world act on it."""
 
     def publish(topic, message):
@@ -60,84 +60,84 @@ def say(node, core):
     return publish
 
 
-def test_statistics_and_poses_are_told(core, view, node):
-    heard = {}
+def test_statistics_and_poses_are_published(core, view, node):
+    received = {}
     kept = [
-        node.Subscribe(topic, lambda message, topic=topic: heard.__setitem__(topic, message))
+        node.Subscribe(topic, lambda message, topic=topic: received.__setitem__(topic, message))
         for topic in ("~/world_stats", "~/pose/info", "~/physics/contacts")
     ]
     core.step(5)
-    statistics = heard["~/world_stats"]
+    statistics = received["~/world_stats"]
     assert (statistics.model_count, statistics.paused) == (3, False)
     assert statistics.iterations >= 1
-    poses = {pose.name: pose for pose in heard["~/pose/info"].pose}
+    poses = {pose.name: pose for pose in received["~/pose/info"].pose}
     assert poses["box"].position.z == pytest.approx(0.5, abs=1e-3)
     assert poses["arm::rod"].position.z == pytest.approx(1.0)
     assert "lamp" in poses
-    assert heard["~/physics/contacts"].contact[0].collision2.startswith(("box", "ground"))
+    assert received["~/physics/contacts"].contact[0].collision2.startswith(("box", "ground"))
     assert len(kept) == 3
 
 
-def test_a_factory_makes_models_from_text_file_and_copy(view, say):
-    say("~/factory", msgs.Factory(sdf=f"<sdf version='1.6'>{BOX.format(name='new', pose='3 0 9 0 0 0')}</sdf>"))
+def test_the_factory_makes_models_from_text_file_and_copy(view, send):
+    send("~/factory", msgs.Factory(sdf=f"<sdf version='1.6'>{BOX.format(name='new', pose='3 0 9 0 0 0')}</sdf>"))
     assert view.ModelByName("new").WorldPose().Pos().X() == pytest.approx(3.0)
     pose = msgs.Convert(Pose3d(-4, 1, 7, 0, 0, 0))
-    say("~/factory", msgs.Factory(clone_model_name="new", pose=pose, edit_name="twin"))
+    send("~/factory", msgs.Factory(clone_model_name="new", pose=pose, edit_name="twin"))
     assert view.ModelByName("twin").WorldPose().Pos().X() == pytest.approx(-4.0)
-    say("~/factory", msgs.Factory(sdf_filename="model://ground_plane", edit_name="floor"))
+    send("~/factory", msgs.Factory(sdf_filename="model://ground_plane", edit_name="floor"))
     assert view.ModelByName("floor").IsStatic()
 
 
-def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, say, caplog):
+def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, send, caplog):
     text = f"<sdf version='1.6'>{BOX.format(name='box', pose='5 0 9 0 0 0')}</sdf>"
-    say("~/factory", msgs.Factory(sdf=text))
+    send("~/factory", msgs.Factory(sdf=text))
     assert "A model named [box] already exists and allow_renaming is false. Model won't be inserted." in caplog.text
-    say("~/factory", msgs.Factory(sdf=text, allow_renaming=True))
+    send("~/factory", msgs.Factory(sdf=text, allow_renaming=True))
     assert view.ModelByName("box_0").WorldPose().Pos().X() == pytest.approx(5.0)
 
 
-def test_what_is_wrong_with_a_message_is_told_and_the_world_runs_on(view, core, say, caplog):
-    say("~/factory", msgs.Factory())
-    say("~/model/modify", msgs.Model(name="boxx"))
-    say("~/joint", msgs.JointCmd(name="arm::hing", force=1.0))
+def test_an_invalid_message_is_reported_and_the_world_runs_on(view, core, send, caplog):
+    send("~/factory", msgs.Factory())
+    send("~/model/modify", msgs.Model(name="boxx"))
+    send("~/joint", msgs.JointCmd(name="arm::hing", force=1.0))
     assert "~/factory: it names neither sdf, sdf_filename nor clone_model_name" in caplog.text
     assert "there is no model 'boxx'; did you mean 'box'?" in caplog.text
     assert "there is no joint 'arm::hing'" in caplog.text
     assert view.Iterations() == 6
 
 
-def test_the_world_is_paused_stepped_and_reset(view, core, say):
-    say("~/world_control", msgs.WorldControl(pause=True))
+def test_the_world_is_paused_stepped_and_reset(view, core, send):
+    send("~/world_control", msgs.WorldControl(pause=True))
     at = view.Iterations()
     core.step(5)
     assert view.Iterations() == at
-    say("~/world_control", msgs.WorldControl(multi_step=7))
+    send("~/world_control", msgs.WorldControl(multi_step=7))
     core.step(10)
     assert view.Iterations() == at + 7
     assert view.IsPaused()
     reset = msgs.WorldControl(pause=False)
     reset.reset.all = True
     view.ModelByName("box").SetWorldPose(Pose3d(9, 9, 9, 0, 0, 0))
-    say("~/world_control", reset)
+    send("~/world_control", reset)
     assert view.ModelByName("box").WorldPose().Pos().X() == pytest.approx(0.0, abs=1e-6)
     assert view.SimTime().Double() < 0.01
 
 
-def test_physics_models_lights_and_joints_are_changed(view, core, say):
+def test_physics_models_lights_and_joints_are_changed(view, core, send):
     physics_message = msgs.Physics(max_step_size=0.002, iters=70)
     msgs.Set(physics_message.gravity, Vector3d(0, 0, -1.5))
-    say("~/physics", physics_message)
+    send("~/physics", physics_message)
     assert view.Physics().GetMaxStepSize() == 0.002
     assert view.Physics().GetParam("iters") == 70
     assert view.Gravity().Z() == -1.5
     moved = msgs.Model(name="box", pose=msgs.Convert(Pose3d(1, 2, 0.5, 0, 0, 0)))
-    say("~/model/modify", moved)
+    send("~/model/modify", moved)
     assert view.ModelByName("box").WorldPose().Pos().Y() == pytest.approx(2.0, abs=1e-6)
     green = msgs.Light(name="lamp", diffuse=msgs.Color(r=0, g=1, b=0, a=1), range=3.5)
-    say("~/light/modify", green)
+    send("~/light/modify", green)
     assert view.LightByName("lamp").DiffuseColor().G() == 1.0
     assert view.LightByName("lamp").Range() == pytest.approx(3.5)
-    say("~/joint", msgs.JointCmd(name="arm::hinge", force=2.0))
+    send("~/joint", msgs.JointCmd(name="arm::hinge", force=2.0))
     core.step(100)
     hinge = view.ModelByName("arm").GetJoint("hinge")
     assert hinge.GetVelocity(0) == pytest.approx(2.0 * 0.002 * 101, rel=0.03)
@@ -169,7 +169,7 @@ def test_requests_are_answered(view, node, core):
     assert kept.GetTopic() == "/gazebo/topics/response"
 
 
-def test_the_world_saves_what_it_is(view, core, tmp_path):
+def test_the_world_saves_its_present_poses(view, core, tmp_path):
     view.ModelByName("box").SetWorldPose(Pose3d(1, 2, 0.5, 0, 0, 0.3))
     view.Save(str(tmp_path / "saved.world"))
     again = libgz.World.from_file(tmp_path / "saved.world")
@@ -178,7 +178,7 @@ def test_the_world_saves_what_it_is(view, core, tmp_path):
     again.close()
 
 
-def test_messages_to_the_factory_of_one_iteration_all_make_something(core, view, node):
+def test_all_messages_to_the_factory_of_one_iteration_take_effect(core, view, node):
     factory = node.Advertise(msgs.Factory, "~/factory")
     text = f"<sdf version='1.6'>{BOX.format(name='box', pose='5 0 9 0 0 0')}</sdf>"
     for _ in range(3):
@@ -190,11 +190,11 @@ def test_messages_to_the_factory_of_one_iteration_all_make_something(core, view,
     assert made == {"box_0", "box_1", "box_2", "arm_clone", "arm_clone_0", "arm_clone_1", "box_1_clone"}
 
 
-def test_a_light_from_the_factory_is_as_the_message_says(core, view, say):
+def test_a_light_from_the_factory_has_the_values_of_the_message(core, view, send):
     lamp = msgs.Light(name="new", type=msgs.Light.SPOT, range=7.0, attenuation_linear=0.5)
     msgs.Set(lamp.pose, Pose3d(1, 2, 3, 0, 0, 0))
     msgs.Set(lamp.diffuse, Color(1, 0, 0, 1))
-    say("~/factory/light", lamp)
+    send("~/factory/light", lamp)
     light = view.LightByName("new")
     assert (light.LightType(), light.Range(), light.Attenuation()[1]) == ("spot", 7.0, 0.5)
     assert light.WorldPose().Pos() == Vector3d(1, 2, 3)
@@ -202,36 +202,36 @@ def test_a_light_from_the_factory_is_as_the_message_says(core, view, say):
 
 
 @pytest.mark.parametrize(
-    ("name", "linear", "said"), [("", 0.0, "a light needs a name"), ("new", math.nan, "attenuation is")]
+    ("name", "linear", "given"), [("", 0.0, "a light needs a name"), ("new", math.nan, "attenuation is")]
 )
-def test_a_light_that_cannot_be_is_not_made(view, say, caplog, name, linear, said):
-    say("~/factory/light", msgs.Light(name=name, attenuation_linear=linear))
-    assert said in caplog.text
+def test_an_invalid_light_is_not_made(view, send, caplog, name, linear, given):
+    send("~/factory/light", msgs.Light(name=name, attenuation_linear=linear))
+    assert given in caplog.text
     assert [light.GetName() for light in view.Lights()] == ["lamp"]
 
 
-def test_a_model_is_not_offered_where_a_light_is_meant(say, caplog):
-    say("~/light/modify", msgs.Light(name="box", range=3.0))
+def test_a_model_is_not_suggested_for_a_light(send, caplog):
+    send("~/light/modify", msgs.Light(name="box", range=3.0))
     assert "there is no light 'box'\n" in caplog.text + "\n"
     assert "did you mean" not in caplog.text
 
 
-def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
-    heard = []
-    listening = node.Subscribe("~/physics/contacts", heard.append)
+def test_contacts_are_recorded_while_there_are_subscribers(core, view, node):
+    received = []
+    listening = node.Subscribe("~/physics/contacts", received.append)
     core.step(4)
-    assert [contact.collision1 for contact in heard[-1].contact]
+    assert [contact.collision1 for contact in received[-1].contact]
     listening.Unsubscribe()
     core.step(1)
     assert not core.engine.record_contacts
 
 
-def test_the_magnetic_field_has_one_truth(core, view, say):
+def test_the_magnetic_field_is_kept_in_one_place(core, view, send):
     view.SetMagneticField((1e-5, 2e-5, 3e-5))
     assert settings_of(core).magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
     message = msgs.Physics(real_time_factor=0.5)
     msgs.Set(message.magnetic_field, Vector3d(0, 0, 1e-5))
-    say("~/physics", message)
+    send("~/physics", message)
     assert view.Physics().GetParam("magnetic_field") == Vector3d(0, 0, 1e-5)
     assert view.Physics().GetTargetRealTimeFactor() == 0.5
 

@@ -1,4 +1,4 @@
-"""Activity: what acts in a world before physics in every iteration."""
+"""Activity: joint controllers, batteries and animations, updated in every iteration before physics."""
 
 from __future__ import annotations
 

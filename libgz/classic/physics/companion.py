@@ -1,7 +1,4 @@
-"""Companion: what the views of a world require of the world's companion, `libgz.classic.server.WorldServer`.
-
-The companion keeps the state that is neither the engine's nor a view's; it stands above this package.
-"""
+"""Companion: the interface of `libgz.classic.server.WorldServer` that the views of its world use."""
 
 from __future__ import annotations
 
@@ -22,7 +19,7 @@ __all__ = ["Companion"]
 
 
 class Companion(Protocol):
-    """The companion of a world.
+    """The companion of a world, which keeps the state that is neither the engine's nor a view's.
 
     Attributes:
         world: the view on the world.

@@ -58,7 +58,7 @@ WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
 
 
 class PhysicsEngine:
-    """ODE, and the step size and rate of a world."""
+    """The physics engine of a world, ODE: step size, rate and parameters."""
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -143,7 +143,7 @@ class PhysicsEngine:
         match key:
             case "type":
                 if value != "ode":
-                    raise ParameterError(f"type {value!r} is not here; only ode is")
+                    raise ParameterError(f"type {value!r} is not supported; only ode is")
             case "max_step_size":
                 self.SetMaxStepSize(float(value))
             case "real_time_update_rate":

@@ -128,7 +128,7 @@ class ScanGrid:
         self.samples, self.angles, self.reach = samples, angles, reach
 
     def rays(self, offset: GzPose) -> NDArray[np.float64]:
-        """Start [m], direction and length [m] of all rays, shape (n, 7), in the frame of `offset`'s parent."""
+        """Start [m], direction and length [m] of all rays, shape (n, 7), in the frame that `offset` is given in."""
         yaw, pitch = (
             np.linspace(*angles, samples) if samples > 1 else np.zeros(1)  # a single ray points along x
             for angles, samples in zip(self.angles, self.samples, strict=True)
@@ -139,7 +139,7 @@ class ScanGrid:
 
 
 def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offset: GzPose) -> NDArray[np.float64]:
-    """Rays from a point that begin at `reach[0]` and end at `reach[1]` [m], as `Engine.scan` wants them."""
+    """Rays for `Engine.scan`, shape (n, 7), from `reach[0]` to `reach[1]` [m] along each direction."""
     turn = np.array([rotate(offset.rot, axis) for axis in np.eye(3)])
     near, far = reach
     rays = np.empty((len(directions), 7))
@@ -150,12 +150,12 @@ def ray_table(directions: NDArray[np.float64], reach: tuple[float, float], offse
 
 
 class MultiRayShape:
-    """The rays of a laser, fixed to a link; they see everything, the link itself included.
+    """The rays of a laser, fixed to a link; they also hit the link itself.
 
     Args:
         body: the link.
-        offset: pose of the laser in the link [m].
-        grid: where the rays point.
+        offset: pose of the laser in the link frame [m].
+        grid: the directions of the rays.
     """
 
     def __init__(self, body: Body, offset: GzPose, grid: ScanGrid) -> None:
@@ -168,7 +168,7 @@ class MultiRayShape:
         self._reached: NDArray[np.float64] = np.full(self.RayCount(), sys.float_info.max)
 
     def place(self, offset: GzPose) -> None:
-        """Move it to a pose in the link [m]."""
+        """Set the pose of the laser in the link frame [m]."""
         self._rays = self.grid.rays(offset)
 
     def GetType(self) -> str:
@@ -176,7 +176,7 @@ class MultiRayShape:
         return "multiray"
 
     def Update(self) -> None:
-        """Cast all rays from where the link is now."""
+        """Cast all rays, from the present pose of the link."""
         pose = self._body.GetPose()
         self._engine.scan(np.array((*pose.pos, *pose.rot)), self._rays, 0, self._reached, self._rows)
         if self._scans:
@@ -193,11 +193,11 @@ class MultiRayShape:
     # Readings ----------------------------------------------------------------------------------------------------
 
     def ranges(self) -> NDArray[np.float64]:
-        """Distances [m] from the laser of what was hit; the maximum where nothing was. Row after row, shape (n,)."""
+        """The distances of the hits from the laser [m]; the maximum range without a hit. Row by row, shape (n,)."""
         return np.minimum(self._reached + self.grid.reach[0], self.grid.reach[1])
 
     def retros(self) -> NDArray[np.float64]:
-        """How much of the laser comes back from what was hit, shape (n,)."""
+        """The laser retro values of the hits, 0 without a hit, shape (n,)."""
         values = {row: self._engine.geoms[row].GetRetro() for row in np.unique(self._rows).tolist() if self._known(row)}
         if not any(values.values()):
             return np.zeros(len(self._rows))
@@ -207,7 +207,7 @@ class MultiRayShape:
         return row >= 0 and row in self._engine.geoms
 
     def segments(self) -> NDArray[np.float64]:
-        """Global ends of all rays, as far as they reached [m], shape (n, 2, 3)."""
+        """Start of all rays, and their hits or ends [m], in the world frame, shape (n, 2, 3)."""
         pose = self._body.GetPose()
         axes = np.array([rotate(pose.rot, axis) for axis in np.eye(3)])
         starts = self._rays[:, :3] @ axes + pose.pos
@@ -220,7 +220,7 @@ class MultiRayShape:
         return index
 
     def Range(self, index: int) -> float:
-        """Distance [m] of what a ray hit; the maximum for nothing.
+        """The distance of the hit of a ray [m]; the maximum range without a hit.
 
         Raises:
             NotFoundError: there is no such ray.
@@ -228,12 +228,12 @@ class MultiRayShape:
         return float(min(self._reached[self._check(index)] + self.grid.reach[0], self.grid.reach[1]))
 
     def Retro(self, index: int) -> float:
-        """How much of the laser comes back from what a ray hit; 0 for nothing."""
+        """The laser retro value of the hit of a ray; 0 without a hit."""
         row = int(self._rows[self._check(index)])
         return self._engine.geoms[row].GetRetro() if self._known(row) else 0.0
 
     def Fiducial(self, index: int) -> int:
-        """The fiducial number of what a ray hit; -1 for none."""
+        """The fiducial number of the hit of a ray; -1 without a hit."""
         row = int(self._rows[self._check(index)])
         return self._engine.geoms[row].GetFiducial() if self._known(row) else -1
 
@@ -242,39 +242,39 @@ class MultiRayShape:
     # Description -------------------------------------------------------------------------------------------------
 
     def RayCount(self) -> int:
-        """How many rays there are."""
+        """The number of rays."""
         return self.grid.samples[0] * self.grid.samples[1]
 
     def SampleCount(self) -> int:
-        """Rays in a row."""
+        """The number of rays in a row."""
         return self.grid.samples[0]
 
     def VerticalSampleCount(self) -> int:
-        """Rows of rays."""
+        """The number of rows."""
         return self.grid.samples[1]
 
     def MinRange(self) -> float:
-        """Nearest that is measured [m]."""
+        """The minimum range [m]."""
         return self.grid.reach[0]
 
     def MaxRange(self) -> float:
-        """Farthest that is measured [m]."""
+        """The maximum range [m]."""
         return self.grid.reach[1]
 
     def MinAngle(self) -> Angle:
-        """Direction of the first ray of a row [rad]."""
+        """The angle of the first ray of a row [rad]."""
         return Angle(self.grid.angles[0][0])
 
     def MaxAngle(self) -> Angle:
-        """Direction of the last ray of a row [rad]."""
+        """The angle of the last ray of a row [rad]."""
         return Angle(self.grid.angles[0][1])
 
     def VerticalMinAngle(self) -> Angle:
-        """Elevation of the lowest row [rad]."""
+        """The elevation of the lowest row [rad]."""
         return Angle(self.grid.angles[1][0])
 
     def VerticalMaxAngle(self) -> Angle:
-        """Elevation of the highest row [rad]."""
+        """The elevation of the highest row [rad]."""
         return Angle(self.grid.angles[1][1])
 
     GetSampleCount, GetVerticalSampleCount = SampleCount, VerticalSampleCount

@@ -134,7 +134,7 @@ class ContactPlugin(_Hook):
 
 
 class GpuRayPlugin(_Hook):
-    """Plugin of a gpu_ray sensor, which is a ray sensor here."""
+    """Plugin of a gpu_ray sensor, which libgz simulates as a ray sensor."""
 
     types = ("gpu_ray",)
 

@@ -21,7 +21,7 @@ def arm(run):
     return view.ModelByName("arm")
 
 
-def test_a_joint_made_at_run_time_gets_its_sensors_and_is_held_by_the_controller(run):
+def test_a_joint_created_at_run_time_gets_its_sensors_and_is_controlled(run):
     core, view = run(body("arm", gravity="false", inside=HINGE.format("")))
     arm = view.ModelByName("arm")
     controller = arm.GetJointController()
@@ -42,7 +42,7 @@ def test_a_joint_made_at_run_time_gets_its_sensors_and_is_held_by_the_controller
     assert joint.Position(0) == pytest.approx(0.5, abs=1e-3)
 
 
-def test_a_joint_that_holds_nothing_has_no_links(run):
+def test_a_detached_joint_has_no_links(run):
     core, view = run(body("a"), body("b", "0 0 1 0 0 0"))
     one, two = (view.ModelByName(name).GetLink() for name in "ab")
     joint = view.ModelByName("a").CreateJoint("hook", "revolute", one, two)
@@ -74,7 +74,7 @@ ASKED = {
 
 @pytest.mark.parametrize("detached", [False, True])
 @pytest.mark.parametrize("what", ASKED)
-def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(run, what, detached):
+def test_all_methods_of_a_joint_work_after_its_link_was_removed(run, what, detached):
     hook = "<joint name='hook' type='prismatic'><parent>link</parent><child>b::link</child>{}</joint>"
     felt = AXIS + FELT.format("felt", "")
     core, view = run(body("b", "0 0 1 0 0 0"), body("a", inside=hook.format(felt)))
@@ -98,13 +98,13 @@ def test_a_joint_whose_link_has_gone_can_be_asked_for_anything(run, what, detach
         lambda model: model.SetJointPositions({"arm::hing": 1.0}),
     ],
 )
-def test_joints_that_a_controller_does_not_know_are_told_of(run, caplog, ask):
+def test_unknown_joints_of_a_controller_are_reported(run, caplog, ask):
     _, view = run(body("arm", inside=HINGE.format("")))
     ask(view.ModelByName("arm"))
     assert "Could not find joint with name[arm::hing] in model 'arm'; did you mean 'arm::hinge'?" in caplog.text
 
 
-def test_an_animation_of_a_joint_that_goes_ends(run, caplog):
+def test_an_animation_of_a_removed_joint_ends(run, caplog):
     core, view = run(body("arm", inside=HINGE.format("")))
     arm, turn = view.ModelByName("arm"), NumericAnimation("turn", 1.0, True)
     for time in (0.0, 1.0):
@@ -136,7 +136,7 @@ def test_joints_with_two_axes_are_made_at_run_time(run, kind):
     assert [made.GetVelocity(i) for i in (0, 1)] == pytest.approx([0.0, 0.5], abs=1e-6)
 
 
-def test_a_joint_that_cannot_be_attached_holds_nothing(run):
+def test_a_joint_that_cannot_be_attached_is_detached(run):
     core, view = run(body("a"), body("b", "0 0 1 0 0 0"))
     one, two = (view.ModelByName(name).GetLink() for name in "ab")
     joint = view.ModelByName("a").CreateJoint("j", "prismatic", one, two)
@@ -150,7 +150,7 @@ def test_a_joint_that_cannot_be_attached_holds_nothing(run):
     assert joint.GetParent() is one
 
 
-def test_a_joint_that_changes_its_model_leaves_the_first(run):
+def test_a_joint_that_changes_its_model_is_removed_from_the_first(run):
     _, view = run(body("a"), body("b", "0 0 1 0 0 0"))
     one, two = view.ModelByName("a"), view.ModelByName("b")
     controller = one.GetJointController()
@@ -172,7 +172,7 @@ def test_a_joint_that_changes_its_model_leaves_the_first(run):
         lambda joint: joint.SetEffortLimit(-1, 3.0),
     ],
 )
-def test_axes_that_a_joint_does_not_have_are_named(run, ask):
+def test_axes_that_a_joint_does_not_have_are_reported(run, ask):
     _, view = run(body("arm", inside=HINGE.format("")))
     with pytest.raises(ParameterError, match=r"joint 'hinge' has no axis -?\d; it has 1"):
         ask(view.ModelByName("arm").GetJoint("hinge"))

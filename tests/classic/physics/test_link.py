@@ -20,7 +20,7 @@ def link(run):
     return view.ModelByName("box").GetLink()
 
 
-def test_collide_modes_go_back_to_the_bits_that_were_set(run):
+def test_collide_modes_restore_the_bits_that_were_set(run):
     _, view = run(body("box", link=BOX))
     shape = view.ModelByName("box").GetLink().GetCollision(0)
     shape.GetSurface().collideBitmask = 2

@@ -17,7 +17,7 @@ def model(run):
     return view.ModelByName("outer")
 
 
-def test_a_model_that_has_left_is_given_no_link(run):
+def test_no_link_can_be_added_to_a_removed_model(run):
     _, view = run(body("box"))
     box = view.ModelByName("box")
     view.RemoveModel(box)

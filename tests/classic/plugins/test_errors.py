@@ -9,10 +9,10 @@ from libgz.classic import msgs, transport
 from libgz.errors import ClosedError
 
 
-def listen(topic, heard):
+def listen(topic, received):
     node = transport.Node()
     node.Init("default")
-    return node, node.Subscribe(topic, heard.append)
+    return node, node.Subscribe(topic, received.append)
 
 
 # Events --------------------------------------------------------------------------------------------------------------
@@ -24,24 +24,24 @@ def sim_events(*events):
     return f"<plugin name='events' filename='libSimEventsPlugin.so'>{region}{inside}</plugin>"
 
 
-def test_a_light_that_goes_is_no_model(run):
+def test_a_removed_light_is_not_reported_as_a_model(run):
     core, world = run(body("stone"), "<light name='lamp' type='point'/>", sim_events("<type>existence</type>"))
-    heard = []
-    kept = listen("/gazebo/sim_events", heard)
+    received = []
+    kept = listen("/gazebo/sim_events", received)
     for name in ("lamp", "stone"):
         world.RemoveModel(name)
         core.step()
-    assert [json.loads(message.data)["model"] for message in heard] == ["stone"]
+    assert [json.loads(message.data)["model"] for message in received] == ["stone"]
     del kept
 
 
 def test_corners_of_a_region_in_any_order(run):
     event = "<type>inclusion</type><model>stone</model><region>r</region>"
     core, _ = run(body("stone", gravity="false"), sim_events(event))
-    heard = []
-    kept = listen("/gazebo/sim_events", heard)
+    received = []
+    kept = listen("/gazebo/sim_events", received)
     core.step(2)
-    assert [json.loads(message.data)["state"] for message in heard] == ["inside"]
+    assert [json.loads(message.data)["state"] for message in received] == ["inside"]
     del kept
 
 
@@ -54,7 +54,7 @@ def test_corners_of_a_region_in_any_order(run):
         ("<type>occupied</type><region>r</region><msg_data>yes</msg_data>", "topic"),
     ],
 )
-def test_what_an_event_needs_is_told(event, tag, run, caplog):
+def test_missing_elements_of_an_event_are_reported(event, tag, run, caplog):
     run(body("stone"), sim_events(event))
     assert f"and requires a <{tag}>" in caplog.text
 
@@ -91,7 +91,7 @@ ROW = "<scan><horizontal><samples>5</samples></horizontal></scan><range><min>0.1
         ("gpu_ray", "GpuRayPlugin", "OnNewLaserFrame", f"<ray>{ROW}</ray>", "3 5 1 FLOAT32_RGB"),
     ],
 )
-def test_clouds_and_laser_frames_come_to_those_who_ask(
+def test_clouds_and_laser_frames_are_made_if_a_callback_uses_them(
     kind, base, hook, inside, found, run, tmp_path, monkeypatch, capsys
 ):
     (tmp_path / "frames.py").write_text(FRAMES.format(base=base, hook=hook))
@@ -104,27 +104,27 @@ def test_clouds_and_laser_frames_come_to_those_who_ask(
 # Wings ---------------------------------------------------------------------------------------------------------------
 
 
-def test_a_wing_without_an_upper_side_is_told(run, caplog):
+def test_parallel_directions_of_a_wing_are_reported(run, caplog):
     run(body("plane", inside=plugin("LiftDragPlugin", link_name="link", upward="2 0 0")))
     assert "<forward> and <upward> must be two directions" in caplog.text
 
 
 @pytest.mark.parametrize(
-    ("said", "force", "words"),
+    ("given", "force", "words"),
     [
         ("<volume>-1</volume>", 0.5, "<volume> is -1 m^3; it must be positive"),
         ("<center_of_volume>0 0 1</center_of_volume>", 0.5, "<volume> is 0 m^3"),
         ("<volume>2</volume>", 2.0, ""),
     ],
 )
-def test_what_a_file_does_not_say_of_a_floating_link_its_collisions_do(said, force, words, run, caplog):
+def test_missing_volumes_of_a_link_are_those_of_its_collisions(given, force, words, run, caplog):
     shape = collision("<box><size>1 1 0.5</size></box>", pose="0 0.2 0 0 0 0")
-    text = plugin("BuoyancyPlugin", fluid_density=10).replace("</plugin>", f"<link name='link'>{said}</link></plugin>")
+    text = plugin("BuoyancyPlugin", fluid_density=10).replace("</plugin>", f"<link name='link'>{given}</link></plugin>")
     core, world = run(body("raft", mass=1.0, link=shape, inside=text))
     core.step()
     assert world.ModelByName("raft").WorldLinearVel().Z() == pytest.approx((force * 10.0 - 1.0) * 9.8e-3, abs=1e-6)
     assert words in caplog.text
-    if said == "<volume>2</volume>":  # at the middle of the box
+    if given == "<volume>2</volume>":  # at the middle of the box
         assert world.ModelByName("raft").WorldAngularVel().X() == pytest.approx(0.2 * 20.0 * 9.8e-3, abs=1e-6)
 
 

@@ -9,7 +9,7 @@ from plugin_worlds import HINGE, body, collision, plugin
 from libgz.classic.math import Vector3d
 
 
-def test_initial_velocity_is_given_again_after_a_reset(run):
+def test_initial_velocity_is_set_again_after_a_reset(run):
     extra = plugin("InitialVelocityPlugin", linear="1 2 0", angular="0 0 3")
     core, world = run(body("stone", "0 0 5 0 0 0", inside=extra, gravity="false"))
     stone = world.ModelByName("stone")
@@ -95,7 +95,7 @@ def test_a_flap_adds_lift(run):
     assert plane.WorldLinearVel().Z() / 0.001 == pytest.approx(lift / 1.001, rel=1e-3)
 
 
-def test_a_body_of_revolution_is_lifted_wherever_the_air_comes_from(run):
+def test_a_body_of_revolution_has_lift_in_all_directions(run):
     wing = {**WING, "a0": 0.0, "cda": 0.0, "radial_symmetry": "true"}
     core, world = run(body("rocket", inside=plugin("LiftDragPlugin", **wing), gravity="false"))
     rocket = world.ModelByName("rocket")
@@ -138,9 +138,9 @@ def test_buoyancy_acts_at_the_centre_of_volume(run):
     assert tuple(turn) == pytest.approx((0.0, -1.5 * 4.0 * 9.8, 0.0), abs=1e-6)
 
 
-def test_buoyancy_believes_what_the_file_says(run, caplog):
-    said = "<link name='link'><volume>2</volume><center_of_volume>0 0 0</center_of_volume></link>"
-    text = plugin("BuoyancyPlugin", fluid_density=1.0).replace("</plugin>", f"{said}<link name='keel'/></plugin>")
+def test_buoyancy_uses_the_volumes_of_the_file(run, caplog):
+    given = "<link name='link'><volume>2</volume><center_of_volume>0 0 0</center_of_volume></link>"
+    text = plugin("BuoyancyPlugin", fluid_density=1.0).replace("</plugin>", f"{given}<link name='keel'/></plugin>")
     caplog.set_level(logging.WARNING)
     core, world = run(body("float", "0 0 9 0 0 0", 2.0, text))
     core.step(5)

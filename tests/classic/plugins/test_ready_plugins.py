@@ -25,7 +25,7 @@ def pioneer(*plugins, pose="0 0 0 0 0 0"):
 
 # Without a motor the wheels have their speed at the beginning of each step, and lose some of it in turns.
 @pytest.mark.parametrize(("torque", "slip", "rate_slip"), [({}, 0.2, 0.4), ({"torque": 5}, 0.06, 0.06)])
-def test_diff_drive_turns_with_the_rate_it_is_told_right_if_positive(torque, slip, rate_slip, run):
+def test_diff_drive_turns_at_the_commanded_rate_right_if_positive(torque, slip, rate_slip, run):
     wheels = {"left_joint": "left_wheel_hinge", "right_joint": "right_wheel_hinge"}
     core, world = run(pioneer(plugin("DiffDrivePlugin", **wheels, **torque), pose="0 0 0 0 0 0.7"))
     robot = world.ModelByName("pioneer2dx")
@@ -40,7 +40,7 @@ def test_diff_drive_turns_with_the_rate_it_is_told_right_if_positive(torque, sli
     del kept
 
 
-def test_diff_drive_tells_what_it_misses(run, caplog):
+def test_diff_drive_reports_missing_elements(run, caplog):
     run(pioneer(plugin("DiffDrivePlugin", left_joint="left_hinge", right_joint="right_wheel_hinge")))
     assert "has no joint 'left_hinge'" in caplog.text
     run(pioneer(plugin("DiffDrivePlugin", left_joint="left_wheel_hinge")))
@@ -181,7 +181,7 @@ def test_legacy_models_drive_among_sdf_models_and_all_are_reset(run):
             assert world.ModelByName(name).WorldPose().Pos().Equal(place, 1e-12), name
 
 
-def test_faults_of_legacy_models_are_told_and_the_world_runs(run, caplog):
+def test_errors_of_legacy_models_are_reported_and_the_world_runs(run, caplog):
     text = "<model:Pioneer3AT xmlns:model='model'><id>a</id></model:Pioneer3AT>"
     core, world = run(GROUND, f"<plugin name='legacy' filename='libgz_legacy.so'>{text}</plugin>")
     core.step(2)
@@ -210,24 +210,24 @@ def test_sim_events_are_published_when_they_happen(run):
     axle = HINGE.format(name="axle")
     spin = plugin("InitialVelocityPlugin", angular="0 0 2")
     core, world = run(body("stone", "0 0 5 0 0 0"), body("wheel", "5 0 5 0 0 0", inside=axle + spin), SIM_EVENTS)
-    node, heard, full = transport.Node(), [], []
+    node, received, full = transport.Node(), [], []
     node.Init("default")
-    kept = [node.Subscribe("/gazebo/sim_events", heard.append), node.Subscribe("~/full", full.append)]
+    kept = [node.Subscribe("/gazebo/sim_events", received.append), node.Subscribe("~/full", full.append)]
     core.run(3.0)
 
     # The stone is 1 m lower after sqrt(2 / 9.8) s; the wheel is at 3 rad after 1.5 s, and back at -pi after 1.57 s.
-    times = [(m.name, json.loads(m.data)["state"], m.world_statistics.sim_time) for m in heard]
+    times = [(m.name, json.loads(m.data)["state"], m.world_statistics.sim_time) for m in received]
     found = [(name, state, time.sec + 1e-9 * time.nsec) for name, state, time in times]
     assert [(name, state) for name, state, _ in found] == [
         ("fallen", "inside"), ("turned", "in_range"), ("turned", "out_of_range"),
     ]  # fmt: skip
     assert [time for _, _, time in found] == pytest.approx([math.sqrt(2.0 / 9.8), 1.5, math.pi / 2.0], abs=3e-3)
-    assert json.loads(heard[0].data) == {"state": "inside", "region": "below", "model": "stone"}
-    assert heard[0].type == "inclusion"
+    assert json.loads(received[0].data) == {"state": "inside", "region": "below", "model": "stone"}
+    assert received[0].type == "inclusion"
     assert {message.data for message in full} == {"yes"}
     assert len(full) == pytest.approx((3.0 - math.sqrt(2.0 / 9.8)) / 0.001, abs=3)
 
-    heard.clear()
+    received.clear()
     world.InsertModelString(f"<sdf version='1.6'>{body('guest_7', '0 0 50 0 0 0')}</sdf>")
     core.step(2)
     world.RemoveModel("guest_7")
@@ -235,10 +235,10 @@ def test_sim_events_are_published_when_they_happen(run):
     world.SetPaused(True)
     world.SetPaused(False)
     core.step(2)
-    assert [(m.name, json.loads(m.data)["state"]) for m in heard] == [
+    assert [(m.name, json.loads(m.data)["state"]) for m in received] == [
         ("new", "creation"), ("new", "deletion"), ("pause", "paused"), ("pause", "running"),
     ]  # fmt: skip
-    assert json.loads(heard[0].data)["model"] == "guest_7"
+    assert json.loads(received[0].data)["model"] == "guest_7"
     del kept
 
 
@@ -364,11 +364,11 @@ def test_keys_of_the_client_drive_a_robot(run):
     topic = "~/pioneer2dx/vel_cmd"
     keys = plugin("KeysToCmdVelPlugin", cmd_vel_topic=topic, max_linear_vel=0.5, linear_increment=0.2)
     core, world = run(pioneer(plugin("DiffDrivePlugin", **wheels), keys))
-    robot, heard, node = world.ModelByName("pioneer2dx"), [], transport.Node()
+    robot, received, node = world.ModelByName("pioneer2dx"), [], transport.Node()
     node.Init("default")
 
     def hear(message):
-        heard.append((message.position.x, Quaterniond(msgs.ConvertIgn(message.orientation)).Yaw()))
+        received.append((message.position.x, Quaterniond(msgs.ConvertIgn(message.orientation)).Yaw()))
 
     kept = node.Subscribe(topic, hear)
     keyboard = new_plugin("GUI", "libKeyboardGUIPlugin.so", "keyboard", "System", core.events)
@@ -377,7 +377,7 @@ def test_keys_of_the_client_drive_a_robot(run):
     for key in (up, up, up, down, left, 120):
         gui.Events.keyPress(msgs.KeyEvent(key=key))
     core.run(2.0)
-    assert heard == [pytest.approx(pair) for pair in [(0.2, 0), (0.4, 0), (0.5, 0), (0.3, 0), (0.3, -0.5)]]
+    assert received == [pytest.approx(pair) for pair in [(0.2, 0), (0.4, 0), (0.5, 0), (0.3, 0), (0.3, -0.5)]]
     assert robot.WorldLinearVel().Length() == pytest.approx(0.3, abs=0.03)
     assert robot.WorldPose().Yaw() > 0.7  # left
     gui.Events.keyPress(msgs.KeyEvent(**space))
@@ -387,21 +387,21 @@ def test_keys_of_the_client_drive_a_robot(run):
     keyboard.drop()
     gui.Events.keyPress(msgs.KeyEvent(key=up))
     core.step(3)
-    assert len(heard) == 6
+    assert len(received) == 6
 
 
 def test_keys_can_be_chosen(run, caplog):
     controls = "<key_controls><accelerate>119</accelerate><accelerate>87</accelerate><stop>120</stop></key_controls>"
     core, _ = run(body("cart", inside=plugin("KeysToCmdVelPlugin").replace("</plugin>", f"{controls}</plugin>")))
     assert "Key left has no assigned keycode." in caplog.text
-    node, heard = transport.Node(), []
+    node, received = transport.Node(), []
     node.Init("default")
-    kept = node.Subscribe("~/cmd_vel", lambda message: heard.append(message.position.x))
+    kept = node.Subscribe("~/cmd_vel", lambda message: received.append(message.position.x))
     publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
     for key in "wWsx":
         publisher.Publish(msgs.Any(int_value=ord(key)))
     core.step(3)
-    assert heard == [0.5, 1.0, 0.0]
+    assert received == [0.5, 1.0, 0.0]
     del kept
 
 
@@ -434,7 +434,7 @@ def test_a_battery_is_used_up_by_its_consumers(run):
     assert battery.Voltage() == pytest.approx(12.0, abs=1e-3)
 
 
-def test_a_battery_that_is_not_there_is_told(run, caplog):
+def test_a_missing_battery_is_reported(run, caplog):
     link = "<battery name='main'><voltage>12</voltage></battery>"
     wrong = plugin("LinearBatteryConsumerPlugin", link_name="link", battery_name="mian", power_load=1)
     run(body("robot", inside=wrong, link=link))

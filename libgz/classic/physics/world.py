@@ -16,7 +16,7 @@ import numpy as np
 from libgz.classic.common import SphericalCoordinates, Time, UpdateInfo
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
-from libgz.classic.physics.companion import Companion
+from libgz.classic.physics.world_services import WorldServices
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.insertion import insert_document, insert_file, insert_text
 from libgz.classic.physics.joint import Joint
@@ -53,10 +53,10 @@ class World(Base):
 
     Attributes:
         core: the engine's world.
-        server: its companion.
+        server: the WorldServer, which keeps all state that is not the engine's.
     """
 
-    def __init__(self, core: CoreWorld, server: Companion) -> None:
+    def __init__(self, core: CoreWorld, server: WorldServices) -> None:
         self.core, self.server = core, server
         super().__init__(self, core.name, None)
 
@@ -308,7 +308,7 @@ class World(Base):
         frame = np.array((*finite_tuple(start, 3, "point [m]", LARGEST), 1.0, 0.0, 0.0, 0.0))
         rays = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, -1.0, NO_HIT]])
         ranges, rows = np.zeros(1), np.zeros(1, dtype=np.int64)
-        owner = getattr(getattr(above, "body", None), "number", 0)
+        owner = above.body.number if isinstance(above, Link) else 0
         engine.scan(frame, rays, owner, ranges, rows)
         row = int(rows[0])
         if row < 0:

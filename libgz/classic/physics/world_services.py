@@ -1,4 +1,4 @@
-"""Companion: the interface of `libgz.classic.server.WorldServer` that the views of its world use."""
+"""WorldServices: the interface of `libgz.classic.server.WorldServer` that the views of its world use."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from libgz.sdf.element import Element
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["Companion"]
+__all__ = ["WorldServices"]
 
 
-class Companion(Protocol):
-    """The companion of a world, which keeps the state that is neither the engine's nor a view's.
+class WorldServices(Protocol):
+    """What the server of a world offers to views; it keeps the state that is neither the engine's nor a view's.
 
     Attributes:
         world: the view on the world.

@@ -23,7 +23,7 @@ from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.physics.model import Model
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
     from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]

@@ -161,7 +161,7 @@ def test_requests_are_answered(view, node, core):
     assert msgs.Physics.FromString(answers[3].serialized_data).max_step_size == 0.001
     text = msgs.GzString.FromString(answers[4].serialized_data).data
     copy = libgz.World.from_string(text)
-    assert [model.GetId() for model in copy.models] == ["ground_plane", "box", "arm", "lamp"]
+    assert [model.GetId() for model in copy.entities] == ["ground_plane", "box", "arm", "lamp"]
     copy.close()
     scene = msgs.Scene.FromString(answers[5].serialized_data)
     assert [model.name for model in scene.model] == ["ground_plane", "box", "arm"]

@@ -44,7 +44,8 @@ def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
 def _find(world: World, element: Element, diagnostics: Diagnostics) -> Entity | None:
     name = element.Get(str, "name")
     try:
-        return world.model(name)
+        found: Entity = world.model(name)
+        return found
     except NotFoundError as error:
         diagnostics.add(Diagnostic(element.file, element.line, element.name, f"of <state>: {error}", "warning"))
         return None

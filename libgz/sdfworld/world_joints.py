@@ -55,7 +55,8 @@ class WorldJoints(Entity):
             if entity.GetId() == name:
                 return entity.GetBody()
         owner, _, link = name.rpartition("::")
-        return self.world.model(owner).GetBody(link)
+        found: Entity = self.world.model(owner)
+        return found.GetBody(link)
 
     def close(self) -> None:
         """Destroy the joints."""

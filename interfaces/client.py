@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import TracebackType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from libgz.interfaces.actarray import Actarray
 from libgz.interfaces.camera import Camera
@@ -28,7 +28,7 @@ from libgz.transport.interface import Interface
 
 __all__ = ["Client"]
 
-I = TypeVar("I", bound="Interface")  # type: ignore[type-arg]  # noqa: E741
+I = TypeVar("I", bound=Interface[Any])  # noqa: E741
 
 
 class Client(WireClient):

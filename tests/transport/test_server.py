@@ -60,3 +60,26 @@ def test_a_local_server():
     assert server.interfaces == {("position", "robot1"): robot}
     server.stop()
     assert server.interfaces == {}
+
+
+def test_a_running_server_is_not_started_again(server):
+    serve(server)
+    with pytest.raises(libgz.ServerError, match=f"another server running with id {server.server_id}"):
+        server.start()
+    assert libgz.gz_server_init(server, server.server_id, 1) == -1
+    assert (Path(server.path) / "position.robot1").exists()
+    assert libgz.Client.query(server.server_id)
+
+
+def test_the_old_functions_of_servers(wire):
+    server = libgz.gz_server_alloc()
+    assert libgz.gz_server_init(server, wire, 0) == 0
+    position = libgz.gz_position_alloc()
+    assert libgz.gz_position_create(position, server, "robot1", "Tester", 7, 3) == 0
+    assert libgz.gz_position_post(position) == 0
+    assert SemaphoreSet.attach(wire).wait(0, 1.0)
+    assert libgz.gz_position_destroy(position) == 0
+    assert libgz.gz_server_fini(server) == 0
+    assert not Path(server.path).exists()
+    assert libgz.gz_server_init(server, wire, 0) == 0  # a stopped server can be started again
+    assert libgz.gz_server_fini(server) == 0

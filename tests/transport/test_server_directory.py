@@ -210,3 +210,9 @@ with world:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert done.stdout.startswith("0 ['fiducial.laser1', 'gazebo.pid', 'laser.laser1', "), done.stderr
     assert done.stdout.endswith("True\n")
+
+
+def test_a_server_is_stopped_when_its_program_ends(wire):
+    program = f"from libgz.transport.server import Server\nServer({wire}).start()"
+    assert subprocess.run([sys.executable, "-c", program], timeout=30).returncode == 0
+    assert not Path(server_directory(wire)).exists()

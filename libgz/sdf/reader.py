@@ -9,7 +9,7 @@ from typing import IO
 
 from lxml import etree
 
-from libgz.errors import Diagnostic, Diagnostics, NotFoundError, WorldFileError, nearest
+from libgz.errors import Diagnostics, NotFoundError, Place, WorldFileError, nearest
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
@@ -84,23 +84,29 @@ class SdfFile:
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description holds: the file's, or the nearest one, with a warning."""
-        said = xml.get("version")
-        if said is None:
-            self._fault(xml, "version is missing and must be given", "error")
+        given = xml.get("version")
+        if given is None:
+            self._error(xml, "version is missing and must be given")
             return VERSIONS[-1]
-        if said in VERSIONS:
-            return said
+        if given in VERSIONS:
+            return given
         try:
-            number = tuple(map(int, said.split(".")))
+            number = tuple(map(int, given.split(".")))
         except ValueError:
-            self._fault(xml, f"version {said!r} is not allowed; {', '.join(VERSIONS)} are", "error")
+            self._error(xml, f"version {given!r} is not allowed; {', '.join(VERSIONS)} are")
             return VERSIONS[-1]
         nearest_version = VERSIONS[0] if number < (1, 4) else VERSIONS[-1]
-        self._fault(xml, f"version {said} is read as {nearest_version}; {', '.join(VERSIONS)} are known", "warning")
+        self._warn(xml, f"version {given} is read as {nearest_version}; {', '.join(VERSIONS)} are known")
         return nearest_version
 
-    def _fault(self, xml: etree._Element, message: str, severity: str) -> None:
-        self.diagnostics.add(Diagnostic(self._label, _line(xml), _local(xml), message, severity))
+    def _error(self, xml: etree._Element, message: str) -> None:
+        self.diagnostics.error(self._place(xml), message)
+
+    def _warn(self, xml: etree._Element, message: str) -> None:
+        self.diagnostics.warn(self._place(xml), message)
+
+    def _place(self, xml: etree._Element) -> Place:
+        return Place(self._label, _line(xml), _local(xml))
 
     # Elements ----------------------------------------------------------------------------------------------------
 
@@ -122,19 +128,19 @@ class SdfFile:
         for key, text in xml.attrib.items():
             name = str(key).rpartition("}")[2]
             if name in LATER:
-                self._fault(xml, f"{name} is of SDF 1.7 and later, which libgz does not read", "error")
+                self._error(xml, f"{name} is of SDF 1.7 and later, which libgz does not read")
             elif description is not None and not description.open and name not in element.attributes:
                 known = nearest(name, element.attributes)
-                self._fault(xml, f"attribute {name!r} is not of SDF {self.version}, and is ignored{known}", "warning")
+                self._warn(xml, f"attribute {name!r} is not of SDF {self.version}, and is ignored{known}")
                 continue
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
             allowed = check(param.kind, param.text)
             if allowed:
-                self._fault(xml, f"{name} is {param.text!r}; it must be {allowed}", "error")
+                self._error(xml, f"{name} is {param.text!r}; it must be {allowed}")
         for about in description.all_attributes.values() if description is not None else ():
             if about.required and about.default == UNSET and not element.attributes[about.name].given:
-                self._fault(xml, f"attribute {about.name!r} is missing and must be given", "error")
+                self._error(xml, f"attribute {about.name!r} is missing and must be given")
 
     def _read_value(self, xml: etree._Element, element: Element) -> None:
         pieces = [xml.text or "", *(child.tail or "" for child in xml)]
@@ -144,7 +150,7 @@ class SdfFile:
         element.value.SetFromString(text)
         allowed = check(element.value.kind, text)
         if allowed:
-            self._fault(xml, f"{text.strip()!r} is not allowed; it must be {allowed}", "error")
+            self._error(xml, f"{text.strip()!r} is not allowed; it must be {allowed}")
 
     def _read_child(self, xml: etree._Element, parent: Element) -> None:
         name, description = _local(xml), parent.description
@@ -153,19 +159,17 @@ class SdfFile:
             return
         known = description.children.get(name) if description is not None and not description.open else None
         if name == "actor" and known is None and parent.name in ("world", "sdf"):
-            self._fault(xml, "actors are not simulated; it is kept without effect", "warning")
+            self._warn(xml, "actors are not simulated; it is kept without effect")
             parent.InsertElement(self._element(xml, None))
             return
         if name == "frame" and known is None and description is not None and not description.open:
-            self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
+            self._error(xml, "frames are of SDF 1.7 and later, which libgz does not read")
             return
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
-            self._fault(xml, f"stands more than once in <{parent.name}>; the first one holds", "warning")
+            self._warn(xml, f"stands more than once in <{parent.name}>; the first one holds")
         elif known is None and description is not None and not description.open and description.children:
             hint = nearest(name, description.children)
-            self._fault(
-                xml, f"is not of SDF {self.version} in <{parent.name}>, and is kept without effect{hint}", "warning"
-            )
+            self._warn(xml, f"is not of SDF {self.version} in <{parent.name}>, and is kept without effect{hint}")
         parent.InsertElement(self._element(xml, known))
 
     def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
@@ -176,11 +180,11 @@ class SdfFile:
             if element.name == "script" and "uri" in description.children:
                 element.AddElement(name)  # of a material: many files name only one of both, or write plain text
             elif about.default == UNSET:
-                self._fault(xml, f"<{name}> is missing and must be given", "error")
+                self._error(xml, f"<{name}> is missing and must be given")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
                 continue
             elif element.name == "joint" and name == "axis":
-                self._fault(xml, "<axis> is missing and must be given", "error")
+                self._error(xml, "<axis> is missing and must be given")
             else:
                 element.AddElement(name)
 
@@ -193,19 +197,19 @@ class SdfFile:
                 before = first.setdefault((element.name, name), element)
                 if name and before is not element:
                     message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
-                    self.diagnostics.add(Diagnostic(element.file, element.line, element.name, message, "warning"))
+                    self.diagnostics.warn(element, message)
 
     # Includes ----------------------------------------------------------------------------------------------------
 
     def _include(self, xml: etree._Element, parent: Element, description: Description) -> None:
         """Put an included model, actor or light in its place, under the name and pose that the include gives it."""
-        said = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
-        uri = said.get("uri", "")
+        given = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
+        uri = given.get("uri", "")
         if not uri:
-            self._fault(xml, "<uri> is missing and must be given", "error")
+            self._error(xml, "<uri> is missing and must be given")
             return
         if self._depth >= DEEPEST_INCLUDE:
-            self._fault(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?", "error")
+            self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return
         try:
             path = find_model(uri, self._folder)
@@ -213,30 +217,29 @@ class SdfFile:
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:
-            self._fault(xml, str(error), "error")
+            self._error(xml, str(error))
             return
-        for fault_ in included.diagnostics.found:
-            self.diagnostics.add(fault_)
+        self.diagnostics.add(*included.diagnostics.found)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
-            self._fault(xml, f"{path} has no model, light or actor", "error")
+            self._error(xml, f"{path} has no model, light or actor")
             return
-        self._place(xml, entity, said)
+        self._apply_include(xml, entity, given)
         included.root.RemoveChild(entity)
         parent.InsertElement(entity)
 
-    def _place(self, xml: etree._Element, entity: Element, said: dict[str, str]) -> None:
+    def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, str]) -> None:
         """Name, pose, static and plugins of an include replace or join those of what is included."""
-        if said.get("name"):
-            entity.set_attribute("name", said["name"])
+        if given.get("name"):
+            entity.set_attribute("name", given["name"])
         for key in ("pose", "static"):
-            if key in said:
+            if key in given:
                 target = entity.GetElement(key)
                 if target is not None:
-                    target.value.SetFromString(said[key])
-                    allowed = check(target.value.kind, said[key])
+                    target.value.SetFromString(given[key])
+                    allowed = check(target.value.kind, given[key])
                     if allowed:
-                        self._fault(xml, f"<{key}> is {said[key]!r}; it must be {allowed}", "error")
+                        self._error(xml, f"<{key}> is {given[key]!r}; it must be {allowed}")
         plugin = describe(self.version)["plugin"]
         for child in xml:
             if isinstance(child.tag, str) and _local(child) == "plugin":

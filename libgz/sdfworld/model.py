@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, Severity, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
@@ -93,8 +93,8 @@ class SdfModel(Model):
         for model in self.nested.values():
             yield from model.family()
 
-    def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
+    def _note(self, element: Element, message: str, severity: Severity = "warning") -> None:
+        self.diagnostics.add(Diagnostic.at(element, message, severity))
 
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
         """Do something; what it raises is an error of the file, told with all others."""

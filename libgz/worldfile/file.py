@@ -12,7 +12,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import Diagnostic, Diagnostics, WorldFileError
+from libgz.errors import Diagnostics, Place, WorldFileError
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice
@@ -117,7 +117,7 @@ class WorldFile:
         if element.prefix is None and ":" in name:
             prefix, _, local = name.partition(":")
             undeclared = f"prefix {prefix!r} is not declared, so this element is skipped; add xmlns:{prefix}='...'"
-            self.diagnostics.add(Diagnostic(self.label, line, f"{prefix}:{local}", undeclared, "warning"))
+            self.diagnostics.warn(Place(self.label, line, f"{prefix}:{local}"), undeclared)
         attributes = {str(k): str(v) for k, v in element.attrib.items()}
         number = self._numbered
         self._numbered += 1

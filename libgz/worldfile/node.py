@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from libgz.errors import Diagnostic, nearest
+from libgz.errors import Place, nearest
 from libgz.geometry import DTOR, RTOD, GzColor, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.number import atof, atoi, rubbish
 from libgz.worldfile.spelling import ignored_tags, renamed_tags
@@ -73,13 +73,18 @@ class WorldFileNode:
 
     # Errors ------------------------------------------------------------------------------------------------------
 
+    @property
+    def place(self) -> Place:
+        """File, line and tag, for messages."""
+        return Place(self.file.label, self.line, self.tag)
+
     def error(self, message: str) -> None:
-        """Note an error that keeps the world from loading; all are told together."""
-        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "error"))
+        """Add an error: the world does not load; all errors are reported together."""
+        self.file.diagnostics.error(self.place, message)
 
     def warn(self, message: str) -> None:
-        """Note an error with which the world still loads."""
-        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "warning"))
+        """Add a warning: the world still loads."""
+        self.file.diagnostics.warn(self.place, message)
 
     # Structure ---------------------------------------------------------------------------------------------------
 

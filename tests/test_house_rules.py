@@ -19,7 +19,7 @@ SOURCES = {
 
 # Who may import whom: downwards only. One row is one level.
 LEVELS = [
-    {"errors", "error", "geometry", "ode", "_version"},
+    {"errors", "error", "files", "geometry", "ode", "_version"},
     {"physics", "worldfile", "sdf", "transport"},
     {"sensors", "rendering", "interfaces"},
     {"simulation", "clib"},

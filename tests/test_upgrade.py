@@ -9,9 +9,10 @@ import sys
 import pytest
 
 import libgz
+from libgz.files import write_whole
 from libgz.legacy.settings import read_global
 from libgz.worldfile.attributes import installed_worlds, read
-from libgz.worldfile.file import WorldFile, write_whole
+from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
 
 HEAD = """<?xml version="1.0"?>

@@ -10,7 +10,7 @@ from libgz.errors import WorldFileError
 from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
 from libgz.worldfile.file import WorldFile
-from libgz.worldfile.number import atof, atoi, rubbish
+from libgz.worldfile.number import atof, atoi, malformed
 
 HEAD = """<?xml version="1.0"?>
 <gz:world xmlns:gz='urn:gz' xmlns:model='urn:model' xmlns:param='urn:param' xmlns:params='urn:params'>
@@ -58,7 +58,7 @@ def test_atoi_stops_at_the_point():
 
 
 def test_rubbish_is_told_from_numbers():
-    assert [rubbish(t) for t in ("1", " 1 ", "1x", "", "1 2", "-.5e-3")] == [False, False, True, True, True, False]
+    assert [malformed(t) for t in ("1", " 1 ", "1x", "", "1 2", "-.5e-3")] == [False, False, True, True, True, False]
 
 
 # Getters ---------------------------------------------------------------------------------------------------------

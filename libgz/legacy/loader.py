@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from libgz.legacy.model import Model
     from libgz.physics.body import Body
     from libgz.simulation.world import World
+    from libgz.worldfile.file import WorldFile
     from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["Loader"]
@@ -111,7 +112,7 @@ class Loader(Poses):
         if parent is not None:
             model.SetParent(parent, _parent_body(node, parent))
         try:
-            model.MasterLoad(node.file, node)
+            model.MasterLoad(cast("WorldFile", node.file), node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
             move_with_world_joints(model, lambda: self.SetModelPose(model, model.initPose))
             model.Attach()

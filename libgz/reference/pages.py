@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+from libgz.files import write_whole
 from libgz.legacy.factory import ModelFactory
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries
-from libgz.worldfile.file import write_whole
 
 __all__ = ["INDEX", "pages", "write_changed", "write_pages"]
 

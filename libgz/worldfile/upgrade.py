@@ -9,14 +9,23 @@ from dataclasses import dataclass
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
-from libgz.worldfile.source import Span, attribute_spans, element_spans
+from libgz.worldfile.source import (
+    Edit,
+    Span,
+    apply_edits,
+    attribute_spans,
+    element_spans,
+    fill,
+    indent_of,
+    put_first,
+    tag_of,
+)
 from libgz.worldfile.spelling import Renamed, ignored_tags, renamed_keys, renamed_tags
 
 __all__ = ["Change", "upgrade"]
 
 VERSION = "0.5"
 NAMESPACE = "http://playerstage.sourceforge.net/gazebo/xmlschema/#param"
-_TAG = re.compile(rb"<([^\s/>]+)")
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
@@ -76,7 +85,7 @@ class _Upgrade:
         self.file = file
         self.source = file.source
         self.spans = element_spans(self.source)
-        self.edits: list[tuple[int, int, bytes]] = []
+        self.edits: list[Edit] = []
         self.changes: list[Change] = []
 
     def note(self, node: WorldFileNode, message: str) -> None:
@@ -84,14 +93,11 @@ class _Upgrade:
 
     def apply(self) -> bytes:
         """The source with all edits; those inside a stretch that goes as a whole are dropped."""
-        source = self.source
-        kept: list[tuple[int, int, bytes]] = []
-        for edit in sorted(self.edits, key=lambda e: (e[0], e[1] > e[0], -e[1])):  # what is put in before what goes
+        kept: list[Edit] = []
+        for edit in sorted(self.edits, key=lambda e: (e[0], e[1] > e[0], -e[1])):  # insertions before removals
             if not kept or edit[0] >= kept[-1][1]:
                 kept.append(edit)
-        for start, end, new in reversed(kept):
-            source = source[:start] + new + source[end:]
-        return source
+        return apply_edits(self.source, kept)
 
     # Edits -------------------------------------------------------------------------------------------------------
 
@@ -101,15 +107,14 @@ class _Upgrade:
     def rename(self, node: WorldFileNode, tag: str) -> None:
         """Another tag, the same content."""
         span = self.span(node)
-        old = _TAG.match(self.source, span.start)
-        length = len(old.group(1)) if old else 0
+        length = len(tag_of(self.source, span))
         new = tag.encode(self.file.encoding)
         self.edits.append((span.start + 1, span.start + 1 + length, new))
         if not span.empty:
             self.edits.append((span.end + 2, span.end + 2 + length, new))
 
-    def write(self, node: WorldFileNode, text: str) -> None:
-        """Another text; comments and the blanks around the old text stay."""
+    def write(self, node: WorldFileNode, text: str, tag: str = "") -> None:
+        """Another text; comments and the blanks around the old text stay. `tag` is the new tag, if there is one."""
         span = self.span(node)
         inside = self.source[span.content : span.end]
         comments = b"".join(b" " + comment for comment in _COMMENT.findall(inside))
@@ -117,7 +122,7 @@ class _Upgrade:
         before = plain[: len(plain) - len(plain.lstrip())]
         after = plain[len(plain.rstrip()) :] if plain.strip() else b""
         new = before + text.encode(self.file.encoding) + comments + after
-        self.edits.append((span.content, span.end, new))
+        self.edits.append(fill(self.source, span, new, tag.encode(self.file.encoding)))
 
     def remove(self, node: WorldFileNode) -> None:
         """Take an element out, with its line if it has one for itself; comments in it stay."""
@@ -144,14 +149,7 @@ class _Upgrade:
         """A new first child."""
         span = self.span(node)
         child = f"<{tag}>{text}</{tag}>".encode(self.file.encoding)
-        if span.empty:
-            name = _TAG.match(self.source, span.start)
-            closing = b"</" + (name.group(1) if name else b"") + b">"
-            self.edits.append((span.content - 2, span.content, b">" + child + closing))
-            return
-        inside = self.source[span.content : span.end]
-        blanks = inside[: len(inside) - len(inside.lstrip())]
-        self.edits.append((span.content, span.content, blanks + child))
+        self.edits.append(put_first(self.source, span, indent_of(self.source, span) + child))
 
     def _line(self, start: int, end: int) -> tuple[int, int]:
         """The whole line, if a stretch stands alone on it; else the stretch itself."""
@@ -203,7 +201,7 @@ class _Upgrade:
                 for old in _all_at(node, renamed.path):
                     if len(renamed.path) > 1 and old.parent is not None:
                         wrappers.setdefault(old.parent)
-                    if taken or old is not _first_at(node, renamed.path):
+                    if taken or old is not node.at(renamed.path):
                         self._drop(old, f"removed, for it never counted beside another <{key}>")
                     else:
                         self._rename(old, key, renamed)
@@ -238,7 +236,7 @@ class _Upgrade:
         self.rename(node, key)
         text = renamed.convert(node.content, self.file.step_time)
         if text != node.content:
-            self.write(node, text)
+            self.write(node, text, key)
             self.note(node, f"{node.content.strip()} is <{key}> {text} now")
         elif node.name != key:
             self.note(node, f"is <{key}> now")
@@ -276,14 +274,6 @@ def _number(new: float, old: float, index: int, words: list[str]) -> str:
     if abs(new - old) < 1e-12 and index < len(words):
         return words[index]
     return f"{round(new, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
-
-
-def _first_at(node: WorldFileNode, path: tuple[str, ...]) -> WorldFileNode | None:
-    """The element at a path that the getters read: the first child of the first child."""
-    found: WorldFileNode | None = node
-    for step in path:
-        found = found.GetChild(step) if found is not None else None
-    return found
 
 
 def _all_at(node: WorldFileNode, path: tuple[str, ...]) -> Iterator[WorldFileNode]:

@@ -129,7 +129,7 @@ def test_own_kinds_of_value():
             return cls(math.radians(float(text)))
 
     assert parse(Angle, "180") == pytest.approx(math.pi)
-    with pytest.raises(ParameterError, match="is no kind of SDF value"):
+    with pytest.raises(ParameterError, match="is not a type of SDF values"):
         parse(list, "1")
 
 
@@ -185,8 +185,8 @@ def test_all_faults_at_once_with_their_lines():
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]
     warnings = [str(f) for f in file.diagnostics.warnings]
-    assert "x.sdf:2: <model>: attribute 'nam' is not of SDF 1.6, and is ignored; did you mean 'name'?" in warnings
-    assert any("<gravty>: is not of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
+    assert "x.sdf:2: <model>: attribute 'nam' is not part of SDF 1.6 and is ignored; did you mean 'name'?" in warnings
+    assert any("<gravty>: is not part of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
 
 
 def test_joints_need_an_axis_but_balls_do_not():
@@ -336,4 +336,4 @@ def test_things_of_one_kind_and_name_in_one_place_are_told():
 
 def test_actors_are_said_not_to_be_simulated():
     file = world("<actor name='a'><skin><filename>a.dae</filename></skin></actor>")
-    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it is kept without effect"]
+    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it has no effect"]

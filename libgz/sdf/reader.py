@@ -10,6 +10,7 @@ from typing import IO
 from lxml import etree
 
 from libgz.errors import Diagnostics, NotFoundError, Place, WorldFileError, nearest
+from libgz.files import read_limited, xml_parser
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
@@ -17,17 +18,16 @@ from libgz.sdf.value import check
 
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
-LARGEST_FILE = 64 * 1024 * 1024  # bytes
 DEEPEST_INCLUDE = 20
-UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; of links and joints models tell
+UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; models check links and joints
 LATER = ("frame", "relative_to")  # SDF 1.7's frames
 
 
 class SdfFile:
     """An SDF document, read and checked.
 
-    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `errors` what is wrong with it. Unknown
-    attributes are warnings; unknown elements are kept as they are.
+    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `diagnostics` its errors and warnings. Unknown
+    attributes are ignored and unknown elements kept, both with a warning.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class SdfFile:
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
-        """Read a file; its errors are in `errors`.
+        """Read a file; its errors are in `diagnostics`.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
@@ -51,7 +51,7 @@ class SdfFile:
 
     @classmethod
     def from_string(cls, text: str | bytes, label: str = "<string>", folder: Path | None = None) -> SdfFile:
-        """The same from text; `label` is what messages call it, `folder` where its relative paths begin."""
+        """The same from text; `label` is its name in messages, `folder` the base of its relative paths."""
         file = cls()
         file._label, file._folder = label, folder
         file._read(text.encode() if isinstance(text, str) else text)
@@ -59,18 +59,15 @@ class SdfFile:
 
     def _read_file(self, path: Path) -> None:
         try:
-            if path.stat().st_size > LARGEST_FILE:
-                raise WorldFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
-            data = path.read_bytes()
+            data = read_limited(path)
         except OSError as error:
             raise WorldFileError(f"Unable to read sdf file[{path}]: {error.strerror}") from None
         self._label, self._folder = str(path), path.parent
         self._read(data)
 
     def _read(self, data: bytes) -> None:
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
         try:
-            xml = etree.fromstring(data, parser)
+            xml = etree.fromstring(data, xml_parser())
         except etree.XMLSyntaxError as error:
             raise WorldFileError(f"{self._label}:{error.lineno or 1}: {error.msg}") from None
         if _local(xml) != "sdf":
@@ -83,7 +80,7 @@ class SdfFile:
         self._check_names()
 
     def _described_version(self, xml: etree._Element) -> str:
-        """The version whose description holds: the file's, or the nearest one, with a warning."""
+        """The version whose description applies: the file's, or the nearest one, with a warning."""
         given = xml.get("version")
         if given is None:
             self._error(xml, "version is missing and must be given")
@@ -128,10 +125,10 @@ class SdfFile:
         for key, text in xml.attrib.items():
             name = str(key).rpartition("}")[2]
             if name in LATER:
-                self._error(xml, f"{name} is of SDF 1.7 and later, which libgz does not read")
+                self._error(xml, f"{name} is part of SDF 1.7 and later, which libgz does not read")
             elif description is not None and not description.open and name not in element.attributes:
                 known = nearest(name, element.attributes)
-                self._warn(xml, f"attribute {name!r} is not of SDF {self.version}, and is ignored{known}")
+                self._warn(xml, f"attribute {name!r} is not part of SDF {self.version} and is ignored{known}")
                 continue
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
@@ -159,26 +156,26 @@ class SdfFile:
             return
         known = description.children.get(name) if description is not None and not description.open else None
         if name == "actor" and known is None and parent.name in ("world", "sdf"):
-            self._warn(xml, "actors are not simulated; it is kept without effect")
+            self._warn(xml, "actors are not simulated; it has no effect")
             parent.InsertElement(self._element(xml, None))
             return
         if name == "frame" and known is None and description is not None and not description.open:
-            self._error(xml, "frames are of SDF 1.7 and later, which libgz does not read")
+            self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
-            self._warn(xml, f"stands more than once in <{parent.name}>; the first one holds")
+            self._warn(xml, f"occurs more than once in <{parent.name}>; only the first one has an effect")
         elif known is None and description is not None and not description.open and description.children:
             hint = nearest(name, description.children)
-            self._warn(xml, f"is not of SDF {self.version} in <{parent.name}>, and is kept without effect{hint}")
+            self._warn(xml, f"is not part of SDF {self.version} in <{parent.name}> and has no effect{hint}")
         parent.InsertElement(self._element(xml, known))
 
     def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
-        """Required children that are missing are made with their defaults, but for those that have none."""
+        """Create missing required children with their defaults; a missing one without a default is an error."""
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
             if element.name == "script" and "uri" in description.children:
-                element.AddElement(name)  # of a material: many files name only one of both, or write plain text
+                element.AddElement(name)  # of a material: many files have only one of both, or plain text
             elif about.default == UNSET:
                 self._error(xml, f"<{name}> is missing and must be given")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
@@ -189,7 +186,7 @@ class SdfFile:
                 element.AddElement(name)
 
     def _check_names(self) -> None:
-        """Warn of two things of one kind and name in one place: only the first is found by its name."""
+        """Warn of two elements of one kind and name in one parent: only the first is found by its name."""
         for holder in (*self.root.find("world"), *self.root.find("link")):
             first: dict[tuple[str, str], Element] = {}
             for element in holder.children:
@@ -202,7 +199,7 @@ class SdfFile:
     # Includes ----------------------------------------------------------------------------------------------------
 
     def _include(self, xml: etree._Element, parent: Element, description: Description) -> None:
-        """Put an included model, actor or light in its place, under the name and pose that the include gives it."""
+        """Replace an include by its model, actor or light, with the name and pose that the include sets."""
         given = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
         uri = given.get("uri", "")
         if not uri:
@@ -229,7 +226,7 @@ class SdfFile:
         parent.InsertElement(entity)
 
     def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, str]) -> None:
-        """Name, pose, static and plugins of an include replace or join those of what is included."""
+        """Apply name, pose, static and plugins of an include to the included entity."""
         if given.get("name"):
             entity.set_attribute("name", given["name"])
         for key in ("pose", "static"):

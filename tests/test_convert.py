@@ -352,7 +352,7 @@ def test_bounce_needs_two_in_sdf():
         converted, root = sdf_of(world)
         bounce = root.find("world/model[@name='ball']/link/collision/surface/bounce")
         assert [float(bounce.findtext(tag)) for tag in ("restitution_coefficient", "threshold")] == [0.7, 0.0]
-        assert any("'ball': bounces only off what bounces, too" in note for note in converted.notes)
+        assert any("'ball': bounces only off surfaces that bounce, too" in note for note in converted.notes)
 
 
 def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
@@ -390,7 +390,13 @@ def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
         assert box.findtext("visual/material/diffuse") == "1 0 0 1"
         assert found.find("model[@name='box_2']/link").findtext("gravity") == "false"
         told = "\n".join(converted.notes)
-        lost = ("texture a.png", "fiducial 7", "'two': is left out", "window looks from", "<model:Robby>: unknown")
+        lost = (
+            "texture a.png",
+            "fiducial 7",
+            "'two': is omitted",
+            "view of the simulator's own window",
+            "<model:Robby>: unknown",
+        )
         for words in lost:
             assert words in told
 

@@ -248,7 +248,7 @@ def test_the_command(tmp_path):
     old.write_text(OLD)
     printed = run(old)
     assert printed.returncode == 0
-    assert f"{old}:7: <params:GlobalParams>: is <param:Global> now" in printed.stderr
+    assert f"{old}:7: <params:GlobalParams>: renamed to <param:Global>" in printed.stderr
     assert run(old, "-o", new).returncode == 0
     assert new.read_text() == printed.stdout
     assert old.read_text() == OLD

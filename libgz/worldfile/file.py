@@ -37,7 +37,7 @@ class WorldFile:
 
     def __init__(self) -> None:
         self.filename: str | None = None
-        self.label = "<worldfile>"  # what messages call the file
+        self.label = "<worldfile>"  # the file's name in messages
         self.diagnostics = Diagnostics()
         self.source = b""
         self.encoding = "utf-8"
@@ -70,7 +70,7 @@ class WorldFile:
         return 0
 
     def LoadString(self, text: str | bytes, label: str = "<string>") -> int:
-        """The same from text; `label` is what messages call it."""
+        """The same from text; `label` is its name in messages."""
         self._parse(text.encode() if isinstance(text, str) else text, None, label)
         return 0
 
@@ -166,7 +166,7 @@ class WorldFile:
 
     @functools.cached_property
     def step_time(self) -> float:
-        """The world's stepTime [s], wherever it stands: older contact attributes depend on it."""
+        """The world's stepTime [s], wherever it is in the file; older contact attributes depend on it."""
         found = next((node for node in self.GetRootNode().walk() if node.name == "stepTime"), None)
         return (atof(found.content) if found else 0.0) or DEFAULT_STEP
 

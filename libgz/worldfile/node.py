@@ -233,7 +233,7 @@ class WorldFileNode:
     # Getters -----------------------------------------------------------------------------------------------------
 
     def GetString(self, key: str, default: str | None = None, require: int = 0) -> str | None:
-        """The text as it stands, blanks included."""
+        """The text as written, blanks included."""
         found = self._find(key)
         return found[1] if found else self._absent(key, require, default)
 

@@ -55,7 +55,7 @@ def element_spans(source: bytes) -> list[Span]:
     parser = expat.ParserCreate()
 
     def start(_name: str, _attributes: dict[str, str]) -> None:
-        # A '>' may stand inside a quoted attribute value: skip those.
+        # A quoted attribute value may contain '>': skip those.
         index, quote = parser.CurrentByteIndex, 0
         while quote or source[index] != ord(">"):
             byte = source[index]

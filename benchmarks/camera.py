@@ -32,8 +32,8 @@ def places() -> list[tuple[float, float]]:
 def libgz_frame(width: int, height: int) -> Draw:
     """A tick of an ObserverCam's picture: capture, draw, and copy into the interface."""
     import libgz
-    from libgz.geometry import GzPosePointAt, GzVector
     from libgz.files import installed_worlds
+    from libgz.geometry import GzPosePointAt, GzVector
 
     robots = "".join(
         f"<model:Pioneer2AT><id>r{i}</id><xyz>{x} {y} 0</xyz></model:Pioneer2AT>" for i, (x, y) in enumerate(places())

@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from libgz.errors import Diagnostic, GazeboError, WorldFileError
+from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering.image import read_image
-from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]

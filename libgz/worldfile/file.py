@@ -10,7 +10,7 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, Place, WorldFileError
+from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.files import read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
@@ -54,6 +54,17 @@ class WorldFile:
         file = cls()
         file.Load(filename)
         return file
+
+    @staticmethod
+    def of(node: WorldFileNode) -> WorldFile:
+        """The worldfile of an element.
+
+        Raises:
+            ParameterError: the element belongs to something else.
+        """
+        if not isinstance(node.file, WorldFile):
+            raise ParameterError(f"{node!r} does not belong to a WorldFile")
+        return node.file
 
     def Load(self, filename: str | os.PathLike[str]) -> int:
         """Read a worldfile; 0.

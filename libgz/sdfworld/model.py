@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, Severity, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
@@ -93,8 +93,8 @@ class SdfModel(Entity):
         for model in self.nested.values():
             yield from model.nested_family()
 
-    def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
+    def _note(self, element: Element, message: str, severity: Severity = "warning") -> None:
+        self.diagnostics.add(Diagnostic.at(element, message, severity))
 
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
         """Call `action`; what it raises becomes an error of the file, reported with all others."""

@@ -8,6 +8,7 @@ from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, G
 from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
+from libgz.simulation.entity import Entity
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -55,7 +56,7 @@ class TruthWidget(Model):
         self._publish()
 
     @property
-    def _subject(self) -> Model:
+    def _subject(self) -> Entity:
         return self.parent or self
 
     def _publish(self) -> None:
@@ -69,7 +70,7 @@ class TruthWidget(Model):
         numbers = (*wanted.pos, *wanted.rot)
         length = math.sqrt(sum(q * q for q in wanted.rot)) if all(map(math.isfinite, numbers)) else 0.0
         if not 1e-6 < length < 1e6 or max(map(abs, wanted.pos)) > FARTHEST:
-            self.guard.tell("cmd_pos, cmd_rot", f"are {numbers}, which is no pose, and are ignored")
+            self.guard.warn("cmd_pos, cmd_rot", f"are {numbers}, which is no pose", "are ignored")
             return
         pose = GzPose(GzVector(*wanted.pos), GzQuaternNormal(GzQuatern(*wanted.rot)))
         subject = self._subject

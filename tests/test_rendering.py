@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
 from libgz.physics.engine import Space
 from libgz.rendering import mesh
@@ -22,7 +23,6 @@ from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context
 from libgz.rendering.drawers import DRAWERS, meshes_of
 from libgz.rendering.skin import read_skin
-from libgz.worldfile.attributes import installed_worlds
 
 GOLDEN = Path(__file__).parent / "golden"
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><param:Global><gravity>0 0 0</gravity>{}</param:Global>"
@@ -327,7 +327,7 @@ def test_the_sky_dome_shows_the_hour(tmp_path):
             world.step()
             assert look(world, **up)[60, 80, 0] == pytest.approx(115, abs=8)
             assert look(world, at=(5, 0, 1))[60, 80, 1] > 150
-            world._simTime = 6 * 3600.0
+            world.clock.sim_time = 6 * 3600.0
             world.step()
             assert look(world, **up)[60, 80, 0] == pytest.approx(later * 10 - 5, abs=8)
 

@@ -16,7 +16,7 @@ from libgz.classic.physics.world import World
 from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
-from libgz.sdfworld.loader import SdfLight, WorldJoints
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
 
@@ -40,7 +40,6 @@ def attach(core: CoreWorld) -> WorldServer:
         return server
     server = WorldServer(core)
     core.companions.append(server)
-    core.update_info = server.world.update_info
     if core.running:
         server.start()
     return server
@@ -68,7 +67,8 @@ class WorldServer:
 
     def __init__(self, core: CoreWorld, quiet: bool = False) -> None:
         self.core = core
-        root = core.sdf.root if core.sdf is not None else None
+        file = core.extension(SdfWorld).file
+        root = file.root if file is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = core.view = World(core, self)
         self.activity = Activity(self.world)
@@ -81,7 +81,7 @@ class WorldServer:
         self.topics = None if quiet else WorldTopics(self.world, self.paused_steps)
         self.visuals: VisualPlugins | None = None
         self.stopped = False
-        self._new: list[CoreModel] = list(core.models)
+        self._new: list[CoreModel] = list(core.entities)
         self._started = False
 
     @property
@@ -168,7 +168,7 @@ class WorldServer:
         return self.visuals
 
     def _models(self, cores: list[CoreModel]) -> list[Model]:
-        return [self.world.view(core) for core in cores if not isinstance(core, SdfLight | WorldJoints)]
+        return [self.world.view(core) for core in cores if core.is_model]
 
     def _load_model_plugins(self, added: list[CoreModel]) -> None:
         for model in self._models(added):
@@ -252,7 +252,7 @@ class WorldServer:
         self._new = [new for new in self._new if new is not model]
         self.activity.models_changed()
         self.core.events["DeleteEntity"](model.GetId())
-        if isinstance(model, SdfLight | WorldJoints):
+        if not model.is_model:
             return
         view = self.world.view(model)
         for plugin in self._model_plugins.pop(view, ()):

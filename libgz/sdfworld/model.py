@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
-from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
@@ -17,12 +16,13 @@ from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
+from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
 
 
-class SdfModel(Model):
+class SdfModel(Entity):
     """A model built from a `<model>` element.
 
     Its pose is that of the model frame; links keep their names. Static models have dummy bodies: they stand still
@@ -62,17 +62,17 @@ class SdfModel(Model):
             self._guard(link, self._add_link, link, pose)
         for element in self.sdf.named("model"):
             self._guard(element, self._add_nested, element, pose)
-        self._canonical = next((body for model in self.family() for body in model.bodies), None)
+        self._canonical = next((body for model in self.nested_family() for body in model.bodies), None)
         if self._canonical is None and self.parent is None:
-            self._note(self.sdf, "a model needs at least one link", "error")
+            self.diagnostics.error(self.sdf, "a model needs at least one link")
         elif self._canonical is not None:
             self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
         self._places = [(body, GzCoordPoseSub(body.GetPose(), pose), body.GetPose()) for body in self.bodies]
         self._start = self.GetPose()
 
     def build_joints(self) -> None:
-        """Make the joints of this model and of those nested in it, and let what has none fall asleep at rest."""
-        # Gears look for the hinges of what they join.
+        """Make the joints of this model and of those nested in it, and enable auto-disable for links without joints."""
+        # Gears search for the hinges of the links they join.
         for element in sorted(self.sdf.named("joint"), key=lambda e: e.Get(str, "type") == "gearbox"):
             self._guard(element, self.add_joint, element)
         for model in self.nested.values():
@@ -80,28 +80,25 @@ class SdfModel(Model):
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
 
     def set_auto_disable(self, allow: bool) -> None:
-        """Whether links may fall asleep at rest; those of models with joints or sensors never do."""
+        """Whether links may be auto-disabled at rest; those of models with joints or sensors never are."""
         busy = any(body.joints for body in self.bodies) or any(
             link.HasElement("sensor") for link in self.sdf.named("link")
         )
         for body in self.bodies:
             body.set_auto_disable(allow and not busy and not body.kinematic)
 
-    def family(self) -> Iterator[SdfModel]:
-        """This model and all that are nested in it."""
+    def nested_family(self) -> Iterator[SdfModel]:
+        """This model and all models nested in it."""
         yield self
         for model in self.nested.values():
-            yield from model.family()
-
-    def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
+            yield from model.nested_family()
 
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
-        """Do something; what it raises is an error of the file, told with all others."""
+        """Call `action`; what it raises becomes an error of the file, reported with all others."""
         try:
             action(*arguments)
         except GazeboError as error:
-            self._note(element, str(error), "error")
+            self.diagnostics.error(element, str(error))
 
     # Links -------------------------------------------------------------------------------------------------------
 
@@ -125,7 +122,7 @@ class SdfModel(Model):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
-        link_lights(body, element, self._note)
+        link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
         inertial = element.child("inertial")
@@ -153,7 +150,7 @@ class SdfModel(Model):
         return body
 
     def _self_collides(self, link: Element) -> bool:
-        """Whether a link touches others of its model; from SDF 1.5 the link's word is stronger than the model's."""
+        """Whether a link touches others of its model; from SDF 1.5 the link's setting overrides the model's."""
         if link.HasElement("self_collide"):
             return link.Get(bool, "self_collide")
         return self.sdf.Get(bool, "self_collide")
@@ -181,8 +178,8 @@ class SdfModel(Model):
             set_body_surface(body.geoms, last, still=self.static or hilly)
 
     def add_collision(self, body: Body, element: Element, space: Space | None = None) -> Geom | None:
-        """Give a link a `<collision>`; None, with a warning, where its shape cannot be built."""
-        geom = make_collision(body, space or self.modelSpaceId, element, self._note)
+        """Add a `<collision>` to a link; None, with a warning, where its shape cannot be built."""
+        geom = make_collision(body, space or self.modelSpaceId, element, self.diagnostics.warn)
         if geom is None:
             return None
         geom.appearance.visible = False
@@ -192,11 +189,11 @@ class SdfModel(Model):
         return geom
 
     def _add_visual(self, body: Body, element: Element) -> None:
-        """Geoms without a space: they are drawn and touch nothing."""
-        for geom in make_visual(body, element, self._note):
+        """Geoms without a space: they are rendered and touch nothing."""
+        for geom in make_visual(body, element, self.diagnostics.warn):
             self.geom_names[geom] = element.Get(str, "name")
             self.visual_elements[geom] = element
-            dress(geom, element, self._note)
+            dress(geom, element, self.diagnostics.warn)
 
     # Joints ------------------------------------------------------------------------------------------------------
 
@@ -209,15 +206,15 @@ class SdfModel(Model):
         found = self._own_link(name) or self._own_link(name.removeprefix(f"{self.name}::"))
         if found is not None:
             return found
-        model = self.parent
+        model: Entity | None = self.parent
         while isinstance(model, SdfModel):
             found = model._own_link(name)
             if found is not None:
                 return found
             model = model.parent
         owner, _, link = name.rpartition("::")
-        for other in self.world.models if owner else ():
-            if other.GetId() == owner and (isinstance(other, SdfModel) or hasattr(other, "GetBody")):
+        for other in self.world.entities if owner else ():
+            if other.GetId() == owner:
                 return other.GetBody(link)
         known = ", ".join(self.link_names())
         raise NotFoundError(f"there are {known or 'none'}")
@@ -276,8 +273,8 @@ class SdfModel(Model):
         joint.close()
         return True
 
-    def Update(self, step: float) -> None:
-        """Damping, springs, threads and gears of the joints."""
+    def MasterUpdate(self, step: float) -> None:
+        """Apply damping, springs, threads and gears of the joints."""
         if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
@@ -294,7 +291,7 @@ class SdfModel(Model):
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
         before = self.GetPose()
-        for model in self.family():
+        for model in self.nested_family():
             if model._canonical is None:
                 model._frame = GzCoordPoseAdd(GzCoordPoseSub(model._frame, before), pose)
             for body in model.bodies:
@@ -303,8 +300,8 @@ class SdfModel(Model):
                 body.SetAngularVel((0.0, 0.0, 0.0))
 
     def restore(self) -> None:
-        """Put all links, and those of nested models, back to where they began in the world, at rest."""
-        for model in self.family():
+        """Return all links, and those of nested models, to their initial poses in the world, at rest."""
+        for model in self.nested_family():
             model._frame, elsewhere = model.initPose, model.initPose != model._start
             for body, place, start in model._places:
                 body.SetPose(GzCoordPoseAdd(place, model.initPose) if elsewhere else start)
@@ -312,7 +309,7 @@ class SdfModel(Model):
                 body.SetAngularVel((0.0, 0.0, 0.0))
                 body.SetForce((0.0, 0.0, 0.0))
                 body.SetTorque(0.0, 0.0, 0.0)
-        for model in self.family():
+        for model in self.nested_family():
             for joint in model.sdf_joints.values():
                 joint.restore()
 
@@ -340,5 +337,5 @@ class SdfModel(Model):
 
 
 def model_pose(element: Element) -> GzPose:
-    """The pose of a `<model>` in what is around it."""
+    """The pose of a `<model>` in its parent."""
     return element.Get(GzPose, "pose") if element.HasElement("pose") else GzPose(GzVector(), GzQuaternIdent())

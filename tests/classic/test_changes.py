@@ -156,7 +156,7 @@ def test_a_failing_deferred_action_does_not_end_the_step(run, plugin, caplog):
     core, _ = run(plugin("late", text))
     core.step(3)
     assert core.iterations == 3
-    assert "in what was to be done after a step of plugin with name[late]" in caplog.text
+    assert "in a deferred change of plugin with name[late]" in caplog.text
     assert caplog.text.count("ZeroDivisionError") == 1
 
 

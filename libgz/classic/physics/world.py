@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from libgz.classic.common import SphericalCoordinates, Time, UpdateInfo
+from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
-from libgz.classic.physics.world_services import WorldServices
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.insertion import insert_document, insert_file, insert_text
 from libgz.classic.physics.joint import Joint
@@ -25,23 +24,23 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.state import WorldState, save_world
+from libgz.classic.physics.world_services import WorldServices
 from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
-from libgz.sdfworld.loader import SdfLight, WorldJoints
+from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
-from libgz.sdfworld.settings import settings_of
-from libgz.simulation.changes import delete_models
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
     from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.collision import Collision
-    from libgz.legacy.model import Model as CoreModel
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
     from libgz.sdf.reader import SdfFile
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["Joint", "Link", "Model", "World"]
 
@@ -112,10 +111,6 @@ class World(Base):
 
     GetIterations = Iterations
 
-    def update_info(self) -> UpdateInfo:
-        """The argument of update callbacks; a new object each time, which callbacks may keep."""
-        return UpdateInfo(self.core.name, Time(self.core.GetSimTime()), Time(self.core.GetRealTime()))
-
     # Run ---------------------------------------------------------------------------------------------------------
 
     def IsPaused(self) -> bool:
@@ -180,7 +175,7 @@ class World(Base):
         self.core.after_step(self._reset_time)
 
     def _reset_time(self) -> None:
-        self.core.reset_time()
+        self.core.clock.reset()
         self.server.time_was_reset()
         self.core.events["TimeReset"]()
 
@@ -194,7 +189,7 @@ class World(Base):
 
     def all_models(self) -> list[Model]:
         """All models, nested ones included."""
-        return [self.view(core) for core in self.core.models if not isinstance(core, SdfLight | WorldJoints)]
+        return [self.view(core) for core in self.core.models]
 
     def view(self, core: CoreModel) -> Model:
         """The view on a model of the engine."""
@@ -218,7 +213,7 @@ class World(Base):
     def ModelByName(self, name: str) -> Model | None:
         """A model by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        found = (c for c in self.core.models if c.GetId() == name and not isinstance(c, SdfLight | WorldJoints))
+        found = (c for c in self.core.models if c.GetId() == name)
         core = next(found, None)
         return None if core is None else self.view(core)
 
@@ -254,7 +249,7 @@ class World(Base):
 
     def Lights(self) -> list[Light]:
         """All lights."""
-        cores = [core for core in self.core.models if isinstance(core, SdfLight)]
+        cores = self.core.extension(SdfWorld).lights
         return [self._light(core) for core in cores]
 
     def _light(self, core: SdfLight) -> Light:
@@ -284,7 +279,7 @@ class World(Base):
     def link_of(self, body: Body) -> Link | None:
         """The view on a body; None for one that belongs to no model of this world."""
         core = body.model
-        if core is None or core.world is not self.core or isinstance(core, SdfLight | WorldJoints):
+        if core is None or core.world is not self.core or not core.is_model:
             return None
         return self.view(core).link(body)
 
@@ -362,7 +357,7 @@ class World(Base):
         if isinstance(entity, Model):
             family = [model.core for model in entity.family()]
         nested_first = list(reversed(family))
-        self.core.after_step(lambda: delete_models(self.core, nested_first))
+        self.core.after_step(lambda: self.core.remove(nested_first))
 
     def Clear(self) -> None:
         """Remove all models and lights."""
@@ -407,7 +402,7 @@ class World(Base):
 
     def MagneticField(self) -> Vector3d:
         """The magnetic field [T]."""
-        return Vector3d(*settings_of(self.core).magnetic_field)
+        return Vector3d(*self.core.extension(SdfWorld).settings.magnetic_field)
 
     def SetMagneticField(self, field: VectorLike) -> None:
         """Set the magnetic field [T].
@@ -415,11 +410,11 @@ class World(Base):
         Raises:
             ParameterError: it is not three finite numbers.
         """
-        settings_of(self.core).magnetic_field = GzVector(*finite_tuple(field, 3, "magnetic field [T]"))
+        self.core.extension(SdfWorld).settings.magnetic_field = GzVector(*finite_tuple(field, 3, "magnetic field [T]"))
 
     def SphericalCoords(self) -> SphericalCoordinates:
         """The world's position and orientation on Earth, from its file."""
-        place = settings_of(self.core).spherical_coordinates
+        place = self.core.extension(SdfWorld).settings.spherical_coordinates
         if place is None:
             return SphericalCoordinates()
         return SphericalCoordinates(

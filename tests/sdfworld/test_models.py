@@ -1,0 +1,227 @@
+"""SDF models beyond single links: nested ones, links, states, settings, models that join, insane numbers."""
+
+import math
+
+import numpy as np
+import pytest
+from sdf_worlds import GROUND, collision, inertial, joint, link, model, place, two_links, world
+
+from libgz.errors import NotFoundError, WorldFileError
+from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.ode.native_step import native_path
+from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
+
+# Nested models ---------------------------------------------------------------------------------------------------
+
+
+def test_a_model_of_models_alone(load):
+    arm = model("arm", link("hand", inertial()), pose="0 0 1 0 0 0")
+    made = load(world(model("robot", arm, pose="1 2 0 0 0 0"), gravity="0 0 0"))
+    robot, inner = made.model("robot"), made.model("robot::arm")
+    assert tuple(robot.GetPose().pos) == (1, 2, 0)
+    assert robot.GetBody() is robot.GetBody("arm::hand") is inner.GetBody("hand")
+    assert place(robot.GetBody()) == (1, 2, 1)
+    made.SetModelPose(robot, GzPose(GzVector(5, 0, 0), GzQuaternFromEuler(0, 0, math.pi / 2)))
+    assert place(inner.GetBody()) == pytest.approx((5, 0, 1))
+    assert GzQuaternToEuler(inner.GetPose().rot).z == pytest.approx(math.pi / 2)
+    made.reset()
+    assert place(inner.GetBody()) == pytest.approx((1, 2, 1))
+    with pytest.raises(NotFoundError, match="no link 'foot'; it has arm::hand"):
+        robot.GetBody("foot")
+    made.DeleteModel("robot")
+    assert made.models == []
+
+
+def test_joints_reach_into_nested_models(load):
+    arm = model("arm", link("upper", inertial()), pose="0 0 1 0 0 0")
+    body = model(
+        "robot",
+        link("base", inertial(5.0)),
+        arm,
+        joint("shoulder", "revolute", "base", "arm::upper", "0 1 0"),
+    )
+    made = load(world(body, gravity="0 0 0"))
+    robot = made.model("robot")
+    assert robot.sdf_joints["shoulder"].child is made.model("robot::arm").GetBody("upper")
+    robot.sdf_joints["shoulder"].set_velocity(1.0)
+    made.run(0.1)
+    assert robot.sdf_joints["shoulder"].position() == pytest.approx(0.1, abs=1e-3)
+
+
+def test_frames_of_later_versions_are_refused(load):
+    for text in ("<pose frame='x'>0 0 0 0 0 0</pose>", "<pose relative_to='x'>0 0 0 0 0 0</pose>"):
+        with pytest.raises(WorldFileError, match=r"is part of SDF 1\.7 and later, which libgz does not read"):
+            load(world(f"<model name='m'>{text}<link name='l'/></model>"))
+
+
+# Links -----------------------------------------------------------------------------------------------------------
+
+
+def test_kinematic_links_go_on_and_push(load):
+    pusher = model(
+        "pusher", link("l", "<kinematic>1</kinematic>", inertial(1.0), collision("box")), pose="-2 0 0.5 0 0 0"
+    )
+    made = load(world(GROUND, pusher, model("box", link("l", collision("box")), pose="0 0 0.5 0 0 0")))
+    made.body("pusher").SetLinearVel((1, 0, 0))
+    made.run(2.0)
+    assert place(made.body("pusher")) == pytest.approx((0, 0, 0.5), abs=1e-6)
+    assert made.body("box").GetPosition().x == pytest.approx(1.0, abs=0.02)
+
+
+def test_decay_gravity_and_products_of_inertia(load):
+    slow = "<velocity_decay><linear>0.01</linear><angular>0</angular></velocity_decay>"
+    skew = "<inertial><inertia><ixx>2</ixx><iyy>2</iyy><izz>2</izz><ixy>0.5</ixy></inertia></inertial>"
+    made = load(
+        world(
+            model("slow", link("l", slow)),
+            model("free", link("l", "<gravity>0</gravity>")),
+            model("skew", link("l", "<gravity>0</gravity>", skew)),
+        )
+    )
+    made.body("skew").AddTorque(1, 0, 0)
+    made.step()
+    expected = np.linalg.solve([[2, 0.5, 0], [0.5, 2, 0], [0, 0, 2]], (1e-3, 0, 0))
+    assert tuple(made.body("skew").GetAngularRate()) == pytest.approx(tuple(expected))
+    made.run(2.0)
+    assert made.body("slow").GetLinearVel().z == pytest.approx(-9.8 * 0.001 * 99, rel=0.02)
+    assert made.body("free").GetLinearVel().z == 0.0
+
+
+# State and settings ----------------------------------------------------------------------------------------------
+
+
+def test_a_state_moves_inserts_and_deletes(load):
+    inserted = model("late", link("l"), pose="7 0 0 0 0 0")
+    state = (
+        "<state world_name='default'><sim_time>3 500000000</sim_time>"
+        "<model name='m'><pose>1 2 3 0 0 0</pose><link name='link'><pose>1 2 3 0 0 0.5</pose>"
+        "<velocity>0 0 1 0 0 2</velocity></link></model><model name='nobody'/>"
+        "<light name='lamp'><pose>0 0 9 0 0 0</pose></light>"
+        f"<insertions>{inserted}</insertions><deletions><name>gone</name></deletions></state>"
+    )
+    lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose></light>"
+    made = load(world(model("m", link("link")), model("gone", link("l")), lamp, state, gravity="0 0 0"))
+    body = made.body("m")
+    assert made.GetSimTime() == 3.5
+    assert place(body) == (1, 2, 3)
+    assert GzQuaternToEuler(body.GetRotation()).z == pytest.approx(0.5)
+    assert (tuple(body.GetLinearVel()), tuple(body.GetAngularRate())) == ((0, 0, 1), (0, 0, 2))
+    assert made.model("lamp").GetPose().pos.z == 9
+    assert made.model("late").GetPose().pos.x == 7
+    with pytest.raises(NotFoundError):
+        made.model("gone")
+
+
+def test_profiles_scene_and_place_on_earth(load):
+    slow = "<physics name='slow' type='ode'><max_step_size>0.01</max_step_size></physics>"
+    fast = "<physics name='fast' default='1' type='ode'><max_step_size>0.002</max_step_size></physics>"
+    more = (
+        "<magnetic_field>1 2 3</magnetic_field><scene><ambient>.1 .2 .3 1</ambient><background>.4 .5 .6 1</background>"
+        "<shadows>0</shadows><fog><type>linear</type><density>.5</density><color>.4 .5 .6 1</color></fog></scene>"
+        "<spherical_coordinates><surface_model>EARTH_WGS84</surface_model><latitude_deg>47.4</latitude_deg>"
+        "<longitude_deg>8.5</longitude_deg><elevation>400</elevation><heading_deg>0</heading_deg></spherical_coordinates>"
+    )
+    made = load(f"<world name='w'>{slow}{fast}<gravity>0 0 -5</gravity>{more}{model('m', link('l'))}</world>")
+    settings = made.extension(SdfWorld).settings
+    assert (made.engine.step_time, made.engine.gravity) == (0.002, (0, 0, -5))
+    assert list(settings.profiles) == ["slow", "fast"]
+    assert tuple(settings.magnetic_field) == (1, 2, 3)
+    assert settings.spherical_coordinates.Get(float, "latitude_deg") == 47.4
+    assert tuple(made.backdrop.ambient)[:3] == (0.1, 0.2, 0.3)
+    assert not settings.scene.Get(bool, "shadows")
+    assert (made.fogEnable, made.fogDensity, tuple(made.skyColor)[:3]) == (True, 0.5, (0.4, 0.5, 0.6))
+    made.extension(SdfWorld).apply_profile("slow")
+    assert made.engine.step_time == 0.01
+    with pytest.raises(NotFoundError, match="no physics profile 'quick'; there are slow, fast"):
+        made.extension(SdfWorld).apply_profile("quick")
+
+
+def test_models_join_a_running_world_whole_or_not_at_all(load):
+    made = load(world(GROUND))
+    made.run(0.1)
+    text = f"<sdf version='1.6'>{model('late', link('l', collision('box')), pose='0 0 0.5 0 0 0')}</sdf>"
+    assert [m.GetId() for m in made.extension(SdfWorld).insert(SdfFile.from_string(text))] == ["late"]
+    made.run(0.5)
+    assert made.body("late").GetPosition().z == pytest.approx(0.5, abs=1e-3)
+    before = list(made.models)
+    bad = f"<sdf version='1.6'>{model('x', link('a'), joint('j', 'screw', 'a', 'nowhere'))}</sdf>"
+    with pytest.raises(WorldFileError, match="nowhere"):
+        made.extension(SdfWorld).insert(SdfFile.from_string(bad))
+    assert made.models == before
+
+
+def test_lights_of_links_go_with_them(load):
+    lamp = "<light name='lamp' type='point'><pose>0 0 1 0 0 0</pose><diffuse>1 0 0 1</diffuse></light>"
+    made = load(world(model("m", link("l", lamp), pose="2 0 0 0 0 0"), gravity="0 0 0"))
+    light = made.body("m").geoms[0]
+    assert tuple(light.GetPose().pos) == (2, 0, 1)
+    assert tuple(light.GetDiffuseColor())[:3] == (1, 0, 0)
+
+
+def test_both_forms_of_the_step_run_sdf_worlds_to_the_bit(load, monkeypatch):
+    if native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    bouncy = "<friction><ode><mu>.5</mu><slip1>.01</slip1><fdir1>1 0 0</fdir1></ode></friction>"
+    parts = [
+        model(f"b{i}", link("l", collision(shape, bouncy)), pose=f"{0.3 * i} 0 {1 + i} {0.1 * i} 0 0")
+        for i, shape in enumerate(("box", "sphere", "cylinder", "box"))
+    ]
+    limit = "<limit><lower>-5</lower><upper>5</upper></limit><dynamics><damping>.1</damping></dynamics>"
+    parts.append(two_links(joint("h", "revolute", "a", "b", "0 1 0", inside=limit)))
+    bolt = link("bolt", inertial(), pose="4 0 2 0 0 0")
+    parts.append(model("screw", bolt, joint("s", "screw", "world", "bolt", "0 0 1", "<thread_pitch>8</thread_pitch>")))
+    parts.append(
+        model(
+            "cross",
+            link("l", inertial(), pose="8 0 2 0 0 0"),
+            joint("u", "universal", "world", "l", "1 0 0", "<axis2><xyz>0 1 0</xyz></axis2>", pose="0.3 0.2 0 0 0 0"),
+        )
+    )
+    ends = []
+    for form in ("native", "python"):
+        monkeypatch.setenv("LIBGZ_STEP", form)
+        made = load(world(GROUND, *parts))
+        made.engine.seed = 1
+        joints = [made.model(name).sdf_joints[j] for name, j in (("m", "h"), ("screw", "s"), ("cross", "u"))]
+        joints[0].set_velocity(9.0)
+        kept = []
+        for i in range(1500):
+            made.step()
+            if i % 100 == 99:
+                kept += [joint.position(k) for joint in joints for k in range(joint.dof)]
+        ends.append((kept, made.engine.states.tobytes()))
+        assert max(map(abs, kept)) > math.pi
+    assert ends[0] == ends[1]
+
+
+def test_insane_numbers_are_told_and_do_not_end_the_process(load):
+    far = inertial(1.0, (1e-9,) * 3, "1e9 0 0 0 0 0")
+    rough = "<friction><ode><fdir1>1 inf 0</fdir1></ode></friction>"
+    for part, told in (
+        (link("l", far), "beyond what can be reckoned with"),
+        (link("l", collision("box", rough)), "fdir1 is"),
+        (link("l") + joint("j", "screw", "world", "l", more="<thread_pitch>0</thread_pitch>"), "thread_pitch is 0"),
+        (link("l") + joint("j", "revolute", "world", "l", "0 0 0"), "an axis must not be zero"),
+        (link("l") + joint("j", "revolute", "world", "l", inside="<limit><lower>nan</lower></limit>"), "not a number"),
+    ):
+        with pytest.raises(WorldFileError, match=told):
+            load(world(model("m", part)))
+    soft = "<physics><ode><limit><cfm>1e308</cfm><erp>-7</erp></limit></ode></physics>"
+    made = load(world(model("m", link("l"), joint("j", "revolute", "world", "l", "1e308 0 0", soft))))
+    assert made.model("m").sdf_joints["j"].get_param("stop_erp") == 0.0
+    made.step(10)
+
+
+def test_a_body_that_runs_away_is_halted_and_told_once(load, monkeypatch, caplog):
+    stiff = "<dynamics><spring_stiffness>1e15</spring_stiffness><spring_reference>1</spring_reference></dynamics>"
+    ends = []
+    for form in ("python", "native") if native_path() is not None else ("python",):
+        monkeypatch.setenv("LIBGZ_STEP", form)
+        caplog.clear()
+        made = load(world(model("m", link("l"), joint("j", "prismatic", "world", "l", "1 0 0", inside=stiff))))
+        made.step(50)
+        assert caplog.text.count("body m::l ran away and was halted") == 1
+        assert all(map(math.isfinite, made.body("m").GetPosition()))
+        ends.append(made.engine.states.tobytes())
+    assert len(set(ends)) == 1

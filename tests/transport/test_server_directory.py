@@ -1,0 +1,218 @@
+"""A server's directory: its creation and removal, stale files, and files of other programs."""
+
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from served import serve
+
+import libgz
+from libgz.files import installed_worlds
+from libgz.interfaces.position import Position
+from libgz.transport.paths import LOCK_FILE, server_directory
+from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
+from libgz.transport.server import Server, free_server_id
+
+
+def test_directory_is_named_by_tmp_user_and_id(monkeypatch):
+    monkeypatch.setenv("TMP", "/somewhere")
+    monkeypatch.setenv("USER", "ahoward")
+    assert server_directory(0) == "/somewhere/gazebo-ahoward-0"
+    monkeypatch.delenv("USER")
+    monkeypatch.delenv("TMP")
+    assert server_directory(3) == "/tmp/gazebo-nobody-3"
+    monkeypatch.setenv("USER", "")
+    assert server_directory(3) == "/tmp/gazebo--3"
+    monkeypatch.setenv("TMP", "/" + "x" * 130)
+    with pytest.raises(libgz.ParameterError, match="longer than 127"):
+        server_directory(0)
+
+
+def test_modes_and_semaphores(server):
+    serve(server)
+    assert Path(server.path).stat().st_mode & 0o777 == 0o700
+    assert (Path(server.path) / "position.robot1").stat().st_mode & 0o777 == 0o600
+    lines = Path("/proc/sysvipc/sem").read_text().splitlines()
+    fields = [line.split() for line in lines[1:] if int(line.split()[0]) == GZ_SEM_KEY + server.server_id]
+    assert [(f[2], f[3]) for f in fields] == [("700", str(CLIENTS))]
+
+
+def test_a_live_server_is_never_disturbed(server):
+    interface = serve(server)
+    for force in (False, True):
+        with pytest.raises(
+            libgz.ServerError, match=f"another server running with id {server.server_id} .pid {os.getpid()}"
+        ):
+            Server(server.server_id, force).start()
+    interface.data.pos[0] = 1.0
+    server.post()
+    assert (Path(server.path) / "position.robot1").exists()
+
+
+def test_stale_files_and_semaphores_are_removed_at_the_start(wire):
+    script = (
+        f"import os; from libgz.transport.server import Server; from libgz.interfaces.position import Position\n"
+        f"s = Server({wire}); s.start(); p = Position(); p.create(s, 'old'); s.post(); os._exit(9)"
+    )
+    assert subprocess.run([sys.executable, "-c", script], timeout=30).returncode == 9
+    folder = Path(server_directory(wire))
+    assert (folder / "position.old").exists()
+    assert SemaphoreSet.attach(wire)
+    server = Server(wire)
+    server.start()
+    assert sorted(p.name for p in folder.iterdir()) == [LOCK_FILE]
+    server.stop()
+    server.stop()
+    assert not folder.exists()
+
+
+def test_waits_for_a_dead_server_end_when_a_new_server_starts(wire):
+    script = (
+        f"import os; from libgz.transport.server import Server; from libgz.interfaces.sim import Sim\n"
+        f"s = Server({wire}); s.start(); Sim().create(s, 'default'); s.post()\n"
+        f"print('up', flush=True); input(); os._exit(9)"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as first:
+        assert first.stdout.readline() == "up\n"
+        client = libgz.Client(wire)
+        client.wait(timeout=5.0)
+        first.communicate("\n", timeout=30)
+    server = Server(wire)
+    server.start()
+    server.post()
+    with pytest.raises(libgz.ServerGoneError):  # its files are stale
+        client.wait(timeout=5.0)
+    client.disconnect()
+    server.stop()
+
+
+def test_semaphores_of_a_live_server_of_another_kind_are_kept(wire):
+    # It does not hold libgz's lock, but it posts to its semaphores.
+    script = (
+        f"import sys; from libgz.transport.semaphores import SemaphoreSet\n"
+        f"s = SemaphoreSet.create({wire}); s.post(); print('up', flush=True); sys.stdin.read(); s.remove()"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", script], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as other:
+        assert other.stdout.readline() == "up\n"
+        with pytest.raises(libgz.ServerError, match="-f if you definitely want"):
+            Server(wire).start()
+        assert not Path(server_directory(wire)).exists()
+        forced = Server(wire, force=True)
+        forced.start()
+        forced.stop()
+        other.communicate("", timeout=30)
+
+
+def test_links_in_a_shared_tmp_are_not_followed(wire, tmp_path):
+    target = tmp_path / "target"
+    target.mkdir()
+    folder = Path(server_directory(wire))
+    folder.symlink_to(target)
+    with pytest.raises(libgz.ServerError, match="cannot use"):
+        Server(wire).start()
+    folder.unlink()
+    victim = tmp_path / "victim"
+    victim.write_text("precious")
+    folder.mkdir(mode=0o755)
+    (folder / "position.robot1").symlink_to(victim)
+    server = Server(wire)
+    server.start()
+    assert folder.stat().st_mode & 0o777 == 0o700
+    serve(server)
+    server.stop()
+    assert victim.read_text() == "precious"
+
+
+def test_invalid_ids(server):
+    for name, message in ((None, "is NULL"), ("a.b", "must not contain '.'"), ("a/b", "must not contain '/'")):
+        with pytest.raises(libgz.InterfaceError, match=message):
+            Position().create(server, name)
+    empty = serve(server, name="")
+    assert (Path(server.path) / "position.").exists()
+    empty.destroy()
+
+
+def test_the_first_of_two_with_one_id_is_served(server, caplog):
+    first, second = serve(server), serve(server)
+    assert "second position interface with id 'robot1'" in caplog.text
+    second.data.pos[0] = 5.0
+    assert first.data.pos[0] == 0.0
+    second.destroy()
+    assert (Path(server.path) / "position.robot1").exists()
+
+
+def test_the_directory_is_removed_under_a_running_server(server, caplog):
+    first = serve(server)
+    for path in Path(server.path).iterdir():
+        path.unlink()
+    Path(server.path).rmdir()
+    with first.locked() as data:
+        data.pos[0] = 1.0
+    serve(server, name="robot2")
+    assert "was removed under the running server" in caplog.text
+    assert (Path(server.path) / "position.robot2").exists()
+
+
+def test_a_free_server_id(wire):
+    number = free_server_id()
+    with pytest.raises(FileNotFoundError):
+        SemaphoreSet.attach(number)
+
+
+def test_a_full_disk_is_reported_when_an_interface_is_created(server, monkeypatch):
+    """Access to a page of a sparse mapped file raises SIGBUS if the disk is full."""
+
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "posix_fallocate", full)
+    with pytest.raises(libgz.InterfaceError, match=r"No space left on device \(position\.robot1\)"):
+        serve(server)
+    assert [path.name for path in Path(server.path).iterdir()] == [LOCK_FILE]
+
+
+def test_blocks_of_interface_files_are_allocated(server):
+    interface = serve(server)
+    assert (Path(server.path) / "position.robot1").stat().st_blocks * 512 >= interface.size
+
+
+def test_a_directory_that_cannot_be_written_is_reported(wire, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "pwrite", full)
+    with pytest.raises(libgz.ServerError, match=r"cannot use .* as the server's directory: No space left on device"):
+        Server(wire).start()
+    assert not Path(server_directory(wire)).exists()
+
+
+def test_a_forked_child_does_not_end_its_parents_server(wire):
+    """In a separate process, because the process of the tests has threads."""
+    program = f"""
+import os, sys, libgz
+world = libgz.World.from_file({str(installed_worlds() / "pioneer2at.world")!r}, server_id={wire})
+with world:
+    child = os.fork()
+    if child == 0:
+        sys.exit(0)
+    print(os.waitpid(child, 0)[1], sorted(os.listdir(world.gz_server.path)))
+    with libgz.Client({wire}) as client:
+        world.step()
+        print(client.wait(timeout=1.0))
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
+    assert done.stdout.startswith("0 ['fiducial.laser1', 'gazebo.pid', 'laser.laser1', "), done.stderr
+    assert done.stdout.endswith("True\n")
+
+
+def test_a_server_is_stopped_when_its_program_ends(wire):
+    program = f"from libgz.transport.server import Server\nServer({wire}).start()"
+    assert subprocess.run([sys.executable, "-c", program], timeout=30).returncode == 0
+    assert not Path(server_directory(wire)).exists()

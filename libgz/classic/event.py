@@ -12,6 +12,7 @@ from libgz.simulation.event import Connection, Event, WorldEvents, everywhere, o
 __all__ = ["Connection", "ConnectionPtr", "Event", "EventNames", "EventT", "Events"]
 
 ConnectionPtr = Connection
+EventT = Event
 
 
 def _update_info(world: str, sim_time: float, real_time: float) -> UpdateInfo:
@@ -19,7 +20,6 @@ def _update_info(world: str, sim_time: float, real_time: float) -> UpdateInfo:
 
 
 WorldEvents.update_info = staticmethod(_update_info)
-EventT = Event
 
 
 def _disconnect(connection: Connection) -> None:

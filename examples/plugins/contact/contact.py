@@ -1,4 +1,4 @@
-"""A Sensor plugin that tells what begins and what ends to touch the collisions its contact sensor watches."""
+"""A Sensor plugin that logs the begin and the end of contacts of its contact sensor."""
 
 from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
 
@@ -7,7 +7,7 @@ class TouchTeller(SensorPlugin):
     def Load(self, sensor, sdf):
         self.sensor = sensor
         self.touching = set()
-        # Sensors measure when they are active: always_on in the file, or somebody who wants it.
+        # Sensors measure when they are active: by always_on in the file, or by SetActive.
         sensor.SetActive(True)
         self.connection = sensor.ConnectUpdated(self.OnUpdate)
 

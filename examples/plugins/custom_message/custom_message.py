@@ -14,7 +14,7 @@ Heights = msgs.declare("survey.msgs.Heights", "survey.msgs.Survey question, doub
 
 class Surveyor(WorldPlugin):
     def Load(self, world, sdf):
-        # A ray that belongs to nothing, and looks wherever it is pointed.
+        # A ray in the world frame.
         self.ray = world.Physics().CreateShape("ray")
         self.node = transport.Node()
         self.node.Init(world.Name())

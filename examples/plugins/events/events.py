@@ -60,7 +60,7 @@ class Rule:
         for insert in children(self.element, "insert"):
             model = insert.GetElement("model")
             gzmsg(f"{self.world.SimTime().Double():.3f} s: insert {model.Get(str, 'name')}")
-            # What is inserted or deleted in a callback comes or goes at the end of the iteration.
+            # Insertions and deletions in a callback are deferred to the end of the iteration.
             self.world.InsertModelString(f"<sdf version='1.6'>{model.ToString()}</sdf>")
         for delete in children(self.element, "delete"):
             if self.exists(delete.Get(str)):

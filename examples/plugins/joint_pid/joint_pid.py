@@ -1,6 +1,6 @@
 """A Model plugin that holds joints at a position or a velocity with PID controllers, and listens for new targets.
 
-A model's JointController pushes its joints in every iteration, so a plugin only says what it wants, and with which
+A model's JointController applies efforts in every iteration, so a plugin only sets targets and
 gains. Targets that come by a topic work from other programs, too:
 
     libgz topic -p '~/turret/vel_cmd' -t Vector3d -m 'x: 3'

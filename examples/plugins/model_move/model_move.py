@@ -1,6 +1,6 @@
-"""A Model plugin that moves its model along waypoints of the world's file, and tells when it has arrived.
+"""A Model plugin that moves its model along waypoints of the world's file, and logs its arrival.
 
-An animation moves a model whatever stands in its way: it is for what follows a plan, such as a lift or a passer-by.
+An animation moves a model regardless of obstacles: use it for lifts, passers-by and other scripted motion.
 """
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin, gzerr, gzmsg

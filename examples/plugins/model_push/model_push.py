@@ -1,6 +1,6 @@
 """A Model plugin that keeps its model moving: it sets the velocity anew in every iteration.
 
-Forces and velocities act for one step only; whoever wants them to last says so in every step. The event
+Forces act for one step only, and velocities decay by contacts; for a constant one, set it in every step. The event
 WorldUpdateBegin comes first in each iteration, so what is set there acts in the step that follows.
 """
 

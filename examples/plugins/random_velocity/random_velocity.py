@@ -21,11 +21,11 @@ class RandomVelocity(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self):
-        # After a reset time begins at 0 again, so what was planned must be forgotten.
+        # Sim time is 0 again after a reset.
         self.due = 0.0
 
     def OnUpdate(self, info):
-        # A callback that takes an argument is told the world's name, the sim time and the real time.
+        # A callback that takes an argument gets the world's name, the sim time and the real time.
         now = info.simTime.Double()
         if now >= self.due:
             self.due = now + self.period

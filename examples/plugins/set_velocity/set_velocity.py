@@ -2,7 +2,7 @@
 
 - `instantly`: the links get the velocity there and then, as if by magic. It holds until something slows them down.
 - `motor`: ODE's joint motor brings the joint to the velocity with as much torque as it is given, and holds it there.
-- `pid`: a PID controller pushes the joint; it takes a while, and how well it holds is a matter of the gains.
+- `pid`: a PID controller applies an effort; settling time and precision depend on the gains.
 
 Links and models have SetLinearVel and SetAngularVel, which are of the first kind.
 """

@@ -1,8 +1,8 @@
-"""A System plugin for the client: it saves the first pictures of the user camera in a folder.
+"""A System plugin for the client: it saves the first images of the user camera in a folder.
 
 Options that gzclient does not know are left to its plugins:
 
-    gzclient -g libclient_frames.so --frames-to=pictures
+    gzclient -g libclient_frames.so --frames-to=frames
 """
 
 from libgz.classic import GZ_REGISTER_SYSTEM_PLUGIN, SystemPlugin, gui, gzmsg

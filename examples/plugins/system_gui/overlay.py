@@ -1,4 +1,4 @@
-"""A GUI plugin for the client: it has a place in the client's window, shows the sim time, and a button adds a sphere.
+"""A GUI plugin for the client: a widget in the client's window shows the sim time, and a button adds a sphere.
 
 gzserver system_gui.world          # in one terminal
 gzclient --verbose                 # in another: the world names this plugin in <gui>
@@ -31,7 +31,7 @@ class Overlay(GUIPlugin):
         self.count = 0
         self.node = transport.Node()
         self.node.Init(gui.get_world())
-        # The server is another process: what the client wants, it says by a topic.
+        # The server is another process: the client controls it by topics.
         self.publisher = self.node.Advertise(msgs.Factory, "~/factory")
         self.subscriber = self.node.Subscribe("~/world_stats", self.OnStatistics)
 

@@ -1,4 +1,4 @@
-"""A World plugin that changes the physics of its world: gravity, step and pace, as the plugin's element says.
+"""A World plugin that changes the physics of its world: gravity, step size and update rate, by the plugin's element.
 
 What every World plugin gets is the world, and its own <plugin> element; from the world it reaches everything else.
 """
@@ -20,7 +20,7 @@ class WorldEdit(WorldPlugin):
                 before = physics.GetParam(name)
                 physics.SetParam(name, sdf.Get(kind, name))
                 gzmsg(f"{name}: {before} -> {physics.GetParam(name)}")
-        # With a third argument Get tells whether the file had the element: (value, found).
+        # With a third argument, the default, Get returns (value, found).
         gravity, found = sdf.Get(Vector3d, "gravity", world.Gravity())
         if found:
             world.SetGravity(gravity)

@@ -328,5 +328,5 @@ def test_stamps_and_requests():
     assert one.id != two.id
     with pytest.raises(ParameterError, match="no header"):
         msgs.Init(msgs.Vector3d())
-    with pytest.raises(ParameterError, match="no place for a time stamp"):
+    with pytest.raises(ParameterError, match="has no time stamp"):
         msgs.Stamp(msgs.Vector3d())

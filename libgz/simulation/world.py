@@ -8,7 +8,7 @@ import os
 import time
 from collections.abc import Callable, Iterable
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from libgz.simulation.companion import Companion
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.lookup import Lookup
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.worldfile.file import WorldFile
@@ -62,8 +63,6 @@ class World(Lookup, Loader, Clock, Agenda):
         LibraryError: ODE is absent or unfit.
         ParameterError: there is no such solver or version, or the seed is negative.
     """
-
-    _all: ClassVar[list[World]] = []
 
     def __init__(
         self,
@@ -207,8 +206,7 @@ class World(Lookup, Loader, Clock, Agenda):
         self.name = named.Get(str, "name") if named is not None else self.name
         load_sdf(self, file)
         if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
-            # By name, for classic stands above this package.
-            importlib.import_module("libgz.classic.server").attach(self)
+            self.attach_era()
         return 0
 
     @property
@@ -219,7 +217,13 @@ class World(Lookup, Loader, Clock, Agenda):
     @classmethod
     def all_running(cls) -> list[World]:
         """The worlds of this process that run, oldest first."""
-        return [world for world in cls._all if world.running]
+        return [world for world in running_worlds() if isinstance(world, cls)]
+
+    def attach_era(self) -> None:
+        """Attach what Gazebo classic offers on request, such as topics, to an SDF world. Can be called twice."""
+        if self.engine.classic:
+            # By name, for classic stands above this package.
+            importlib.import_module("libgz.classic.server").attach(self)
 
     def adopt(self, model: Model) -> None:
         """Take a model in that is built: it is updated from the next step on."""
@@ -245,7 +249,7 @@ class World(Lookup, Loader, Clock, Agenda):
             PluginError: a model's Init failed.
         """
         self._start = time.monotonic()
-        self._all.append(self)
+        add_running(self)
         self.gz_server.start()
         file = self.file or WorldFile()
         self.init_models(self.models, file)
@@ -285,7 +289,7 @@ class World(Lookup, Loader, Clock, Agenda):
         if self._start is None:
             return 0
         self._start = None
-        self._all.remove(self)
+        remove_running(self)
         for companion in self.companions:
             companion.close()
         for model in self.models:

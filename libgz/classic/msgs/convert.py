@@ -142,7 +142,6 @@ def _set_plane(msg: Any, value: Any) -> None:
         found = next((getattr(value, name) for name in names if hasattr(value, name)), None)
         return found() if callable(found) else found
 
-
     _set_vector3(msg.normal, part("normal", "Normal"))
     _set_vector2(msg.size, part("size", "Size"))
     msg.d = part("d", "Offset")

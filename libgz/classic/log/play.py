@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING
 from lxml import etree
 
 from libgz.classic.log.file import LogReader
-from libgz.classic.log.state import LogState
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.server import attach
-from libgz.errors import WorldFileError
+from libgz.errors import ParameterError, WorldFileError
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.state import SdfState
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ log = logging.getLogger("libgz.classic")
 _SLACK = 1e-9  # [s]
 
 
-def read_states(reader: LogReader) -> Iterator[LogState]:
+def read_states(reader: LogReader) -> Iterator[SdfState]:
     """The states of a log, in order.
 
     Raises:
@@ -39,7 +39,10 @@ def read_states(reader: LogReader) -> Iterator[LogState]:
     """
     for document in reader.documents():
         for element in document.iterchildren("state"):
-            yield LogState.parse(element)
+            try:
+                yield SdfState.parse(element)
+            except ParameterError as error:
+                raise WorldFileError(f"<state> of a log: {error}") from None
 
 
 class LogPlay:
@@ -67,7 +70,7 @@ class LogPlay:
     def __init__(self, path: str | os.PathLike[str], core: CoreWorld | None = None) -> None:
         self.reader = LogReader(path)
         self.core = CoreWorld() if core is None else core
-        self._next: LogState | None = None
+        self._next: SdfState | None = None
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:

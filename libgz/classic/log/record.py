@@ -12,13 +12,13 @@ from types import TracebackType
 from typing import TYPE_CHECKING
 
 from libgz.classic.log.file import LogWriter
-from libgz.classic.log.state import LogState
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.errors import ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzVector
+from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
@@ -123,7 +123,7 @@ class LogRecord:
         if writer is None:
             return
         self._tell_new()
-        state = LogState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations, world=core.name)
+        state = SdfState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations, world=core.name)
         state.insertions, self._insertions = self._insertions, []
         state.deletions, self._deletions = self._deletions, []
         for model in self._world.all_models():
@@ -137,7 +137,7 @@ class LogRecord:
             log.error("%s; it ends here", error)
             self.Stop()
 
-    def _add_model(self, model: Model, state: LogState) -> None:
+    def _add_model(self, model: Model, state: SdfState) -> None:
         for link in model.GetLinks():
             name, body = link.GetScopedName(), link.body
             now = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
@@ -145,7 +145,7 @@ class LogRecord:
                 self._known[name] = now
                 state.poses[name], state.velocities[name] = now[0], now[1:]
 
-    def _add_light(self, light: Light, state: LogState) -> None:
+    def _add_light(self, light: Light, state: SdfState) -> None:
         name, pose = light.GetName(), light.pose()
         if self._known.get(name, (None,))[0] != pose:
             self._known[name] = pose, GzVector(), GzVector()

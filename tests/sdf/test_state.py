@@ -63,7 +63,8 @@ def test_a_state_moves_nested_models_and_reports_each_unknown_name_once(load, ca
         "<model name='nobody'><pose>0 0 0 0 0 0</pose><link name='l'><pose>0 0 0 0 0 0</pose></link></model></state>"
     )
     made = load(
-        f"<world name='w'><gravity>0 0 0</gravity><model name='outer'>{BODY.format('base')}{nested}</model>{state}</world>"
+        "<world name='w'><gravity>0 0 0</gravity>"
+        f"<model name='outer'>{BODY.format('base')}{nested}</model>{state}</world>"
     )
     assert tuple(made.model("outer").GetBody("base").GetPosition()) == (0, 0, 4)
     tip = made.model("outer::inner").GetBody("tip")

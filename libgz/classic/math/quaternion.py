@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from numbers import Real
 from typing import Any, overload
 
+from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, numbers_in, text_of
 from libgz.classic.math.vector3 import Vector3d
@@ -26,7 +27,7 @@ from libgz.geometry import (
 __all__ = ["Quaternion", "Quaterniond", "as_quaternion"]
 
 
-class Quaterniond(GzQuatern):
+class Quaterniond(HasXYZ, GzQuatern):
     """A rotation as a quaternion w, x, y, z. It is a `GzQuatern`, so every function of the engine takes it.
 
     - `a * b` rotates by b, then by a; `q * v` is v rotated.
@@ -99,24 +100,6 @@ class Quaterniond(GzQuatern):
         if value is not None:
             self.u = value
         return self.u
-
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
-
-    def Z(self, value: float | None = None) -> float:
-        """The z component; an argument sets it first."""
-        if value is not None:
-            self.z = value
-        return self.z
 
     def Set(self, w: float, x: float, y: float, z: float) -> None:
         """Set all components."""

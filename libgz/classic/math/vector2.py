@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic.math.components import Componentwise, HasXY
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
 from libgz.errors import ParameterError
@@ -19,13 +20,12 @@ __all__ = ["Vector2", "Vector2d", "Vector2i"]
 V = TypeVar("V", bound="Vector2d")
 
 
-class Vector2d:
+class Vector2d(Componentwise, HasXY):
     """A point or direction in a plane, or a pair of numbers: x, y. Operators and `==` are as in Vector3d."""
 
     __slots__ = ("x", "y")
     __hash__ = None  # type: ignore[assignment]
     __match_args__ = ("x", "y")
-    __array_priority__ = 1000.0
 
     x: float
     y: float
@@ -59,18 +59,6 @@ class Vector2d:
         """
         return cls(*numbers_in(text, 2))
 
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
-
     def Set(self, x: float = 0.0, y: float = 0.0) -> None:
         """Set both components."""
         self.x, self.y = x, y
@@ -96,38 +84,15 @@ class Vector2d:
     def __str__(self) -> str:
         return text_of(self.x, self.y)
 
-    @staticmethod
-    def _spread(value: object) -> tuple[float, float] | None:
+    def _operand(self, value: object) -> tuple[float, ...] | None:
+        if isinstance(value, Vector2d):
+            return value.x, value.y
         if isinstance(value, Real):
-            return float(value), float(value)
+            return (float(value),) * 2
         if not isinstance(value, Iterable):
             return None
         numbers = tuple(value)
         return numbers if len(numbers) == 2 and all(isinstance(number, Real) for number in numbers) else None
-
-    def __add__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x + o[0], self.y + o[1])
-
-    __radd__ = __add__
-
-    def __sub__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x - o[0], self.y - o[1])
-
-    def __rsub__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(o[0] - self.x, o[1] - self.y)
-
-    def __mul__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x * o[0], self.y * o[1])
-
-    __rmul__ = __mul__
-
-    def __truediv__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x / o[0], self.y / o[1])
 
     def __neg__(self: V) -> V:
         return type(self)(-self.x, -self.y)

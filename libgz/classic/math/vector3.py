@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from numbers import Real
 
+from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, text_of
 from libgz.errors import ParameterError
@@ -30,7 +31,7 @@ def _spread(value: object) -> GzVector | None:
     return GzVector(*numbers)
 
 
-class Vector3d(GzVector):
+class Vector3d(HasXYZ, GzVector):
     """A position [m], velocity [m/s], force [N], direction or size: x, y, z.
 
     - It is a `GzVector`, so every function of the engine takes it; it converts to numpy and unpacks like a tuple.
@@ -89,24 +90,6 @@ class Vector3d(GzVector):
         return cls(*parse(GzVector, text))
 
     # Components ------------------------------------------------------------------------------------------------------
-
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
-
-    def Z(self, value: float | None = None) -> float:
-        """The z component; an argument sets it first."""
-        if value is not None:
-            self.z = value
-        return self.z
 
     def Set(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
         """Set all components."""

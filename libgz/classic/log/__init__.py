@@ -1,4 +1,4 @@
-"""Logs of runs: recorded, read, played."""
+"""Logs of runs: recording, reading and playback."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Colours."""
+"""Color: red, green, blue and alpha."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["Color"]
 
 
 class Color(Componentwise, GzColor):
-    """Red, green, blue and alpha, ordinarily 0 to 1. It is a `GzColor`. `==` is exact; `Equal` takes a tolerance."""
+    """Red, green, blue and alpha, usually 0 to 1. It is a `GzColor`. `==` is exact; `Equal` takes a tolerance."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
@@ -33,7 +33,7 @@ class Color(Componentwise, GzColor):
     Cyan = Constant(lambda: Color(0.0, 1.0, 1.0))
 
     def __init__(self, r: float | GzColor = 0.0, g: float = 0.0, b: float = 0.0, a: float = 1.0) -> None:
-        """From red, green, blue and alpha, as they are, or from another colour."""
+        """From red, green, blue and alpha, unclamped, or from another colour."""
         if isinstance(r, GzColor):
             r, g, b, a = r
         self.r, self.g, self.b, self.a = r, g, b, a
@@ -72,7 +72,7 @@ class Color(Componentwise, GzColor):
         return self.a
 
     def Set(self, r: float = 1.0, g: float = 1.0, b: float = 1.0, a: float = 1.0) -> None:
-        """Set all of it."""
+        """Set all components."""
         self.r, self.g, self.b, self.a = r, g, b, a
 
     def Reset(self) -> None:
@@ -80,7 +80,7 @@ class Color(Componentwise, GzColor):
         self.Set(0.0, 0.0, 0.0, 1.0)
 
     def Clamp(self) -> None:
-        """Bring all of it into 0 to 1, as classic did: what is above 1 is taken to count to 255."""
+        """Clamp all components to 0 to 1, as classic did: values above 1 are divided by 255."""
         self.Set(*(max(0.0, c / 255.0 if c > 1.0 else c) if math.isfinite(c) else 0.0 for c in self))
 
     def HSV(self) -> Vector3d:
@@ -105,7 +105,7 @@ class Color(Componentwise, GzColor):
         return tuple(self) == tuple(other) if isinstance(other, GzColor) else NotImplemented
 
     def Equal(self, other: GzColor, tolerance: float = 1e-3) -> bool:
-        """Whether no part of it differs by more than `tolerance`."""
+        """Whether no component differs by more than `tolerance`."""
         return all(abs(a - b) <= tolerance for a, b in zip(self, other, strict=True))
 
     def _operand(self, value: object) -> Iterable[float] | None:

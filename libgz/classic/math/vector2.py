@@ -1,4 +1,4 @@
-"""Vectors of two numbers."""
+"""Vector2d and Vector2i: vectors of two numbers."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Vector2d(Componentwise, HasXY):
     One: Constant[Vector2d] = Constant(lambda: Vector2d(1.0, 1.0))
 
     def __init__(self, x: float | Sequence[float] | Vector2d | None = None, y: float | None = None) -> None:
-        """From two numbers, from anything that holds two, or zero.
+        """From two numbers, from a sequence of two, or zero.
 
         Raises:
             ParameterError: there are not two numbers.
@@ -123,7 +123,7 @@ class Vector2d(Componentwise, HasXY):
         return math.dist(self, tuple(other))
 
     def Normalize(self) -> None:
-        """Bring it to length 1; zero stays zero."""
+        """Scale it to length 1; zero stays zero."""
         if length := self.Length():
             self.Set(self.x / length, self.y / length)
 
@@ -139,7 +139,7 @@ class Vector2d(Componentwise, HasXY):
 
 
 class Vector2i(Vector2d):
-    """A pair of whole numbers, such as a pixel; fractions are cut off, also of quotients, as in C++."""
+    """A pair of integers, such as a pixel; fractions are truncated, also those of quotients, as in C++."""
 
     __slots__ = ()
     __hash__ = None

@@ -1,4 +1,4 @@
-"""What an SDF world says and hears on Gazebo's topics."""
+"""The topics of an SDF world."""
 
 import math
 
@@ -60,7 +60,7 @@ def say(node, core):
     return publish
 
 
-def test_statistics_and_poses_are_told(core, view, node):
+def test_statistics_and_poses_are_published(core, view, node):
     heard = {}
     kept = [
         node.Subscribe(topic, lambda message, topic=topic: heard.__setitem__(topic, message))
@@ -96,7 +96,7 @@ def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, say, caplog):
     assert view.ModelByName("box_0").WorldPose().Pos().X() == pytest.approx(5.0)
 
 
-def test_what_is_wrong_with_a_message_is_told_and_the_world_runs_on(view, core, say, caplog):
+def test_an_invalid_message_is_reported_and_the_world_runs_on(view, core, say, caplog):
     say("~/factory", msgs.Factory())
     say("~/model/modify", msgs.Model(name="boxx"))
     say("~/joint", msgs.JointCmd(name="arm::hing", force=1.0))
@@ -204,19 +204,19 @@ def test_a_light_from_the_factory_is_as_the_message_says(core, view, say):
 @pytest.mark.parametrize(
     ("name", "linear", "said"), [("", 0.0, "a light needs a name"), ("new", math.nan, "attenuation is")]
 )
-def test_a_light_that_cannot_be_is_not_made(view, say, caplog, name, linear, said):
+def test_an_invalid_light_is_not_made(view, say, caplog, name, linear, said):
     say("~/factory/light", msgs.Light(name=name, attenuation_linear=linear))
     assert said in caplog.text
     assert [light.GetName() for light in view.Lights()] == ["lamp"]
 
 
-def test_a_model_is_not_offered_where_a_light_is_meant(say, caplog):
+def test_a_model_is_not_suggested_for_a_light(say, caplog):
     say("~/light/modify", msgs.Light(name="box", range=3.0))
     assert "there is no light 'box'\n" in caplog.text + "\n"
     assert "did you mean" not in caplog.text
 
 
-def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
+def test_contacts_are_recorded_while_there_is_a_subscriber(core, view, node):
     heard = []
     listening = node.Subscribe("~/physics/contacts", heard.append)
     core.step(4)
@@ -226,7 +226,7 @@ def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
     assert not core.engine.record_contacts
 
 
-def test_the_magnetic_field_has_one_truth(core, view, say):
+def test_the_magnetic_field_has_one_value(core, view, say):
     view.SetMagneticField((1e-5, 2e-5, 3e-5))
     assert settings_of(core).magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
     message = msgs.Physics(real_time_factor=0.5)

@@ -1,4 +1,4 @@
-"""Topics between processes: a real second process, on a port of its own."""
+"""Topics between processes: a second process, on an unused port."""
 
 import logging
 import os
@@ -126,7 +126,7 @@ def test_messages_go_both_ways(uri, node):
         assert getAdvertisedTopics() == ["/gazebo/w/down"]
 
 
-def test_latching_goes_across(uri, node):
+def test_latching_between_processes(uri, node):
     with serve():
         pub = node.Advertise(msgs.Int, "~/a")
         other = node.Advertise(msgs.Int, "~/a")
@@ -174,7 +174,7 @@ def test_clients_reach_each_other(uri, node):
         assert finish(listener) == "True\n"
 
 
-def test_who_publishes_and_who_listens(uri, node):
+def test_publishers_and_subscribers_of_other_processes(uri, node):
     with serve():
         pub = node.Advertise(msgs.Int, "~/a")
         process = client(
@@ -277,7 +277,7 @@ def test_a_hostile_client_does_no_harm(uri, node, caplog):
         assert all((sub, pub))
 
 
-def test_clients_pump_in_a_thread(uri, node):
+def test_clients_deliver_in_a_thread(uri, node):
     with serve():
         pub = node.Advertise(msgs.Int, "~/a")
         process = client(

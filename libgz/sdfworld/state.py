@@ -5,10 +5,10 @@ from __future__ import annotations
 from lxml import etree
 
 from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError
-from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdf.state import SdfState
+from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
 __all__ = ["apply_state"]
@@ -45,7 +45,7 @@ def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> Non
             body.SetLinearVel(linear)
             body.SetAngularVel(angular)
     for name in state.deletions:
-        deleted = next((model for model in world.models if model.GetId() == name), None)
+        deleted = next((model for model in world.entities if model.GetId() == name), None)
         if deleted is not None:
             world.DeleteModel(deleted)
 
@@ -55,10 +55,10 @@ class _Parts:
 
     def __init__(self, world: World, state: Element, diagnostics: Diagnostics) -> None:
         self._world, self._state, self._diagnostics = world, state, diagnostics
-        self._models: dict[str, Model | None] = {}
+        self._models: dict[str, Entity | None] = {}
         self._links: dict[str, Body | None] = {}
 
-    def model(self, name: str) -> Model | None:
+    def model(self, name: str) -> Entity | None:
         """Return a model or light; None if there is none."""
         if name not in self._models:
             try:

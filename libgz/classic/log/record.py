@@ -18,9 +18,9 @@ from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.errors import ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzVector
-from libgz.legacy.model import Model as CoreModel
 from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.entity import Entity as CoreModel
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
@@ -152,7 +152,7 @@ class LogRecord:
         """Add insertions of new models and lights that still exist, in their present state."""
         new, self._new = self._new, []
         for core in new:
-            if core not in self._core.models or core.parent is not None:
+            if core not in self._core.entities or core.parent is not None:
                 continue
             part = next((p for p in self._world.children() if getattr(p, "core", None) is core), None)
             sdf = part.GetSDF() if part is not None else None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lxml import etree
 
-from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError
+from libgz.errors import Diagnostics, NotFoundError, ParameterError
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdf.state import SdfState
@@ -65,7 +65,7 @@ class _Parts:
                 self._models[name] = self._world.model(name)
             except NotFoundError as error:
                 self._models[name] = None
-                self._warn(error)
+                self._diagnostics.warn(self._state, str(error))
         return self._models[name]
 
     def link(self, name: str) -> Body | None:
@@ -77,9 +77,5 @@ class _Parts:
                 self._links[name] = model.GetBody(link) if model is not None else None
             except NotFoundError as error:
                 self._links[name] = None
-                self._warn(error)
+                self._diagnostics.warn(self._state, str(error))
         return self._links[name]
-
-    def _warn(self, error: NotFoundError) -> None:
-        state = self._state
-        self._diagnostics.add(Diagnostic(state.file, state.line, state.name, str(error), "warning"))

@@ -109,7 +109,7 @@ class World(world.World):
 
     def attach_era(self) -> None:
         """Attach Gazebo classic's plugins, sensors, views and topics to an SDF world. Can be called twice."""
-        if self.engine.classic:
+        if self.sdf is not None:
             from libgz.classic.server import attach  # a world without plugins and sensors does not need it
 
             attach(self)

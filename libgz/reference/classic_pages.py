@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
@@ -64,17 +65,32 @@ def _page(name: str, module: ModuleType, about: str) -> str:
 
 def _about(kind: type, names: list[str]) -> str:
     others = [name for name in names if name != kind.__name__]
-    above = [b.__name__ for b in kind.__bases__ if b.__module__.startswith("libgz.classic") and b.__name__[0] != "_"]
+    above = [base.__name__ for base in kind.__bases__ if _documented(base)]
     parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
     parts += [f"Also called {_names(others)}."] if others else []
     parts += [f"It also has the members of {_names(above)}."] if above else []
     return " ".join(part for part in parts if part) + "\n"
 
 
+def _documented(kind: type) -> bool:
+    """Whether a class has a section of its own: its package exports it."""
+    package = sys.modules.get(".".join(kind.__module__.split(".")[:3]))
+    return kind.__module__.startswith("libgz.classic") and kind.__name__ in getattr(package, "__all__", ())
+
+
+def _members(kind: type) -> dict[str, object]:
+    """The members of a class, and those of its bases that have no section of their own."""
+    inside: dict[str, object] = {}
+    for base in kind.__bases__:
+        if base.__module__.startswith("libgz.classic") and not _documented(base):
+            inside |= _members(base)
+    return inside | vars(kind)
+
+
 def _methods(kind: type) -> Iterator[str]:
     """A row of each method of the class itself. Lower-case names are libgz's own and listed for elements only."""
     names: dict[Callable[..., object], list[str]] = {}
-    for name, thing in vars(kind).items():
+    for name, thing in _members(kind).items():
         function = thing.__func__ if isinstance(thing, classmethod | staticmethod) else thing
         listed = name[0].isupper() or (name[0] != "_" and kind.__module__.startswith("libgz.sdf"))
         if listed and inspect.isfunction(function) and function.__doc__:

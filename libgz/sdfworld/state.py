@@ -1,88 +1,81 @@
-"""The `<state>` of an SDF world: where things were when it was saved."""
+"""The `<state>` of an SDF world: applied to the world when it is loaded."""
 
 from __future__ import annotations
 
+from lxml import etree
+
 from libgz.errors import Diagnostics, NotFoundError, ParameterError
-from libgz.geometry import GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
-from libgz.sdfworld.model import SdfModel
+from libgz.sdf.state import SdfState
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
 __all__ = ["apply_state"]
 
 
-def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
-    """Apply the poses and velocities of a `<state>` to models, links and lights. Unknown names are warnings.
+def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> None:
+    """Set the sim time, and the poses and velocities of models, links and lights; remove the deleted models.
 
-    Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
-    loads the world.
+    A name that the world does not have is a warning. Insertions are built by the caller.
 
     Raises:
-        ParameterError: a number of it is none.
+        ParameterError: a number is invalid.
     """
-    if state.HasElement("sim_time"):
-        seconds, nanoseconds = _numbers(state, "sim_time", 2, "seconds and nanoseconds")
-        world.set_sim_time(seconds + 1e-9 * nanoseconds)
-    for element in state.named("model"):
-        model = _find(world, element, diagnostics)
+    try:
+        state = SdfState.parse(etree.fromstring(element.ToString()))
+    except ParameterError as error:
+        raise ParameterError(f"{element.where}: {error}") from None
+    if element.HasElement("sim_time"):
+        world.set_sim_time(state.sim_time)
+    parts = _Parts(world, element, diagnostics)
+    for name, pose in state.model_poses.items():
+        model = parts.model(name)
         if model is not None:
-            _apply_model(world, model, element, diagnostics)
-    for element in state.named("light"):
-        light = _find(world, element, diagnostics)
-        if light is not None and element.HasElement("pose"):
-            world.SetModelPose(light, element.Get(GzPose, "pose"))
-    for deletions in state.named("deletions"):
-        for element in deletions.named("name"):
-            name = element.Get(str)
-            gone = next((model for model in world.entities if model.GetId() == name), None)
-            if gone is not None:
-                world.DeleteModel(gone)
+            world.SetModelPose(model, pose)
+    for name, pose in state.poses.items():
+        body, light = (parts.link(name), None) if "::" in name else (None, parts.model(name))
+        if body is not None:
+            body.SetPose(pose)
+        elif light is not None:
+            world.SetModelPose(light, pose)
+    for name, (linear, angular) in state.velocities.items():
+        body = parts.link(name)
+        if body is not None:
+            body.SetLinearVel(linear)
+            body.SetAngularVel(angular)
+    for name in state.deletions:
+        deleted = next((model for model in world.entities if model.GetId() == name), None)
+        if deleted is not None:
+            world.DeleteModel(deleted)
 
 
-def _find(world: World, element: Element, diagnostics: Diagnostics) -> Entity | None:
-    name = element.Get(str, "name")
-    try:
-        found: Entity = world.model(name)
-        return found
-    except NotFoundError as error:
-        diagnostics.warn(element, f"of <state>: {error}")
-        return None
+class _Parts:
+    """Models, lights and links of a world by scoped name; an unknown name is a warning, added once."""
 
+    def __init__(self, world: World, state: Element, diagnostics: Diagnostics) -> None:
+        self._world, self._state, self._diagnostics = world, state, diagnostics
+        self._models: dict[str, Entity | None] = {}
+        self._links: dict[str, Body | None] = {}
 
-def _apply_model(world: World, model: Entity, element: Element, diagnostics: Diagnostics) -> None:
-    if element.HasElement("pose"):
-        world.SetModelPose(model, element.Get(GzPose, "pose"))
-    for link in element.named("link"):
-        name = link.Get(str, "name")
-        try:
-            body = model.GetBody(name)
-        except NotFoundError as error:
-            diagnostics.warn(link, f"of <state>: {error}")
-            continue
-        _apply_link(body, link)
-    for inner in element.named("model"):
-        nested = model.nested.get(inner.Get(str, "name")) if isinstance(model, SdfModel) else None
-        if nested is not None:
-            _apply_model(world, nested, inner, diagnostics)
+    def model(self, name: str) -> Entity | None:
+        """Return a model or light; None if there is none."""
+        if name not in self._models:
+            try:
+                self._models[name] = self._world.model(name)
+            except NotFoundError as error:
+                self._models[name] = None
+                self._diagnostics.warn(self._state, str(error))
+        return self._models[name]
 
-
-def _apply_link(body: Body, link: Element) -> None:
-    if link.HasElement("pose"):
-        body.SetPose(link.Get(GzPose, "pose"))
-    if link.HasElement("velocity"):
-        numbers = _numbers(link, "velocity", 6, "6 numbers: [m/s], then [rad/s]")
-        body.SetLinearVel(GzVector(*numbers[:3]))
-        body.SetAngularVel(GzVector(*numbers[3:6]))
-
-
-def _numbers(element: Element, key: str, count: int, allowed: str) -> list[float]:
-    """Numbers of a child; what is missing at its end is 0."""
-    text = element.Get(str, key)
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        place = element.child(key).where
-        raise ParameterError(f"{place}: <{key}>: {text!r} is not allowed; it must be {allowed}") from None
-    return (numbers + [0.0] * count)[:count]
+    def link(self, name: str) -> Body | None:
+        """Return a link; None if there is none."""
+        if name not in self._links:
+            owner, _, link = name.rpartition("::")
+            model = self.model(owner)
+            try:
+                self._links[name] = model.GetBody(link) if model is not None else None
+            except NotFoundError as error:
+                self._links[name] = None
+                self._diagnostics.warn(self._state, str(error))
+        return self._links[name]

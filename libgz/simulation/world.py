@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
@@ -61,8 +62,6 @@ class World:
         LibraryError: ODE is absent or unfit.
         ParameterError: there is no such solver or version, or the seed is negative.
     """
-
-    _all: ClassVar[list[World]] = []
 
     def __init__(
         self,
@@ -246,10 +245,10 @@ class World:
     @classmethod
     def all_running(cls) -> list[World]:
         """The worlds of this process that run, oldest first."""
-        return [world for world in cls._all if world.running]
+        return [world for world in running_worlds() if isinstance(world, cls)]
 
     def attach_era(self) -> None:
-        """Attach what the world's era offers on request, such as views and topics. Can be called twice."""
+        """Attach what the world's era offers on request, such as views and topics. A layer above overrides this."""
 
     def Initialize(self) -> int:
         """Start the server, initialize all models, and create the interface `sim` last; 0.
@@ -259,7 +258,7 @@ class World:
             PluginError: a model's Init failed.
         """
         self.clock.start()
-        World._all.append(self)
+        add_running(self)
         self.gz_server.start()
         self.initialize(self.entities)
         self.sim.create(self.gz_server, "default")
@@ -286,7 +285,7 @@ class World:
         if not self.running:
             return 0
         self.clock.stop()
-        World._all.remove(self)
+        remove_running(self)
         for companion in self.companions:
             companion.close()
         for entity in self.entities:

@@ -1,4 +1,4 @@
-"""What plugins of Gazebo classic share: times, PID controllers, animations, messages, search paths, the globe."""
+"""Common types of Gazebo classic: time, PID, animations, console, search paths, spherical coordinates."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Animations: poses and numbers that change with time along key frames."""
+"""Animation: poses and numbers interpolated between key frames."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _time_of = attrgetter("time")
 
 
 class Animation(Generic[K]):
-    """Key frames and a time that runs along them; the base of the two kinds.
+    """Key frames and a current time; the base of NumericAnimation and PoseAnimation.
 
-    Before the first key frame it stands as in the first, after the last as in the last.
+    Before the first key frame the value is that of the first, after the last that of the last.
     """
 
     def __init__(self, name: str, length: float, repeat: bool) -> None:
@@ -31,7 +31,10 @@ class Animation(Generic[K]):
         Args:
             name: any.
             length: duration [s].
-            repeat: begin anew at the end, instead of stopping there.
+            repeat: restart at the end, instead of stopping there.
+
+        Raises:
+            ParameterError: the length is not a positive finite number.
         """
         self.name = name
         self.repeat = repeat
@@ -54,11 +57,11 @@ class Animation(Generic[K]):
         self.length = float(length)
 
     def GetTime(self) -> float:
-        """Where it is [s]."""
+        """The current time [s]."""
         return self.time
 
     def SetTime(self, time: float) -> None:
-        """Go to a time [s]; outside of the length it wraps around, or stops at the ends, as `repeat` says."""
+        """Set the current time [s]; outside of the length it wraps with `repeat`, else it is clamped."""
         time = float(time)
         if self.repeat:
             self.time = time if 0.0 <= time <= self.length else time % self.length
@@ -66,25 +69,25 @@ class Animation(Generic[K]):
             self.time = min(max(time, 0.0), self.length)
 
     def AddTime(self, time: float) -> None:
-        """Go on by a time [s]."""
+        """Advance the current time [s]."""
         self.SetTime(self.time + float(time))
 
     def GetKeyFrameCount(self) -> int:
-        """How many key frames it has."""
+        """The number of key frames."""
         return len(self.keys)
 
     def GetKeyFrame(self, index: int) -> K:
         """A key frame by number, in the order of their times.
 
         Raises:
-            NotFoundError: there is none of that number.
+            NotFoundError: there is none with this number.
         """
         if not 0 <= index < len(self.keys):
             raise NotFoundError(f"animation {self.name!r} has {len(self.keys)} key frames, from 0 on; not {index}")
         return self.keys[index]
 
     def _insert(self, key: K) -> K:
-        """Put a key frame in its place, instead of one of the same time."""
+        """Insert a key frame by time; one with the same time is replaced."""
         if not 0.0 <= key.time < math.inf:
             raise ParameterError(f"animation {self.name!r}: a key frame's time must be 0 s or later, not {key.time!r}")
         self.keys[:] = [other for other in self.keys if other.time != key.time]
@@ -92,7 +95,7 @@ class Animation(Generic[K]):
         return key
 
     def _segment(self) -> tuple[int, float]:
-        """Number of the key frame before now, and how much of the way to the next has passed (0 to 1).
+        """Return the key frame before the current time by number, and the passed fraction of the time to the next.
 
         Raises:
             NotFoundError: there are no key frames.
@@ -111,14 +114,14 @@ class Animation(Generic[K]):
 
 
 class NumericAnimation(Animation[NumericKeyFrame]):
-    """A number that changes in straight lines between key frames."""
+    """A number, linearly interpolated between key frames."""
 
     def CreateKeyFrame(self, time: float) -> NumericKeyFrame:
-        """A new key frame of value 0 at a time [s]; it takes the place of one that is there."""
+        """Create a key frame with value 0 at a time [s]; an existing one is replaced."""
         return self._insert(NumericKeyFrame(time))
 
     def GetInterpolatedKeyFrame(self, key: NumericKeyFrame | None = None) -> NumericKeyFrame:
-        """What holds now, in a new key frame or in the one given.
+        """The value at the current time, in a new key frame or in the given one.
 
         Raises:
             NotFoundError: there are no key frames.
@@ -134,20 +137,20 @@ class NumericAnimation(Animation[NumericKeyFrame]):
 
 
 class PoseAnimation(Animation[PoseKeyFrame]):
-    """A pose that passes smoothly through key frames.
+    """A pose, smoothly interpolated between key frames.
 
-    Positions lie on cubic Hermite curves with the slopes of Catmull and Rom, rotations on Shoemake's squad, both with
-    the speed at a key frame that leads from the one before to the one after. Classic's curves are the same where key
-    frames are evenly spaced; here speeds go over smoothly where they are not, too. At the ends the speed is half of the
-    average towards the neighbour, unless the last key frame equals the first: then it goes round smoothly.
+    Positions lie on cubic Hermite curves with the slopes of Catmull and Rom, rotations on Shoemake's squad; the
+    velocity at a key frame is the mean velocity between its neighbours. Classic's curves are the same for evenly spaced
+    key frames; these have continuous velocities for uneven spacing, too. At both ends the velocity is half of the mean
+    to the neighbour, unless the last key frame equals the first: then the curve is closed.
     """
 
     def CreateKeyFrame(self, time: float) -> PoseKeyFrame:
-        """A new key frame of pose 0 at a time [s]; it takes the place of one that is there."""
+        """Create a key frame with the zero pose at a time [s]; an existing one is replaced."""
         return self._insert(PoseKeyFrame(time))
 
     def GetInterpolatedKeyFrame(self, key: PoseKeyFrame | None = None) -> PoseKeyFrame:
-        """What holds now, in a new key frame or in the one given.
+        """The value at the current time, in a new key frame or in the given one.
 
         Raises:
             NotFoundError: there are no key frames.
@@ -164,7 +167,7 @@ class PoseAnimation(Animation[PoseKeyFrame]):
         return key
 
     def _neighbours(self, index: int) -> tuple[PoseKeyFrame, PoseKeyFrame, float]:
-        """The key frames before and after one, and the time between them [s]; at an end, itself and twice the time."""
+        """Return the neighbours of a key frame and the time between them [s]; at an end, itself and twice the time."""
         keys, last = self.keys, len(self.keys) - 1
         if 0 < index < last:
             return keys[index - 1], keys[index + 1], keys[index + 1].time - keys[index - 1].time
@@ -180,7 +183,7 @@ class PoseAnimation(Animation[PoseKeyFrame]):
         return (after.translation - before.translation) / duration
 
     def _turn_rate(self, index: int) -> Quaterniond:
-        """Logarithm of the turn per second at a key frame, in its own frame."""
+        """Return the logarithm of the rotation per second at a key frame, in its own frame."""
         before, after, duration = self._neighbours(index)
         here = self.keys[index].rotation
         return (_log_between(here, after.rotation) - _log_between(here, before.rotation)) * (1.0 / duration)
@@ -197,10 +200,9 @@ class PoseAnimation(Animation[PoseKeyFrame]):
         )
 
     def _rotation(self, index: int, t: float) -> Quaterniond:
-        """Squad with inner points such that the turn rates at both ends are those asked for.
+        """Return squad with inner points that give the rates of `_turn_rate` at both ends.
 
-        With L the logarithm between the ends and v the one asked for over the whole segment, squad's slope at its first
-        end is L + 2 log(p^-1 a) and at its last L - 2 log(q^-1 b).
+        With L the logarithm from p to q, squad's slope is L + 2 log(p^-1 a) at p and L - 2 log(q^-1 b) at q.
         """
         start, end = self.keys[index], self.keys[index + 1]
         duration = end.time - start.time
@@ -216,6 +218,6 @@ class PoseAnimation(Animation[PoseKeyFrame]):
 
 
 def _log_between(p: Quaterniond, q: Quaterniond) -> Quaterniond:
-    """Logarithm of the shorter turn from p to q."""
+    """Return the logarithm of the shorter rotation from p to q."""
     turn = p.Inverse() * q
     return (-turn if turn.u < 0.0 else turn).Log()

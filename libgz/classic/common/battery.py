@@ -1,4 +1,4 @@
-"""Battery: the voltage of a link, and what draws power from it."""
+"""Battery: the voltage of a link, and its consumers."""
 
 from __future__ import annotations
 
@@ -16,11 +16,14 @@ log = logging.getLogger("libgz.classic")
 
 
 class Battery:
-    """A battery. Its voltage stays what it is until `SetUpdateFunc` brings a rule.
+    """A battery. Its voltage is constant unless `SetUpdateFunc` sets a rule.
 
     Args:
-        name: of it in its link.
-        voltage: at the start [V].
+        name: the name, unique in its link.
+        voltage: the initial voltage [V].
+
+    Raises:
+        ParameterError: the voltage is negative or not finite.
     """
 
     def __init__(self, name: str, voltage: float) -> None:
@@ -35,31 +38,35 @@ class Battery:
         return self._name
 
     def InitVoltage(self) -> float:
-        """The voltage at the start [V]."""
+        """The initial voltage [V]."""
         return self._initial
 
     def Voltage(self) -> float:
-        """The voltage now [V]."""
+        """The voltage [V]."""
         return self._voltage
 
     def AddConsumer(self) -> int:
-        """Add something that draws power; its number."""
+        """Add a consumer, and return its number."""
         number = next(self._numbers)
         self._loads[number] = 0.0
         return number
 
     def RemoveConsumer(self, consumer: int) -> bool:
-        """Take a consumer out; whether there was one."""
+        """Remove a consumer; whether it existed."""
         return self._loads.pop(consumer, None) is not None
 
     def SetPowerLoad(self, consumer: int, load: float) -> bool:
-        """Set what a consumer draws [W]; whether there is such a consumer."""
+        """Set the power load of a consumer [W]; whether it exists.
+
+        Raises:
+            ParameterError: the load is not finite.
+        """
         if consumer in self._loads:
             self._loads[consumer] = finite(load, "power load [W]")
         return consumer in self._loads
 
     def PowerLoad(self, consumer: int) -> float:
-        """What a consumer draws [W].
+        """The power load of a consumer [W].
 
         Raises:
             NotFoundError: there is no such consumer.
@@ -70,11 +77,11 @@ class Battery:
         return self._loads[consumer]
 
     def PowerLoads(self) -> dict[int, float]:
-        """What all consumers draw [W], by number."""
+        """The power loads of all consumers [W], by number."""
         return dict(self._loads)
 
     def SetUpdateFunc(self, rule: Callable[[Battery], float] | None) -> None:
-        """Let `rule(battery)` give the voltage [V] of each step; None: it stays.
+        """Set the function `rule(battery)` that returns the voltage [V] in each step; None for a constant voltage.
 
         Raises:
             ParameterError: it cannot be called.
@@ -83,12 +90,12 @@ class Battery:
         self._rule = Callback(what, rule, _voltage) if rule is not None else None
 
     def Update(self) -> None:
-        """Follow the rule; the world calls this in every iteration."""
+        """Apply the rule; the world calls this in every iteration."""
         if self._rule is not None:
             self._voltage = self._rule(self, otherwise=self._voltage)
 
     def ResetVoltage(self) -> None:
-        """Go back to the voltage of the start; the world calls this when it is reset."""
+        """Restore the initial voltage; the world calls this when it is reset."""
         self._voltage = self._initial
 
 

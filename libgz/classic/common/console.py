@@ -1,7 +1,7 @@
-"""The messages of plugins: gzmsg, gzdbg, gzwarn, gzerr, gzlog.
+"""The console of plugins: gzmsg, gzdbg, gzwarn, gzerr, gzlog.
 
-They go through `logging`, with the caller's file and line. The commands install `ConsoleHandler`, which prints them in
-the form that users of Gazebo know; a program of one's own may treat them like any other log records.
+Messages are records of `logging`, with the caller's file and line. The commands install `ConsoleHandler`, which prints
+them in Gazebo's form; other programs may handle them like any log record.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _FILE_ONLY = f"{_NAME}.log"
 
 
 class _Line:
-    """What follows `gzmsg <<` in one statement; it becomes a record where a piece ends a line, or at the end."""
+    """The text after `gzmsg <<` in one statement; it is logged where a piece ends a line, and at the end."""
 
     __slots__ = ("_console", "_frame", "_text")
 
@@ -63,7 +63,7 @@ class Console:
         self._level = level
 
     def __call__(self, *pieces: object) -> None:
-        """Send a message: the pieces joined by blanks, as `print` does."""
+        """Log a message: the pieces joined by spaces, as `print` does."""
         if self._logger.isEnabledFor(self._level):
             frame = sys._getframe(1)
             text = " ".join(map(str, pieces)).removesuffix("\n")
@@ -73,7 +73,7 @@ class Console:
         return _Line(self, sys._getframe(1)) << piece
 
     def emit(self, text: str, file: str, line: int, function: str) -> None:
-        """Send a message on behalf of a place in a file."""
+        """Log a message with a given file, line and function."""
         if self._logger.isEnabledFor(self._level):
             logger = self._logger
             logger.handle(logger.makeRecord(logger.name, self._level, file, line, text, (), None, function))
@@ -87,10 +87,10 @@ gzlog = Console(_FILE_ONLY, logging.INFO)
 
 
 def gzthrow(text: object) -> NoReturn:
-    """Send an error message and raise it.
+    """Log an error message and raise it.
 
     Raises:
-        GazeboError: always, with the text.
+        GazeboError: always, with this text.
     """
     frame = sys._getframe(1)
     gzerr.emit(str(text), frame.f_code.co_filename, frame.f_lineno, frame.f_code.co_name)
@@ -98,7 +98,7 @@ def gzthrow(text: object) -> NoReturn:
 
 
 class ConsoleFormatter(logging.Formatter):
-    """Records as `[Msg] text` and `[Err] [file.py:12] text`, in classic's colours if wanted."""
+    """Formats records as `[Msg] text` and `[Err] [file.py:12] text`, optionally in classic's colours."""
 
     KINDS = ((logging.ERROR, "Err", 31), (logging.WARNING, "Wrn", 33), (logging.INFO, "Msg", 32), (0, "Dbg", 36))
 
@@ -107,7 +107,7 @@ class ConsoleFormatter(logging.Formatter):
         self.color = color
 
     def format(self, record: logging.LogRecord) -> str:
-        """One record, without the line's end."""
+        """Format a record, without a newline."""
         kind, number = next((name, number) for level, name, number in self.KINDS if record.levelno >= level)
         where = "" if kind == "Msg" else f" [{record.filename}:{record.lineno}]"
         text = f"[{kind}]{where} {super().format(record)}"
@@ -115,10 +115,10 @@ class ConsoleFormatter(logging.Formatter):
 
 
 class LogFormatter(logging.Formatter):
-    """Records for a log file: `(sec nsec) text`, in wall time; errors, warnings and debug messages with their place."""
+    """Formats records for a log file: `(sec nsec) text`, in wall time; all but messages with file and line."""
 
     def format(self, record: logging.LogRecord) -> str:
-        """One record, without the line's end."""
+        """Format a record, without a newline."""
         where = "" if record.levelno == logging.INFO else f"[{record.filename}:{record.lineno}] "
         sec = int(record.created)
         return f"({sec} {int((record.created - sec) * 1e9)}) {where}{super().format(record)}"
@@ -127,7 +127,7 @@ class LogFormatter(logging.Formatter):
 class ConsoleHandler(logging.Handler):
     """Prints records as gzserver does: errors and warnings on stderr, always; the rest on stdout, if `verbose`.
 
-    Colours are used on terminals only. `gzlog` is never printed: it is for log files.
+    Colours are used on terminals only. `gzlog` writes to log files only.
     """
 
     def __init__(self, verbose: bool = False) -> None:
@@ -135,7 +135,7 @@ class ConsoleHandler(logging.Handler):
         self._plain, self._colored = ConsoleFormatter(False), ConsoleFormatter(True)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print one record."""
+        """Print a record."""
         if record.name == _FILE_ONLY:
             return
         stream: TextIO = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
@@ -143,5 +143,5 @@ class ConsoleHandler(logging.Handler):
             formatter = self._colored if stream.isatty() else self._plain
             stream.write(formatter.format(record) + "\n")
             stream.flush()
-        except (OSError, ValueError):  # a pipe whose reader has left, a full disk, a stream that is closed
-            pass  # nobody is left to tell
+        except (OSError, ValueError):
+            pass  # a broken pipe, a full disk or a closed stream: there is no other place to report it

@@ -1,4 +1,4 @@
-"""What an animation passes through."""
+"""KeyFrame: a time of an animation, and the value at it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["KeyFrame", "NumericKeyFrame", "PoseKeyFrame"]
 
 
 class KeyFrame:
-    """A moment of an animation [s]."""
+    """A time of an animation [s]."""
 
     __slots__ = ("time",)
 
@@ -18,14 +18,14 @@ class KeyFrame:
         self.time = float(time)
 
     def GetTime(self) -> float:
-        """When it is [s]."""
+        """The time [s]."""
         return self.time
 
     Time = GetTime
 
 
 class NumericKeyFrame(KeyFrame):
-    """A moment and the number that holds then, such as a joint's angle [rad]."""
+    """A time [s] and a number, such as a joint's angle [rad]."""
 
     __slots__ = ("value",)
 
@@ -46,7 +46,7 @@ class NumericKeyFrame(KeyFrame):
 
 
 class PoseKeyFrame(KeyFrame):
-    """A moment, and the position [m] and rotation that hold then."""
+    """A time [s], a position [m] and a rotation."""
 
     __slots__ = ("rotation", "translation")
 

@@ -1,7 +1,8 @@
-"""Where a world lies on the globe.
+"""SphericalCoordinates: the position of a world on the Earth.
 
-The globe is the ellipsoid of the World Geodetic System 1984 (NIMA TR8350.2, third edition, table 3.1). Geodetic to
-earth-centred coordinates by the closed formula, the way back by Bowring's (Survey Review 28, 1985), applied twice.
+The Earth is the ellipsoid of the World Geodetic System 1984 (NIMA TR8350.2, third edition, table 3.1). Geodetic
+coordinates are converted to earth-centred ones by the closed formula, and back by two iterations of Bowring's formula
+(Survey Review 28, 1985).
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ class _Frame(IntEnum):
 
 
 class SphericalCoordinates:
-    """Between the frame of a world and latitude, longitude and elevation.
+    """Converts between the frame of a world and latitude, longitude and elevation.
 
     Frames, by name or number:
 
@@ -46,7 +47,7 @@ class SphericalCoordinates:
     - GLOBAL: east, north, up from the reference point [m];
     - LOCAL: the world; its x axis points as far north of east as the heading says [m].
 
-    GLOBAL and LOCAL are flat: 10 km away, the ground lies 8 m below z = 0.
+    GLOBAL and LOCAL are flat: at a distance of 10 km the ground lies 8 m below z = 0.
     """
 
     SurfaceType: ClassVar[type[_Surface]] = _Surface
@@ -62,7 +63,7 @@ class SphericalCoordinates:
         elevation: float = 0.0,
         heading: float | Angle = 0.0,
     ) -> None:
-        """Where the world's origin lies.
+        """Set the position of the world's origin.
 
         Args:
             surface: EARTH_WGS84.
@@ -80,7 +81,7 @@ class SphericalCoordinates:
         self._place()
 
     def _place(self) -> None:
-        """Work out the reference point and the directions east, north and up in ECEF."""
+        """Compute the reference point and the directions east, north and up in ECEF."""
         lat, lon = self._latitude.radian, self._longitude.radian
         sin_lat, cos_lat, sin_lon, cos_lon = math.sin(lat), math.cos(lat), math.sin(lon), math.cos(lon)
         self._origin = _ecef_from_spherical(Vector3d(lat, lon, self._elevation))
@@ -205,7 +206,7 @@ class SphericalCoordinates:
         return at if target == _Frame.ECEF else self._inwards(at - self._origin, target)
 
     def VelocityTransform(self, velocity: VectorLike, source: int, target: int) -> Vector3d:
-        """A velocity [m/s] in another frame; at any place, directions are those of the reference point.
+        """A velocity [m/s] in another frame; directions are those at the reference point.
 
         Raises:
             ParameterError: a frame is unknown, or SPHERICAL, in which there are no velocities.
@@ -256,7 +257,7 @@ def _frame(number: int) -> _Frame:
 
 
 def _turned(v: Vector3d, angle: float) -> Vector3d:
-    """A vector turned about z."""
+    """Rotate a vector about z."""
     c, s = math.cos(angle), math.sin(angle)
     return Vector3d(v.x * c - v.y * s, v.x * s + v.y * c, v.z)
 

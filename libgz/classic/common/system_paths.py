@@ -1,4 +1,4 @@
-"""Where plugins, models and other files are looked for."""
+"""SystemPaths: the search paths of plugins, models and other files."""
 
 from __future__ import annotations
 
@@ -25,11 +25,10 @@ def _texts(folders: list[Path]) -> list[str]:
 
 
 class SystemPaths:
-    """The search paths of the process; `SystemPaths.Instance()` is the one there is.
+    """The search paths of the process; `SystemPaths.Instance()` is the only instance.
 
-    The variables GAZEBO_PLUGIN_PATH, GAZEBO_MODEL_PATH and GAZEBO_RESOURCE_PATH are read anew at each call. What is
-    added comes after what they name, and stays for the life of the process; SDF files find added models and resources
-    too.
+    The variables GAZEBO_PLUGIN_PATH, GAZEBO_MODEL_PATH and GAZEBO_RESOURCE_PATH are read at each call. Added folders
+    are searched after them, until the end of the process; SDF files use added folders of models and resources, too.
     """
 
     _instance: SystemPaths | None = None
@@ -45,39 +44,39 @@ class SystemPaths:
         return cls._instance
 
     def GetPluginPaths(self) -> list[str]:
-        """The folders where plugins are looked for, in order."""
+        """The folders in which plugins are searched, in order."""
         return _texts([*_parts(os.environ.get("GAZEBO_PLUGIN_PATH", "")), *self._plugins])
 
     def GetModelPaths(self) -> list[str]:
-        """The folders where `model://` looks, in order; the last holds the models that come with libgz."""
+        """The folders in which `model://` is searched, in order; the last one has the models of libgz."""
         return _texts(paths.model_directories())
 
     def GetGazeboPaths(self) -> list[str]:
-        """The folders where `file://` and plain names look, in order, after the current one."""
+        """The folders in which `file://` and plain names are searched after the current one, in order."""
         return _texts([*_parts(os.environ.get("GAZEBO_RESOURCE_PATH", "")), *paths.added_resources])
 
     def AddPluginPaths(self, path: str) -> None:
-        """Add folders for plugins, colons between them."""
+        """Add folders of plugins, separated by colons."""
         _append(self._plugins, path)
 
     def AddModelPaths(self, path: str) -> None:
-        """Add folders for models, colons between them."""
+        """Add folders of models, separated by colons."""
         _append(paths.added_models, path)
 
     def AddGazeboPaths(self, path: str) -> None:
-        """Add folders for other files, colons between them."""
+        """Add folders of other files, separated by colons."""
         _append(paths.added_resources, path)
 
     def ClearPluginPaths(self) -> None:
-        """Forget added folders for plugins."""
+        """Remove added folders of plugins."""
         self._plugins.clear()
 
     def ClearModelPaths(self) -> None:
-        """Forget added folders for models."""
+        """Remove added folders of models."""
         paths.added_models.clear()
 
     def ClearGazeboPaths(self) -> None:
-        """Forget added folders for other files."""
+        """Remove added folders of other files."""
         paths.added_resources.clear()
 
     def GetLogPath(self) -> str:
@@ -85,15 +84,15 @@ class SystemPaths:
         return str(Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser())
 
     def GetWorldPathExtension(self) -> str:
-        """The folder of worlds in a resource folder."""
+        """The path of worlds in a resource folder."""
         return "/worlds"
 
     def FindFile(self, filename: str, searchLocalPath: bool = True) -> str:
-        """The path of a file or folder; an empty string and a warning if it is nowhere.
+        """The path of a file or folder; an empty string, and a warning, if it does not exist.
 
         Args:
-            filename: an absolute path; a name, looked for in the current folder and in the resource folders; or a URI.
-            searchLocalPath: whether the current folder counts.
+            filename: an absolute path; a URI; or a name, searched in the current folder and in the resource folders.
+            searchLocalPath: whether to search the current folder.
         """
         try:
             if searchLocalPath or "://" in filename or Path(filename).is_absolute():
@@ -108,5 +107,5 @@ class SystemPaths:
         return str(found or "")
 
     def FindFileURI(self, uri: str) -> str:
-        """The path of a URI, `model://name/...` or `file://path`; an empty string and a warning if it is nowhere."""
+        """The path of a URI, `model://name/...` or `file://path`; an empty string and a warning if none exists."""
         return self.FindFile(uri)

@@ -1,4 +1,4 @@
-"""Times and durations in whole nanoseconds."""
+"""Time: a time or duration in integer nanoseconds."""
 
 from __future__ import annotations
 
@@ -42,9 +42,9 @@ class Time:
 
     - `Time()`, `Time(1.5)`, `Time(1, 500000000)`, `Time(other)`; too many nanoseconds become seconds.
     - `t.Double()` and `float(t)` are the seconds as a number.
-    - Sums, differences and comparisons are exact, and take numbers [s] too. So do `*` and `/`, which give a Time even
-      between two times, as in C++: `(a / b).Double()` is their ratio.
-    - Operators make new times; `t += dt` leaves alone whoever else holds the old one.
+    - Sums, differences and comparisons are exact, and accept numbers [s]. `*` and `/` accept times and numbers and give
+      a Time, as in C++: `(a / b).Double()` is the ratio of two times.
+    - Operators make new times; `t += dt` does not change other references to the old one.
     """
 
     __slots__ = ("nanoseconds",)
@@ -71,7 +71,11 @@ class Time:
         self.Set(sec, nsec)
 
     def Set(self, sec: float | Time, nsec: int | None = None) -> None:
-        """Set it from whatever a time can be made from."""
+        """Set it, with the arguments of the constructor.
+
+        Raises:
+            ParameterError: it is infinite or NaN.
+        """
         if nsec is not None:
             self.nanoseconds = int(float(sec)) * _SECOND + int(nsec)
         elif isinstance(sec, Time):
@@ -81,7 +85,7 @@ class Time:
 
     @classmethod
     def from_nanoseconds(cls, nanoseconds: int) -> Time:
-        """The time of so many nanoseconds: the cheapest way to make one."""
+        """Return the time of a number of nanoseconds, faster than the constructor."""
         made = _new(Time)
         made.nanoseconds = nanoseconds
         return made
@@ -103,7 +107,7 @@ class Time:
 
     @property
     def sec(self) -> int:
-        """Whole seconds, cut towards zero; setting them keeps the nanoseconds."""
+        """Integer seconds, truncated towards zero; setting them keeps the nanoseconds."""
         ns = self.nanoseconds
         return ns // _SECOND if ns >= 0 else -(-ns // _SECOND)
 
@@ -113,7 +117,7 @@ class Time:
 
     @property
     def nsec(self) -> int:
-        """What is left of the seconds [ns]; setting it keeps the seconds."""
+        """The nanoseconds beside the seconds [ns]; setting them keeps the seconds."""
         ns = self.nanoseconds
         return ns % _SECOND if ns >= 0 else -(-ns % _SECOND)
 
@@ -173,7 +177,7 @@ class Time:
         return Time.from_nanoseconds(abs(self.nanoseconds))
 
     def _difference(self, other: object) -> float | None:
-        """This time minus another, in nanoseconds; None if the other is no time."""
+        """Return this time minus another [ns]; None if the other is no time."""
         if isinstance(other, Time):
             return self.nanoseconds - other.nanoseconds
         if isinstance(other, Real):
@@ -201,15 +205,15 @@ class Time:
         d = self._difference(other)
         return NotImplemented if d is None else d >= 0
 
-    # The clock on the wall -------------------------------------------------------------------------------------------
+    # Wall time --------------------------------------------------------------------------------------------------------
 
     @staticmethod
     def GetWallTime() -> Time:
-        """The time since 1970."""
+        """The wall time, since 1970."""
         return Time.from_nanoseconds(time.time_ns())
 
     def SetToWallTime(self) -> None:
-        """Set it to the time since 1970."""
+        """Set it to the wall time, since 1970."""
         self.nanoseconds = time.time_ns()
 
     @staticmethod
@@ -220,18 +224,18 @@ class Time:
 
     @staticmethod
     def Sleep(duration: SupportsFloat) -> Time:
-        """Sleep for a time [s], and give how much of it was left: none. The simulation waits meanwhile."""
+        """Sleep for a time [s]; the remaining time is always 0. The simulation waits meanwhile."""
         time.sleep(max(0.0, float(duration)))
         return Time.from_nanoseconds(0)
 
     @staticmethod
     def MSleep(milliseconds: int) -> Time:
-        """Sleep for so many milliseconds."""
+        """Sleep for a number of milliseconds."""
         return Time.Sleep(milliseconds * 1e-3)
 
     @staticmethod
     def NSleep(duration: int | Time) -> Time:
-        """Sleep for so many nanoseconds, or for a time."""
+        """Sleep for a number of nanoseconds, or for a time."""
         return Time.Sleep(duration if isinstance(duration, Time) else duration * 1e-9)
 
     @staticmethod
@@ -250,7 +254,7 @@ class Time:
         return microseconds * 1e3
 
     def FormattedString(self, start: int = _Format.DAYS, end: int = _Format.MILLISECONDS) -> str:
-        """The time as `DD HH:MM:SS.mmm`, or its part from `start` to `end`; what is cut off above is carried down.
+        """The time as `DD HH:MM:SS.mmm`, or its part from `start` to `end`; units above `start` are converted to it.
 
         Raises:
             ParameterError: `start` lies below `end`, or they are no format options.

@@ -1,4 +1,4 @@
-"""Stopwatches."""
+"""Timer: a stopwatch."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["Timer"]
 
 
 class Timer:
-    """A stopwatch on real time. `Start` goes on from where `Stop` left it; `Reset` brings it back to zero."""
+    """A stopwatch on real time. `Start` continues after `Stop`; `Reset` sets it to zero."""
 
     __slots__ = ("_elapsed", "_started")
 
@@ -19,17 +19,17 @@ class Timer:
         self._started: int | None = None
 
     def Start(self) -> None:
-        """Let it run; if it runs already, nothing changes."""
+        """Start it; no effect if it runs."""
         if self._started is None:
             self._started = time.monotonic_ns()
 
     def Stop(self) -> None:
-        """Halt it."""
+        """Stop it."""
         self._elapsed = self.GetElapsed().nanoseconds
         self._started = None
 
     def Reset(self) -> None:
-        """Halt it and set it to zero."""
+        """Stop it and set it to zero."""
         self._elapsed = 0
         self._started = None
 
@@ -38,11 +38,11 @@ class Timer:
         return self._started is not None
 
     def GetElapsed(self) -> Time:
-        """For how long it has run."""
+        """The time for which it has run."""
         running = 0 if self._started is None else time.monotonic_ns() - self._started
         return Time.from_nanoseconds(self._elapsed + running)
 
     def __repr__(self) -> str:
-        return f"<Timer {self.GetElapsed().Double():.3f} s, {'running' if self.GetRunning() else 'halted'}>"
+        return f"<Timer {self.GetElapsed().Double():.3f} s, {'running' if self.GetRunning() else 'stopped'}>"
 
     Running, Elapsed = GetRunning, GetElapsed

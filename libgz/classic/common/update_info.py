@@ -1,4 +1,4 @@
-"""What the callbacks of a step are told."""
+"""UpdateInfo: the argument of the callbacks of update events."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["UpdateInfo"]
 
 @dataclass(slots=True)
 class UpdateInfo:
-    """The name of the world, its sim time and its real time at this step; a callback may keep it."""
+    """The name of the world, its sim time and its real time in a step; a new object for each event."""
 
     worldName: str = ""
     simTime: Time = field(default_factory=Time)

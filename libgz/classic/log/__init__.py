@@ -1,4 +1,4 @@
-"""Logs of runs: recorded, read, played."""
+"""Logs of runs: recording, reading and playback."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from libgz.classic.log.control import PlaybackControl, RecordControl
 from libgz.classic.log.file import ENCODINGS, LogHeader, LogReader, LogWriter
 from libgz.classic.log.play import LogPlay, read_states
 from libgz.classic.log.record import LogRecord, NamePattern, default_log_path
-from libgz.classic.log.state import LogState
+from libgz.sdf.state import SdfState as LogState
 
 __all__ = [
     "ENCODINGS",

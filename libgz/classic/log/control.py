@@ -1,20 +1,18 @@
-"""What a server does with logs when it is told to by messages: record a world, or play."""
+"""RecordControl and PlaybackControl: the topics that control logs."""
 
 from __future__ import annotations
 
 import logging
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.classic import msgs
+from libgz.classic.log.play import LogPlay
 from libgz.classic.log.record import LogRecord
+from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.classic.transport import Node
 from libgz.errors import GazeboError
-
-if TYPE_CHECKING:
-    from libgz.classic.log.play import LogPlay
-    from libgz.classic.physics.world import World
 
 __all__ = ["PlaybackControl", "RecordControl"]
 
@@ -22,7 +20,7 @@ log = logging.getLogger("libgz.classic")
 
 
 class RecordControl:
-    """``~/log/control`` of a world: begins and ends logs. ``~/log/status`` tells where the log is."""
+    """Starts and ends logs of a world by ``~/log/control``, and publishes their path on ``~/log/status``."""
 
     def __init__(self, world: World, record: LogRecord | None = None) -> None:
         self._world, self.record = world, record
@@ -41,7 +39,7 @@ class RecordControl:
                 log.info("recording to [%s]", self.record.path)
             except GazeboError as error:
                 log.error("~/log/control: %s", error)
-        self._tell()
+        self._publish_status()
 
     def _stop(self) -> None:
         record, self.record = self.record, None
@@ -49,7 +47,7 @@ class RecordControl:
             record.Stop()
             log.info("recorded to [%s]", record.path)
 
-    def _tell(self) -> None:
+    def _publish_status(self) -> None:
         status = msgs.LogStatus()
         msgs.Set(status.sim_time, self._world.SimTime())
         if self.record is not None and self.record.running:
@@ -60,32 +58,32 @@ class RecordControl:
         self._status.Publish(status)
 
     def close(self) -> None:
-        """End the log, and listen no more."""
+        """End the log, and unsubscribe."""
         self._stop()
         self._subscriber.Unsubscribe()
         self._node.Fini()
 
 
 class PlaybackControl:
-    """``~/playback_control`` of a log that is played: pause, steps, rewind, forward, seek."""
+    """Controls the playback of a log by ``~/playback_control``: pause, steps, rewind, forward, seek."""
 
     def __init__(self, play: LogPlay) -> None:
         self._play = play
-        self._waiting: list[Any] = []
+        self._received: list[Any] = []
         self._node = Node()
         self._node.Init(play.world.Name())
-        self._subscriber = self._node.Subscribe("~/playback_control", self._waiting.append)
+        self._subscriber = self._node.Subscribe("~/playback_control", self._received.append)
 
     def update(self) -> None:
-        """Act on what was told, between steps: within one models come and go only at its end."""
-        waiting, self._waiting[:] = list(self._waiting), []
-        for message in waiting:
+        """Execute the received commands, between steps: within a step, models are added and removed only at its end."""
+        received, self._received[:] = list(self._received), []
+        for message in received:
             try:
-                self._act(message)
+                self._execute(message)
             except GazeboError as error:
                 log.error("~/playback_control: %s", error)
 
-    def _act(self, message: Any) -> None:
+    def _execute(self, message: Any) -> None:
         play = self._play
         if message.rewind:
             play.Rewind()
@@ -101,6 +99,6 @@ class PlaybackControl:
             play.StepBack(-message.multi_step)
 
     def close(self) -> None:
-        """Listen no more."""
+        """Unsubscribe."""
         self._subscriber.Unsubscribe()
         self._node.Fini()

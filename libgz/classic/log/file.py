@@ -1,8 +1,7 @@
-"""Log files of runs, as Gazebo classic wrote them: XML with a header, and chunks of SDF documents.
+"""LogWriter and LogReader: log files in Gazebo classic's format, XML with a header and chunks of SDF documents.
 
-The first document is the world; each other one holds a `<state>`: what has moved, come or gone since the last one.
-Chunks are plain text, or compressed by zlib or bz2 and then in base64. A file whose writer was killed is read as far as
-it goes.
+The first document is the world; each other one has a `<state>` with the changes since the previous one. Chunks are
+plain text, or compressed by zlib or bz2 and encoded in base64. A truncated file is read up to its end.
 """
 
 from __future__ import annotations
@@ -25,8 +24,8 @@ from libgz.errors import ParameterError, WorldFileError, nearest
 
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
 
-CHUNK = 64 * 1024  # characters gathered before they are written
-LARGEST_CHUNK = 256 * 1024 * 1024  # bytes that a chunk may grow to
+CHUNK = 64 * 1024  # characters that are written together
+LARGEST_CHUNK = 256 * 1024 * 1024  # bytes of a decompressed chunk
 
 
 def _unzip(data: bytes) -> bytes:
@@ -41,7 +40,7 @@ def _unbz2(data: bytes) -> bytes:
 
 def _whole(data: bytes, at_end: bool) -> bytes:
     if not at_end:
-        raise ValueError(f"it is cut off, or holds more than {LARGEST_CHUNK >> 20} MiB")
+        raise ValueError(f"it is truncated, or has more than {LARGEST_CHUNK >> 20} MiB")
     return data
 
 
@@ -54,7 +53,7 @@ _DECLARATION = re.compile(r"<\?xml[^>]*\?>")
 
 
 class LogHeader(NamedTuple):
-    """What a log's header says."""
+    """The header of a log."""
 
     log_version: str
     gazebo_version: str
@@ -65,9 +64,9 @@ class LogWriter:
     """Writes a log file; a context manager.
 
     Args:
-        path: of the file; its folder is made.
+        path: of the file; its folder is created.
         encoding: zlib, bz2 or txt.
-        seed: of what is random in the run.
+        seed: of the run's random numbers.
 
     Raises:
         ParameterError: there is no such encoding.
@@ -94,7 +93,7 @@ class LogWriter:
         )
 
     def add(self, document: str) -> None:
-        """Add an SDF document; it is written with others.
+        """Add an SDF document; documents are written in chunks.
 
         Raises:
             WorldFileError: the file cannot be written.
@@ -105,7 +104,7 @@ class LogWriter:
             self.flush()
 
     def flush(self) -> None:
-        """Write what waits.
+        """Write the documents that wait.
 
         Raises:
             WorldFileError: the file cannot be written.
@@ -126,7 +125,7 @@ class LogWriter:
             raise WorldFileError(f"log {self.path} cannot be written: {error.strerror}") from None
 
     def close(self) -> None:
-        """Write what waits, and the end. Can be called twice.
+        """Write the documents that wait, and the end. Can be called twice.
 
         Raises:
             WorldFileError: the file cannot be written.
@@ -154,7 +153,7 @@ class LogReader:
 
     Attributes:
         path: of the file.
-        header: what it says of itself.
+        header: of the file.
 
     Raises:
         WorldFileError: the file cannot be read, or is no log.
@@ -167,7 +166,7 @@ class LogReader:
     def _elements(self, name: str) -> Iterator[etree._Element]:
         try:
             with self.path.open("rb") as file:
-                # Recovering, for the end may be missing.
+                # recover: the end may be missing.
                 yield from (
                     element
                     for _, element in etree.iterparse(
@@ -198,7 +197,7 @@ class LogReader:
         )
 
     def chunks(self) -> Iterator[tuple[str, str]]:
-        """Encoding and text of each chunk.
+        """Yield the encoding and text of each chunk.
 
         Raises:
             WorldFileError: a chunk is damaged.
@@ -219,7 +218,7 @@ class LogReader:
             element.clear()
 
     def documents(self) -> Iterator[etree._Element]:
-        """The `<sdf>` elements, in order: the world's, then those with states.
+        """Yield the `<sdf>` elements, in order: the world's, then those with states.
 
         Raises:
             WorldFileError: a chunk is damaged.

@@ -1,4 +1,4 @@
-"""LogPlay: a world that moves as a log says."""
+"""LogPlay: plays a log in a world."""
 
 from __future__ import annotations
 
@@ -6,24 +6,21 @@ import logging
 import os
 from collections.abc import Iterator
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 from lxml import etree
 
 from libgz.classic.log.file import LogReader
-from libgz.classic.log.state import LogState
+from libgz.classic.physics.base import Entity
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
+from libgz.classic.physics.world import World
 from libgz.classic.server import attach
-from libgz.errors import WorldFileError
+from libgz.errors import ParameterError, WorldFileError
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.state import SdfState
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.entity import Entity as CoreModel
 from libgz.simulation.world import World as CoreWorld
-
-if TYPE_CHECKING:
-    from libgz.classic.physics.base import Entity
-    from libgz.classic.physics.world import World
-    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["LogPlay", "read_states"]
 
@@ -32,43 +29,46 @@ log = logging.getLogger("libgz.classic")
 _SLACK = 1e-9  # [s]
 
 
-def read_states(reader: LogReader) -> Iterator[LogState]:
-    """The states of a log, in order.
+def read_states(reader: LogReader) -> Iterator[SdfState]:
+    """Yield the states of a log, in order.
 
     Raises:
         WorldFileError: the log is damaged.
     """
     for document in reader.documents():
         for element in document.iterchildren("state"):
-            yield LogState.parse(element)
+            try:
+                yield SdfState.parse(element)
+            except ParameterError as error:
+                raise WorldFileError(f"<state> of a log: {error}") from None
 
 
 class LogPlay:
-    """The world of a log; each step brings it to the next state. A context manager.
+    """The world of a log; each step sets it to the next state. A context manager.
 
         with LogPlay("run/state.log") as play:
             while play.Step():
                 print(play.world.SimTime(), play.world.ModelByName("box").WorldPose())
 
-    The log moves it: there is no physics, and no plugin but those of visuals. Sensors see what they would have seen.
-    Relative paths in the world begin at the log's folder. At the log's end the world pauses.
+    The log sets all poses: there is no physics, and only Visual plugins are loaded. Sensors measure in the played
+    world. Relative paths in the world start at the log's folder. At the end of the log the world pauses.
 
     Args:
         path: of the log.
-        core: an empty engine's world to build it in.
+        core: an empty world of the engine; by default a new one.
 
     Attributes:
-        core, world: the engine's world, and the view on it that plugins have.
+        core, world: the engine's world, and the view that plugins get.
         reader: of the file.
 
     Raises:
-        WorldFileError: the log is damaged, or holds no world.
+        WorldFileError: the log is damaged, or has no world.
     """
 
     def __init__(self, path: str | os.PathLike[str], core: CoreWorld | None = None) -> None:
         self.reader = LogReader(path)
         self.core = CoreWorld() if core is None else core
-        self._next: LogState | None = None
+        self._next: SdfState | None = None
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:
@@ -91,7 +91,7 @@ class LogPlay:
         return self._read(text, "world")
 
     def _read(self, text: str, what: str) -> SdfFile:
-        """SDF of the log, without the plugins that would act in it."""
+        """Read SDF of the log, without the plugins that could change the world."""
         file = SdfFile.from_string(text, f"{self.reader.path}: <{what}>", self.reader.path.parent)
         for element in list(file.root.find("plugin")):
             if element.parent is not None and element.parent.name != "visual":
@@ -106,12 +106,12 @@ class LogPlay:
     # Playing -----------------------------------------------------------------------------------------------------
 
     def Step(self) -> bool:
-        """Go on to the next state; False, and the world pauses, where there is none."""
+        """Go to the next state; if there is none, pause the world and return False."""
         if self._next is None:
             self.core.paused = True
             return False
         self.core.paused = False
-        self._apply_next()  # before the step, for within one models come and go only at its end
+        self._apply_next()  # before the step: within it, models are added and removed only at its end
         self.core.step()
         if self._next is None:
             log.info("the log %s ends at %g s", self.reader.path, self.core.GetSimTime())
@@ -119,7 +119,7 @@ class LogPlay:
         return True
 
     def Seek(self, sim_time: float) -> None:
-        """Go to the last state up to a sim time [s], forwards or back; at once, not step by step."""
+        """Go to the last state up to a sim time [s], forwards or backwards, without steps."""
         if sim_time < self.core.GetSimTime() - _SLACK:
             self._rewind()
         while self._next is not None and self._next.sim_time <= sim_time + _SLACK:
@@ -131,7 +131,7 @@ class LogPlay:
         self._apply_next()
 
     def StepBack(self, count: int = 1) -> None:
-        """Go back by so many states, or to the first one."""
+        """Go back by `count` states, at most to the first one."""
         index = max(self._index - count, 1)
         self._rewind()
         while self._next is not None and self._index < index:
@@ -142,7 +142,7 @@ class LogPlay:
         self.Seek(float("inf"))
 
     def _rewind(self) -> None:
-        """Before the first state: all that was there at the start, and nothing else."""
+        """Return to before the first state, with the models and lights of the start."""
         self._states, self._index = read_states(self.reader), 0
         self._next = next(self._states, None)
         self._parts.clear()
@@ -193,28 +193,28 @@ class LogPlay:
     # Companion of the world --------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """The world runs already."""
+        """Nothing to do: the world runs."""
 
     def model_added(self, model: CoreModel) -> None:
-        """It came by the log."""
+        """Nothing to do: the log added it."""
 
     def model_removed(self, model: CoreModel) -> None:
-        """It went by the log."""
+        """Nothing to do: the log removed it."""
 
     def update(self) -> None:
-        """The time is the log's."""
+        """Set the time and iterations of the log."""
         self.core.set_sim_time(self._time)
         self.core.clock.iterations = self._iterations
 
     def step(self, paused: bool) -> None:
-        """All is done."""
+        """Nothing to do."""
 
     def reset(self) -> None:
-        """Back to the first state."""
+        """Go back to the first state."""
         self.Rewind()
 
     def close(self) -> None:
-        """The world ends; so does the reading."""
+        """Stop reading."""
         self._states, self._next = iter(()), None
 
     def __enter__(self) -> LogPlay:

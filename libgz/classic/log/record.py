@@ -1,4 +1,4 @@
-"""LogRecord: writes a log of a world as it runs."""
+"""LogRecord: records a running world."""
 
 from __future__ import annotations
 
@@ -9,32 +9,29 @@ import re
 import time
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
 
 from libgz.classic.log.file import LogWriter
-from libgz.classic.log.state import LogState
 from libgz.classic.physics.light import Light
+from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.classic.server import attach
 from libgz.errors import ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzVector
+from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
-
-if TYPE_CHECKING:
-    from libgz.classic.physics.model import Model
-    from libgz.simulation.entity import Entity as CoreModel
-    from libgz.simulation.world import World as CoreWorld
+from libgz.simulation.entity import Entity as CoreModel
+from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
 
 log = logging.getLogger("libgz.classic")
 
-_SLACK = 1e-9  # [s]; sums of step times are off by less
+_SLACK = 1e-9  # [s], above the rounding errors of sums of step times
 
 
 def default_log_path() -> Path:
-    """Where logs go: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log/<date and time>/gzserver/state.log``."""
+    """Return the default path of a log: ``<GAZEBO_LOG_PATH or ~/.gazebo>/log/<date and time>/gzserver/state.log``."""
     folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser()
     now = time.time()
     stamp = time.strftime("%Y-%m-%dT%H:%M:%S", time.localtime(now)) + f".{int(now % 1.0 * 1e6):06d}"
@@ -47,14 +44,14 @@ class LogRecord:
         with World.from_file("x.world") as world, LogRecord(world, "run/state.log", period=0.01):
             world.run(5.0)
 
-    A state tells of the links and lights that moved since the last one; the first tells of all.
+    A state has the links and lights that moved since the previous one; the first has all.
 
     Args:
-        world: the engine's world, or the view on it that plugins have.
+        world: the engine's world, or the view that plugins get.
         path: of the file; by default `default_log_path`.
-        period: least sim time between two states [s]; 0: each iteration.
+        period: shortest sim time between two states [s]; 0 for each iteration.
         encoding: zlib, bz2 or txt.
-        filter: of models by name, as a pattern with ``*`` or a regular expression; empty: all.
+        filter: names of models, as a pattern with ``*`` or a regular expression; empty for all.
 
     Attributes:
         path: of the file.
@@ -89,17 +86,17 @@ class LogRecord:
         self._writer: LogWriter | None = LogWriter(self.path, encoding, self._core.seed)
         self._writer.add(first)
         self._add_state()
-        self._core.companions = [*self._core.companions, self]  # a list of its own: see Stop
+        self._core.companions = [*self._core.companions, self]  # a new list: see Stop
 
     @property
     def running(self) -> bool:
-        """Whether it goes on."""
+        """Whether it is recording."""
         return self._writer is not None
 
     def Stop(self) -> None:
-        """Write the end. Can be called twice."""
+        """End the log. Can be called twice."""
         writer, self._writer = self._writer, None
-        # A list of its own: the world may be going through the other one.
+        # A new list: the world may be iterating over the old one.
         self._core.companions = [companion for companion in self._core.companions if companion is not self]
         if writer is not None:
             try:
@@ -118,12 +115,12 @@ class LogRecord:
     # States ------------------------------------------------------------------------------------------------------
 
     def _add_state(self) -> None:
-        """Write what has changed; the run goes on without a log where that fails."""
+        """Write the changes; if this fails, end the log, and the run continues."""
         core, writer = self._core, self._writer
         if writer is None:
             return
-        self._tell_new()
-        state = LogState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations, world=core.name)
+        self._add_new()
+        state = SdfState(core.GetSimTime(), core.GetRealTime(), time.time(), core.iterations, world=core.name)
         state.insertions, self._insertions = self._insertions, []
         state.deletions, self._deletions = self._deletions, []
         for model in self._world.all_models():
@@ -137,7 +134,7 @@ class LogRecord:
             log.error("%s; it ends here", error)
             self.Stop()
 
-    def _add_model(self, model: Model, state: LogState) -> None:
+    def _add_model(self, model: Model, state: SdfState) -> None:
         for link in model.GetLinks():
             name, body = link.GetScopedName(), link.body
             now = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
@@ -145,14 +142,14 @@ class LogRecord:
                 self._known[name] = now
                 state.poses[name], state.velocities[name] = now[0], now[1:]
 
-    def _add_light(self, light: Light, state: LogState) -> None:
+    def _add_light(self, light: Light, state: SdfState) -> None:
         name, pose = light.GetName(), light.pose()
         if self._known.get(name, (None,))[0] != pose:
             self._known[name] = pose, GzVector(), GzVector()
             state.poses[name] = pose
 
-    def _tell_new(self) -> None:
-        """Models and lights that have come, as they are now; those that came and went are not told."""
+    def _add_new(self) -> None:
+        """Add insertions of new models and lights that still exist, in their present state."""
         new, self._new = self._new, []
         for core in new:
             if core not in self._core.entities or core.parent is not None:
@@ -165,14 +162,14 @@ class LogRecord:
     # Companion of the world --------------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """The world runs already."""
+        """Nothing to do: the world runs."""
 
     def model_added(self, model: CoreModel) -> None:
-        """It is told with the next state."""
+        """Add it to the next state."""
         self._new.append(model)
 
     def model_removed(self, model: CoreModel) -> None:
-        """The next state tells that it is gone."""
+        """Add its deletion to the next state."""
         if model in self._new:
             self._new.remove(model)
             return
@@ -182,10 +179,10 @@ class LogRecord:
             self._deletions.append(name)
 
     def update(self) -> None:
-        """States are those after a step."""
+        """Nothing to do: states are written after a step."""
 
     def step(self, paused: bool) -> None:
-        """Write a state if it is time."""
+        """Write a state if it is due."""
         now = self._core.GetSimTime()
         if paused or now < self._due - _SLACK or self._core.iterations == self._last:
             return
@@ -193,16 +190,16 @@ class LogRecord:
         self._add_state()
 
     def reset(self) -> None:
-        """Times begin anew."""
+        """Make the next state due, for the sim time restarts."""
         self._due = -float("inf")
 
     def close(self) -> None:
-        """The world ends."""
+        """End the log."""
         self.Stop()
 
 
 class NamePattern:
-    """Whether a model's name is wanted: by its whole scoped name, or that of a model around it."""
+    """Selects models by scoped name; a name that matches selects the nested models, too."""
 
     def __init__(self, words: str) -> None:
         self._words = words
@@ -212,7 +209,7 @@ class NamePattern:
             self._regular = None
 
     def __call__(self, name: str) -> bool:
-        """Whether a scoped name is."""
+        """Whether a scoped name is selected."""
         scopes = name.split("::")
         return not self._words or any(self._fits("::".join(scopes[: i + 1])) for i in range(len(scopes)))
 

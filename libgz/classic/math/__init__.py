@@ -1,8 +1,8 @@
-"""The mathematics of Gazebo classic: vectors, quaternions, poses, and what goes with them.
+"""The mathematics of Gazebo classic: vectors, quaternions, poses, inertia, and others.
 
 The names are those of ignition::math (`Vector3d`, `v.X()`, `q.Euler()`) and of the older gazebo::math (`Vector3`,
-`v.x`, `q.GetAsEuler()`). What Python's own `math` has (`sin`, `pi`, ...) is found here too, so that
-`from libgz.classic import math` takes nothing away.
+`v.x`, `q.GetAsEuler()`). The names of Python's own `math` (`sin`, `pi`, ...) are available, too, because
+`from libgz.classic import math` hides that module.
 """
 
 from __future__ import annotations

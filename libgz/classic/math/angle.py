@@ -1,4 +1,4 @@
-"""Angles that know degrees and radians."""
+"""Angle: an angle in radians or degrees."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def _radian(value: object) -> float | None:
 
 
 class Angle:
-    """An angle [rad]. Wherever a number is wanted, `float(angle)` or `angle()` is it; arithmetic with numbers works.
+    """An angle [rad]. `float(angle)` and `angle()` are its value; arithmetic with numbers works.
 
     `==` and the other comparisons are exact, with angles and with numbers [rad]. `Equal` takes a tolerance.
     """
@@ -54,15 +54,15 @@ class Angle:
         return math.degrees(self.radian)
 
     def Normalize(self) -> None:
-        """Bring it into (-pi, pi]."""
+        """Wrap it to (-pi, pi]."""
         self.radian = NORMALIZE(self.radian)
 
     def Normalized(self) -> Angle:
-        """A copy in (-pi, pi]."""
+        """A copy wrapped to (-pi, pi]."""
         return Angle(NORMALIZE(self.radian))
 
     def Equal(self, other: float | Angle, tolerance: float = 1e-3) -> bool:
-        """Whether it differs by no more than `tolerance` [rad]; whole turns count."""
+        """Whether it differs by no more than `tolerance` [rad]; whole turns are differences, too."""
         return abs(self.radian - float(other)) <= tolerance
 
     def __float__(self) -> float:

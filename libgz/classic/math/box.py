@@ -1,4 +1,4 @@
-"""Boxes along the axes, such as bounding boxes."""
+"""AxisAlignedBox: a box along the axes, such as a bounding box."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["AxisAlignedBox", "Box"]
 
 
 class AxisAlignedBox:
-    """The box between two corners [m]. `AxisAlignedBox()` holds nothing: its lower corner lies above the upper one."""
+    """The box between two corners [m]. `AxisAlignedBox()` is empty: its lower corner lies above the upper one."""
 
     __slots__ = ("max", "min")
     __hash__ = None  # type: ignore[assignment]
@@ -47,15 +47,15 @@ class AxisAlignedBox:
         self.max.Max(parts[1])
 
     def Min(self) -> Vector3d:
-        """The lower corner [m], itself and not a copy."""
+        """The lower corner [m], not a copy."""
         return self.min
 
     def Max(self) -> Vector3d:
-        """The upper corner [m], itself and not a copy."""
+        """The upper corner [m], not a copy."""
         return self.max
 
     def Center(self) -> Vector3d:
-        """The middle [m]; of an empty box, NaN."""
+        """The centre [m]; of an empty box, NaN."""
         return (self.min + self.max) * 0.5
 
     def Size(self) -> Vector3d:
@@ -79,7 +79,7 @@ class AxisAlignedBox:
         return self.XLength() * self.YLength() * self.ZLength()
 
     def Merge(self, other: AxisAlignedBox) -> None:
-        """Grow it until it holds another box too."""
+        """Extend it so that it contains another box."""
         self.min.Min(other.min)
         self.max.Max(other.max)
 
@@ -88,7 +88,7 @@ class AxisAlignedBox:
         return all(a <= p <= b for a, p, b in zip(self.min, point, self.max, strict=True))
 
     def Intersects(self, other: AxisAlignedBox) -> bool:
-        """Whether two boxes have a point in common; their surfaces count."""
+        """Whether two boxes have a point in common; their surfaces are included."""
         return all(a <= d and c <= b for a, b, c, d in zip(self.min, self.max, other.min, other.max, strict=True))
 
     def __add__(self, other: AxisAlignedBox) -> AxisAlignedBox:

@@ -1,11 +1,13 @@
-"""Colours."""
+"""Color: red, green, blue and alpha."""
 
 from __future__ import annotations
 
 import colorsys
 import math
+from collections.abc import Iterable, Iterator
 from numbers import Real
 
+from libgz.classic.math.components import Componentwise
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import text_of
 from libgz.classic.math.vector3 import Vector3d
@@ -15,12 +17,11 @@ from libgz.sdf.value import parse
 __all__ = ["Color"]
 
 
-class Color(GzColor):
-    """Red, green, blue and alpha, ordinarily 0 to 1. It is a `GzColor`. `==` is exact; `Equal` takes a tolerance."""
+class Color(Componentwise, GzColor):
+    """Red, green, blue and alpha, usually 0 to 1. It is a `GzColor`. `==` is exact; `Equal` takes a tolerance."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
-    __array_priority__ = 1000.0
 
     White = Constant(lambda: Color(1.0, 1.0, 1.0))
     Black = Constant(lambda: Color(0.0, 0.0, 0.0))
@@ -32,7 +33,7 @@ class Color(GzColor):
     Cyan = Constant(lambda: Color(0.0, 1.0, 1.0))
 
     def __init__(self, r: float | GzColor = 0.0, g: float = 0.0, b: float = 0.0, a: float = 1.0) -> None:
-        """From red, green, blue and alpha, as they are, or from another colour."""
+        """From red, green, blue and alpha, unclamped, or from another colour."""
         if isinstance(r, GzColor):
             r, g, b, a = r
         self.r, self.g, self.b, self.a = r, g, b, a
@@ -71,7 +72,7 @@ class Color(GzColor):
         return self.a
 
     def Set(self, r: float = 1.0, g: float = 1.0, b: float = 1.0, a: float = 1.0) -> None:
-        """Set all of it."""
+        """Set all components."""
         self.r, self.g, self.b, self.a = r, g, b, a
 
     def Reset(self) -> None:
@@ -79,7 +80,7 @@ class Color(GzColor):
         self.Set(0.0, 0.0, 0.0, 1.0)
 
     def Clamp(self) -> None:
-        """Bring all of it into 0 to 1, as classic did: what is above 1 is taken to count to 255."""
+        """Clamp all components to 0 to 1, as classic did: values above 1 are divided by 255."""
         self.Set(*(max(0.0, c / 255.0 if c > 1.0 else c) if math.isfinite(c) else 0.0 for c in self))
 
     def HSV(self) -> Vector3d:
@@ -91,6 +92,9 @@ class Color(GzColor):
         """Set it from hue [degrees], saturation and value (0 to 1); alpha stays."""
         self.r, self.g, self.b = colorsys.hsv_to_rgb(h % 360.0 / 360.0, s, v)
 
+    def __iter__(self) -> Iterator[float]:
+        return iter((self.r, self.g, self.b, self.a))
+
     def __repr__(self) -> str:
         return f"Color({self.r!r}, {self.g!r}, {self.b!r}, {self.a!r})"
 
@@ -101,33 +105,12 @@ class Color(GzColor):
         return tuple(self) == tuple(other) if isinstance(other, GzColor) else NotImplemented
 
     def Equal(self, other: GzColor, tolerance: float = 1e-3) -> bool:
-        """Whether no part of it differs by more than `tolerance`."""
+        """Whether no component differs by more than `tolerance`."""
         return all(abs(a - b) <= tolerance for a, b in zip(self, other, strict=True))
 
-    @staticmethod
-    def _spread(value: object) -> tuple[float, ...] | None:
+    def _operand(self, value: object) -> Iterable[float] | None:
         if isinstance(value, Real):
             return (float(value),) * 4
-        return tuple(value) if isinstance(value, GzColor) else None
-
-    def __add__(self, other: object) -> Color:
-        o = self._spread(other)
-        return NotImplemented if o is None else Color(*(a + b for a, b in zip(self, o, strict=True)))
-
-    __radd__ = __add__
-
-    def __sub__(self, other: object) -> Color:
-        o = self._spread(other)
-        return NotImplemented if o is None else Color(*(a - b for a, b in zip(self, o, strict=True)))
-
-    def __mul__(self, other: object) -> Color:
-        o = self._spread(other)
-        return NotImplemented if o is None else Color(*(a * b for a, b in zip(self, o, strict=True)))
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other: object) -> Color:
-        o = self._spread(other)
-        return NotImplemented if o is None else Color(*(a / b for a, b in zip(self, o, strict=True)))
+        return value if isinstance(value, GzColor) else None
 
     GetAsHSV = HSV

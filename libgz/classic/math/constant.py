@@ -1,4 +1,4 @@
-"""Class attributes like `Vector3d.Zero`, which nobody can spoil."""
+"""Class attributes like `Vector3d.Zero` that cannot be modified."""
 
 from __future__ import annotations
 
@@ -11,10 +11,7 @@ T = TypeVar("T")
 
 
 class Constant(Generic[T]):
-    """A class attribute that is made anew each time it is read.
-
-    The types are mutable, so one shared `Vector3d.Zero` would not stay zero for long.
-    """
+    """A class attribute that returns a new object at each access, for the types are mutable."""
 
     def __init__(self, make: Callable[[], T]) -> None:
         self._make = make

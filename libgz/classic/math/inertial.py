@@ -1,4 +1,4 @@
-"""Mass, its centre and its moments of inertia."""
+"""MassMatrix3d and Inertiald: mass, centre of mass, and moments of inertia."""
 
 from __future__ import annotations
 
@@ -102,11 +102,11 @@ class MassMatrix3d:
         return Vector3d(*map(float, np.linalg.eigvalsh(np.asarray(self.Moi()))))
 
     def IsPositive(self) -> bool:
-        """Whether mass and matrix are positive, as a body's must be."""
+        """Whether mass and matrix are positive, as a body requires."""
         return self.mass > 0.0 and self.PrincipalMoments().x > 0.0
 
     def IsValid(self) -> bool:
-        """Whether some real body has them: positive, and no principal moment larger than the sum of the others."""
+        """Whether a real body can have them: positive, and no principal moment larger than the sum of the others."""
         moments = self.PrincipalMoments()
         return self.mass > 0.0 and moments.x > 0.0 and moments.x + moments.y >= moments.z * (1.0 - 1e-9)
 
@@ -131,7 +131,7 @@ class MassMatrix3d:
         self._set(mass, (0.4 * mass * radius * radius,) * 3)
 
     def EquivalentBox(self) -> tuple[Vector3d, Matrix3d]:
-        """Sides [m] and rotation of the box of even density with this mass and these moments.
+        """Sides [m] and rotation of the homogeneous box with this mass and these moments.
 
         With principal moments a, b, c the side along the first axis is sqrt(6 (b + c - a) / m), and so on.
         """
@@ -159,9 +159,9 @@ class MassMatrix3d:
 
 
 class Inertiald:
-    """Where a body's mass lies: mass and moments about its centre, and the pose of the frame they are given in.
+    """The mass of a body: mass and moments about the centre of mass, and the pose of their frame.
 
-    The pose is that of a frame at the centre of mass, relative to the link.
+    The frame lies at the centre of mass; its pose is relative to the link.
     """
 
     __slots__ = ("mass_matrix", "pose")
@@ -197,14 +197,14 @@ class Inertiald:
         return turn * self.mass_matrix.Moi() * turn.Transposed()
 
     def SetMassMatrixRotation(self, rot: QuaternLike) -> None:
-        """Turn the frame of the mass to `rot` in the link; the moments become those about its axes."""
+        """Set the rotation of the frame of the mass in the link, and convert the moments to its axes."""
         moi = self.MOI()
         self.pose.SetRot(rot)
         turn = Matrix3d(self.pose.rot)
         self.mass_matrix.Moi(turn.Transposed() * moi * turn)
 
     def __add__(self, other: Inertiald) -> Inertiald:
-        """Both bodies as one, along the link's axes (parallel axis theorem)."""
+        """Both bodies combined, along the link's axes (parallel axis theorem)."""
         if not isinstance(other, Inertiald):
             return NotImplemented
         mass = self.Mass() + other.Mass()

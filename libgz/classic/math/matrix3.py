@@ -1,4 +1,4 @@
-"""Matrices of three rows of three."""
+"""Matrix3d: a matrix of three rows and three columns."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Rows = Sequence[Sequence[float]]
 class Matrix3d(GzHomo):
     """A matrix, `m[row][column]` or `m(row, column)`; inertias and rotations. `Matrix3d()` is all zeros, as in C++.
 
-    It is a `GzHomo`; `Matrix3d(q)` is the rotation matrix of a quaternion, and `Quaterniond(m)` the way back.
+    It is a `GzHomo`; `Matrix3d(q)` is the rotation matrix of a quaternion, and `Quaterniond(m)` the inverse conversion.
     """
 
     __slots__ = ()
@@ -57,7 +57,7 @@ class Matrix3d(GzHomo):
             raise ParameterError(f"a Matrix3d takes nine numbers, three rows, a quaternion or a matrix, not {parts!r}")
 
     def Set(self, *parts: Any) -> None:
-        """Set one number, `Set(row, column, value)`, or all of it from whatever a matrix can be made from."""
+        """Set one number, `Set(row, column, value)`, or all of them, from the constructor's arguments."""
         if len(parts) == 3 and isinstance(parts[0], int):
             self.m[parts[0]][parts[1]] = float(parts[2])
         else:
@@ -140,7 +140,7 @@ class Matrix3d(GzHomo):
     def __rmul__(self, other: GzVector) -> Vector3d: ...
     def __rmul__(self, other: GzVector | float) -> Matrix3d | Vector3d:
         if isinstance(other, GzVector):
-            return self.Transposed() * other  # the vector as a row
+            return self.Transposed() * other  # the vector is a row
         if isinstance(other, Real):
             return self * float(other)
         return NotImplemented

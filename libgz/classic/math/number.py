@@ -1,4 +1,4 @@
-"""The small functions on numbers that plugins use."""
+"""Functions on numbers."""
 
 from __future__ import annotations
 
@@ -57,20 +57,20 @@ def fixnan(value: float) -> float:
 
 
 def precision(value: float, digits: int) -> float:
-    """The number rounded to `digits` places after the point."""
+    """The number rounded to `digits` decimals."""
     return round(value, digits)
 
 
 def text_of(*values: float) -> str:
-    """Numbers for people: six places after the point at most, blanks between them, no minus zero."""
+    """Format numbers for display: at most six decimals, separated by spaces, without minus zero."""
     return " ".join(f"{round(value, 6) + 0.0:.15g}" for value in values)
 
 
 def numbers_in(text: str, *counts: int) -> list[float]:
-    """The numbers in a text of a file; no text at all means zeros, as many as the first count says.
+    """Read the numbers in a text of a file; an empty text means zeros, as many as the first count.
 
     Raises:
-        ParameterError: there is something else than numbers, or not as many as one of the counts says.
+        ParameterError: the text has a word that is not a number, or none of the allowed counts.
     """
     words = text.split() or ["0"] * counts[0]
     allowed = " or ".join(map(str, counts))

@@ -1,4 +1,4 @@
-"""PID controllers."""
+"""PID: a controller."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ __all__ = ["PID"]
 class PID:
     """A proportional, integral and derivative controller with the signs of Gazebo classic.
 
-    The error is measured minus wanted, and the command is -(p error + i integral + d rate): a positive error gives a
-    negative command. The integral term (not the error) is held between `imin` and `imax`. **Their defaults of 0 switch
-    it off**; give limits, or `imax` below `imin`, which means none. The command is held between `cmdMin` and `cmdMax`;
-    `cmdMax` below `cmdMin`, as by default, means no limits.
+    The error is the measured minus the desired value, and the command is -(p error + i integral + d rate): a positive
+    error gives a negative command. The integral term (not the error) is limited to `imin` to `imax`. **Their defaults
+    of 0 disable it**: set limits, or `imax` below `imin`, which means none. The command is limited to `cmdMin` to
+    `cmdMax`; `cmdMax` below `cmdMin`, as by default, means no limits.
     """
 
     __slots__ = (
@@ -56,7 +56,7 @@ class PID:
         cmdMax: float = -1.0,
         cmdMin: float = 0.0,
     ) -> None:
-        """Set gains and limits, and forget the past.
+        """Set gains and limits, and reset errors and command.
 
         Args:
             p: command per error.
@@ -71,16 +71,16 @@ class PID:
         self.Reset()
 
     def Reset(self) -> None:
-        """Forget past errors and the command."""
+        """Set all errors and the command to 0."""
         self.pErr = self.pErrLast = self.iErr = self.dErr = self.cmd = 0.0
 
     def Update(self, error: float, dt: SupportsFloat) -> float:
         """The next command.
 
         Args:
-            error: measured minus wanted.
-            dt: time since the last update [s], a number or a `common.Time`. At 0 nothing happens and the command is 0;
-                so also for an error that is infinite or NaN.
+            error: the measured minus the desired value.
+            dt: time since the last update [s], a number or a `common.Time`. If it is 0, or the error is infinite or
+                NaN, the state does not change and the command is 0.
         """
         step = float(dt)
         self.pErr = error
@@ -91,7 +91,7 @@ class PID:
         if self.iMax >= self.iMin and not self.iMin <= iTerm <= self.iMax:
             iTerm = clamp(iTerm, self.iMin, self.iMax)
             if self.iGain:
-                self.iErr = iTerm / self.iGain  # or it would wind up behind the limit
+                self.iErr = iTerm / self.iGain  # against wind-up
         self.dErr = (error - self.pErrLast) / step
         self.pErrLast = error
         command = -self.pGain * error - iTerm - self.dGain * self.dErr

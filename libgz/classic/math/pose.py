@@ -1,4 +1,4 @@
-"""Poses: a position and a rotation."""
+"""Pose3d: a position and a rotation."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _new = object.__new__
 
 
 def _pose(pos: Vector3d, rot: Quaterniond) -> Pose3d:
-    """A pose of halves that nobody else holds."""
+    """Return a pose of a new position and a new rotation, without copying them."""
     pose = _new(Pose3d)
     pose.pos = pos
     pose.rot = rot
@@ -32,8 +32,8 @@ class Pose3d(GzPose):
     - `A + B` is the pose A, given in frame B, in B's outer frame: A + B = B * A.
     - `A - B` is the pose A relative to B: (A - B) + B = A.
     - `-A` is `A.Inverse()`.
-    - `pose.pos` and `pose.Pos()`, `pose.rot` and `pose.Rot()` are the halves themselves: `pose.pos.x = 1.0` moves the
-      pose. A pose is made with copies of what it is given.
+    - `pose.pos` and `pose.Pos()`, `pose.rot` and `pose.Rot()` are not copies: `pose.pos.x = 1.0` changes the pose. The
+      constructor copies its arguments.
     - `==` is exact; `Equal` takes a tolerance, by default that of `==` in C++.
     """
 
@@ -64,7 +64,7 @@ class Pose3d(GzPose):
         self.Set(*parts)
 
     def Set(self, *parts: Any) -> None:
-        """Set it from whatever a pose can be made from."""
+        """Set it, with the arguments of the constructor."""
         if len(parts) == 1:
             parts = (parts[0].pos, parts[0].rot) if isinstance(parts[0], GzPose) else tuple(parts[0])
         if len(parts) == 2:
@@ -206,7 +206,7 @@ class Pose3d(GzPose):
         return Pose3d(GzCoordPoseSolve(self, other))
 
     def RotatePositionAboutOrigin(self, rot: QuaternLike) -> Pose3d:
-        """The pose with its position turned about the origin, and its rotation as it was."""
+        """The pose with its position rotated about the origin, and its rotation unchanged."""
         return Pose3d(as_quaternion(rot).RotateVector(self.pos), self.rot)
 
     def IsFinite(self) -> bool:
@@ -219,7 +219,7 @@ class Pose3d(GzPose):
         self.rot.Correct()
 
     def Round(self, precision: int) -> None:
-        """Round all components to so many places after the point."""
+        """Round all components to `precision` decimals."""
         self.pos.Set(*(round(value, precision) for value in self.pos))
         self.rot.Round(precision)
 

@@ -1,4 +1,4 @@
-"""Rotations as unit quaternions, the scalar first."""
+"""Quaterniond: a rotation as a unit quaternion, the scalar first."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from numbers import Real
 from typing import Any, overload
 
+from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, numbers_in, text_of
 from libgz.classic.math.vector3 import Vector3d
@@ -26,14 +27,14 @@ from libgz.geometry import (
 __all__ = ["Quaternion", "Quaterniond", "as_quaternion"]
 
 
-class Quaterniond(GzQuatern):
+class Quaterniond(HasXYZ, GzQuatern):
     """A rotation as a quaternion w, x, y, z. It is a `GzQuatern`, so every function of the engine takes it.
 
     - `a * b` rotates by b, then by a; `q * v` is v rotated.
     - Euler angles are roll, pitch, yaw [rad] about the fixed axes x, y, z: q = qz(yaw) qy(pitch) qx(roll).
-    - Inverse and rotations are right for any length but 0; q and -q are the same rotation, but not `==`.
+    - Inverse and rotations are correct for any length but 0; q and -q are the same rotation, but not `==`.
     - `==` is exact; `Equal` takes a tolerance, by default that of `==` in C++.
-    - `str` gives roll, pitch and yaw, as the stream did.
+    - `str` gives roll, pitch and yaw, like C++'s stream operator.
     """
 
     __slots__ = ()
@@ -99,24 +100,6 @@ class Quaterniond(GzQuatern):
         if value is not None:
             self.u = value
         return self.u
-
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
-
-    def Z(self, value: float | None = None) -> float:
-        """The z component; an argument sets it first."""
-        if value is not None:
-            self.z = value
-        return self.z
 
     def Set(self, w: float, x: float, y: float, z: float) -> None:
         """Set all components."""
@@ -191,19 +174,19 @@ class Quaterniond(GzQuatern):
         return Vector3d(self.x / length, self.y / length, self.z / length), 2.0 * math.atan2(length, self.u)
 
     def XAxis(self) -> Vector3d:
-        """Where it turns the x axis."""
+        """The direction of the rotated x axis."""
         return self.RotateVector((1.0, 0.0, 0.0))
 
     def YAxis(self) -> Vector3d:
-        """Where it turns the y axis."""
+        """The direction of the rotated y axis."""
         return self.RotateVector((0.0, 1.0, 0.0))
 
     def ZAxis(self) -> Vector3d:
-        """Where it turns the z axis."""
+        """The direction of the rotated z axis."""
         return self.RotateVector((0.0, 0.0, 1.0))
 
     def From2Axes(self, v1: VectorLike, v2: VectorLike) -> None:
-        """Set it to the shortest rotation that turns the direction v1 into v2; to its opposite, some half turn."""
+        """Set it to the shortest rotation from direction v1 to v2; for opposite ones, to one of the half turns."""
         a, b = Vector3d(v1).Normalize(), Vector3d(v2).Normalize()
         middle = a + b
         if middle.SquaredLength() < 1e-12:
@@ -274,7 +257,7 @@ class Quaterniond(GzQuatern):
         return self.u * w + self.x * x + self.y * y + self.z * z
 
     def Normalize(self) -> Quaterniond:
-        """Bring it to length 1, and return it; of length 0, it becomes no rotation."""
+        """Scale it to length 1, and return it; of length 0, it becomes no rotation."""
         length = math.sqrt(self.Dot(self))
         if length == 0.0:
             self.SetToIdentity()
@@ -287,14 +270,14 @@ class Quaterniond(GzQuatern):
         return Quaterniond(self.u, self.x, self.y, self.z).Normalize()
 
     def Inverse(self) -> Quaterniond:
-        """The rotation back; of length 0, no rotation."""
+        """The inverse rotation; of length 0, no rotation."""
         s = self.u * self.u + self.x * self.x + self.y * self.y + self.z * self.z
         if s == 0.0:
             return Quaterniond(1.0, 0.0, 0.0, 0.0)
         return Quaterniond(self.u / s, -self.x / s, -self.y / s, -self.z / s)
 
     def Invert(self) -> None:
-        """Turn it into the rotation back."""
+        """Replace it by the inverse rotation."""
         self.Set(*self.Inverse())
 
     def RotateVector(self, vector: VectorLike) -> Vector3d:
@@ -311,7 +294,7 @@ class Quaterniond(GzQuatern):
         )
 
     def RotateVectorReverse(self, vector: VectorLike) -> Vector3d:
-        """The vector, rotated back."""
+        """The vector, rotated by the inverse."""
         return Quaterniond(self.u, -self.x, -self.y, -self.z).RotateVector(vector)
 
     def Log(self) -> Quaterniond:
@@ -321,20 +304,20 @@ class Quaterniond(GzQuatern):
         return Quaterniond(0.0, self.x * s, self.y * s, self.z * s)
 
     def Exp(self) -> Quaterniond:
-        """The unit quaternion whose logarithm this is; its scalar is taken to be 0."""
+        """The unit quaternion whose logarithm this is; the scalar is ignored."""
         half = math.sqrt(self.x * self.x + self.y * self.y + self.z * self.z)
         s = math.sin(half) / half if half else 1.0
         return Quaterniond(math.cos(half), self.x * s, self.y * s, self.z * s)
 
     @staticmethod
     def Slerp(t: float, p: QuaternLike, q: QuaternLike, shortestPath: bool = False) -> Quaterniond:
-        """Between two rotations on a great circle (Shoemake, SIGGRAPH 1985): p at t = 0, q at t = 1.
+        """Interpolate between two rotations on a great circle (Shoemake, SIGGRAPH 1985).
 
         Args:
-            t: how far.
-            p: the first.
-            q: the second.
-            shortestPath: take -q for q if that is nearer.
+            t: 0 gives p, 1 gives q.
+            p: the first rotation.
+            q: the second rotation.
+            shortestPath: use -q instead of q if it is nearer.
         """
         start, end = Quaterniond(*p), Quaterniond(*q)
         if shortestPath and start.Dot(end) < 0.0:
@@ -345,18 +328,18 @@ class Quaterniond(GzQuatern):
     def Squad(
         t: float, p: QuaternLike, a: QuaternLike, b: QuaternLike, q: QuaternLike, shortestPath: bool = False
     ) -> Quaterniond:
-        """Between p and q on a smooth curve with the inner points a and b (Shoemake, SIGGRAPH course notes, 1987)."""
+        """Interpolate from p to q on a curve with inner points a and b (Shoemake, SIGGRAPH course notes, 1987)."""
         outer = Quaterniond.Slerp(t, p, q, shortestPath)
         return Quaterniond.Slerp(2.0 * t * (1.0 - t), outer, Quaterniond.Slerp(t, a, b))
 
     def Integrate(self, angularVelocity: VectorLike, dt: float) -> Quaterniond:
-        """This rotation after `dt` [s] at a steady angular velocity [rad/s] in the outer frame."""
+        """This rotation after `dt` [s] at a constant angular velocity [rad/s] in the outer frame."""
         x, y, z = angularVelocity
         h = dt / 2.0
         return Quaterniond(0.0, x * h, y * h, z * h).Exp() * self
 
     def Round(self, precision: int) -> None:
-        """Round the components to so many places after the point."""
+        """Round the components to `precision` decimals."""
         self.Set(*(round(value, precision) for value in self))
 
     def IsFinite(self) -> bool:
@@ -364,7 +347,7 @@ class Quaterniond(GzQuatern):
         return all(map(math.isfinite, self))
 
     def Correct(self) -> None:
-        """Set infinite components and NaN to 0; if none is left, to no rotation."""
+        """Set infinite components and NaN to 0; if all are 0 then, set it to no rotation."""
         self.Set(*map(fixnan, self))
         if not any(self):
             self.SetToIdentity()
@@ -386,7 +369,7 @@ class Quaterniond(GzQuatern):
 
 
 def as_quaternion(rot: QuaternLike) -> Quaterniond:
-    """The rotation as it is if it has our methods, else a copy that has them."""
+    """Return a Quaterniond: the argument itself if it is one, else a copy."""
     return rot if isinstance(rot, Quaterniond) else Quaterniond(rot)
 
 

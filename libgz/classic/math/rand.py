@@ -1,4 +1,4 @@
-"""Random numbers of the process, by the names of the old API."""
+"""Rand: random numbers of the process."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ __all__ = ["Rand"]
 
 
 class Rand:
-    """One generator for all plugins (a Mersenne twister). `Seed(n)` makes a run repeatable; without, each run differs.
+    """One generator for all plugins (a Mersenne twister). `Seed(n)` makes runs repeatable; otherwise each run differs.
 
-    Noise of sensors does not come from here: what a plugin draws never changes what a sensor measures.
+    Sensors have generators of their own: random numbers of a plugin do not change the noise of sensors.
     """
 
     _seed: ClassVar[int] = random.SystemRandom().getrandbits(32)
@@ -19,7 +19,7 @@ class Rand:
 
     @classmethod
     def Seed(cls, seed: int | None = None) -> int:
-        """The seed; an argument sets it, and begins its sequence anew."""
+        """Return the seed; an argument sets it and restarts the sequence."""
         if seed is not None:
             cls._seed = int(seed)
             cls._engine.seed(cls._seed)
@@ -27,22 +27,22 @@ class Rand:
 
     @classmethod
     def DblUniform(cls, low: float = 0.0, high: float = 1.0) -> float:
-        """A number evenly spread between `low` and `high`."""
+        """Return a number of the uniform distribution between `low` and `high`."""
         return cls._engine.uniform(low, high)
 
     @classmethod
     def DblNormal(cls, mean: float = 0.0, sigma: float = 1.0) -> float:
-        """A number of the normal distribution."""
+        """Return a number of the normal distribution."""
         return cls._engine.normalvariate(mean, sigma)
 
     @classmethod
     def IntUniform(cls, low: int, high: int) -> int:
-        """A whole number from `low` to `high`, both included."""
+        """Return a uniformly distributed integer from `low` to `high`, both included."""
         return cls._engine.randint(low, high)
 
     @classmethod
     def IntNormal(cls, mean: int, sigma: int) -> int:
-        """A whole number of the normal distribution, its fraction cut off."""
+        """Return a number of the normal distribution, truncated to an integer."""
         return int(cls._engine.normalvariate(mean, sigma))
 
     SetSeed = GetSeed = Seed

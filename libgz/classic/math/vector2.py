@@ -1,4 +1,4 @@
-"""Vectors of two numbers."""
+"""Vector2d and Vector2i: vectors of two numbers."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic.math.components import Componentwise, HasXY
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import numbers_in, text_of
 from libgz.errors import ParameterError
@@ -19,13 +20,12 @@ __all__ = ["Vector2", "Vector2d", "Vector2i"]
 V = TypeVar("V", bound="Vector2d")
 
 
-class Vector2d:
+class Vector2d(Componentwise, HasXY):
     """A point or direction in a plane, or a pair of numbers: x, y. Operators and `==` are as in Vector3d."""
 
     __slots__ = ("x", "y")
     __hash__ = None  # type: ignore[assignment]
     __match_args__ = ("x", "y")
-    __array_priority__ = 1000.0
 
     x: float
     y: float
@@ -34,7 +34,7 @@ class Vector2d:
     One: Constant[Vector2d] = Constant(lambda: Vector2d(1.0, 1.0))
 
     def __init__(self, x: float | Sequence[float] | Vector2d | None = None, y: float | None = None) -> None:
-        """From two numbers, from anything that holds two, or zero.
+        """From two numbers, from a sequence of two, or zero.
 
         Raises:
             ParameterError: there are not two numbers.
@@ -58,18 +58,6 @@ class Vector2d:
             ParameterError: there are not two numbers.
         """
         return cls(*numbers_in(text, 2))
-
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
 
     def Set(self, x: float = 0.0, y: float = 0.0) -> None:
         """Set both components."""
@@ -96,38 +84,15 @@ class Vector2d:
     def __str__(self) -> str:
         return text_of(self.x, self.y)
 
-    @staticmethod
-    def _spread(value: object) -> tuple[float, float] | None:
+    def _operand(self, value: object) -> tuple[float, ...] | None:
+        if isinstance(value, Vector2d):
+            return value.x, value.y
         if isinstance(value, Real):
-            return float(value), float(value)
+            return (float(value),) * 2
         if not isinstance(value, Iterable):
             return None
         numbers = tuple(value)
         return numbers if len(numbers) == 2 and all(isinstance(number, Real) for number in numbers) else None
-
-    def __add__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x + o[0], self.y + o[1])
-
-    __radd__ = __add__
-
-    def __sub__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x - o[0], self.y - o[1])
-
-    def __rsub__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(o[0] - self.x, o[1] - self.y)
-
-    def __mul__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x * o[0], self.y * o[1])
-
-    __rmul__ = __mul__
-
-    def __truediv__(self: V, other: object) -> V:
-        o = self._spread(other)
-        return NotImplemented if o is None else type(self)(self.x / o[0], self.y / o[1])
 
     def __neg__(self: V) -> V:
         return type(self)(-self.x, -self.y)
@@ -158,7 +123,7 @@ class Vector2d:
         return math.dist(self, tuple(other))
 
     def Normalize(self) -> None:
-        """Bring it to length 1; zero stays zero."""
+        """Scale it to length 1; zero stays zero."""
         if length := self.Length():
             self.Set(self.x / length, self.y / length)
 
@@ -174,7 +139,7 @@ class Vector2d:
 
 
 class Vector2i(Vector2d):
-    """A pair of whole numbers, such as a pixel; fractions are cut off, also of quotients, as in C++."""
+    """A pair of integers, such as a pixel; fractions are truncated, also those of quotients, as in C++."""
 
     __slots__ = ()
     __hash__ = None

@@ -1,4 +1,4 @@
-"""Vectors of three numbers."""
+"""Vector3d: a vector of three numbers."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from numbers import Real
 
+from libgz.classic.math.components import HasXYZ
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.number import fixnan, text_of
 from libgz.errors import ParameterError
@@ -14,11 +15,11 @@ from libgz.sdf.value import parse
 
 __all__ = ["Vector3", "Vector3d"]
 
-_NUMBERS = (float, int)  # the common ones; numpy's go the long way
+_NUMBERS = (float, int)  # checked first; numpy's numbers are handled by `_operand`
 
 
-def _spread(value: object) -> GzVector | None:
-    """What stands in for an operand: a number thrice, or any three numbers; None if it is neither."""
+def _operand(value: object) -> GzVector | None:
+    """Return the components of an operand: a number three times, or three numbers; None if it is neither."""
     if isinstance(value, Real):
         number = float(value)
         return GzVector(number, number, number)
@@ -30,20 +31,20 @@ def _spread(value: object) -> GzVector | None:
     return GzVector(*numbers)
 
 
-class Vector3d(GzVector):
+class Vector3d(HasXYZ, GzVector):
     """A position [m], velocity [m/s], force [N], direction or size: x, y, z.
 
     - It is a `GzVector`, so every function of the engine takes it; it converts to numpy and unpacks like a tuple.
     - Operators work between vectors component by component, and with a number: `a + b`, `a * b`, `2.0 * a`, `a + 1.0`.
-      They make new vectors; `a += b` gives `a` a new one too, and leaves alone whoever else holds the old.
-    - `==` is exact, as everywhere in Python. `Equal(other, tolerance)` is what `==` was in C++, where it allowed 1e-3.
+      They make new vectors; `a += b` binds `a` to a new one, too, and does not change other references to the old one.
+    - `==` is exact, as everywhere in Python. `Equal(other, tolerance)` compares like C++'s `==`, within 1e-3.
     - Accessors exist in both spellings: `v.x`, `v.X()`, and `v.X(1.0)`, which sets it.
     - Dividing by zero raises ZeroDivisionError, as everywhere in Python.
     """
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
-    __array_priority__ = 1000.0  # numpy's numbers leave `number * vector` to us
+    __array_priority__ = 1000.0  # so that numpy's numbers leave `number * vector` to this class
 
     Zero = Constant(lambda: Vector3d(0.0, 0.0, 0.0))
     One = Constant(lambda: Vector3d(1.0, 1.0, 1.0))
@@ -53,7 +54,7 @@ class Vector3d(GzVector):
     NaN = Constant(lambda: Vector3d(math.nan, math.nan, math.nan))
 
     def __init__(self, x: float | VectorLike | None = None, y: float | None = None, z: float | None = None) -> None:
-        """From three numbers, from anything that holds three, or zero.
+        """From three numbers, from a sequence of three, or zero.
 
         Raises:
             ParameterError: there are not three numbers.
@@ -90,24 +91,6 @@ class Vector3d(GzVector):
 
     # Components ------------------------------------------------------------------------------------------------------
 
-    def X(self, value: float | None = None) -> float:
-        """The x component; an argument sets it first."""
-        if value is not None:
-            self.x = value
-        return self.x
-
-    def Y(self, value: float | None = None) -> float:
-        """The y component; an argument sets it first."""
-        if value is not None:
-            self.y = value
-        return self.y
-
-    def Z(self, value: float | None = None) -> float:
-        """The z component; an argument sets it first."""
-        if value is not None:
-            self.z = value
-        return self.z
-
     def Set(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> None:
         """Set all components."""
         self.x, self.y, self.z = x, y, z
@@ -133,7 +116,7 @@ class Vector3d(GzVector):
     # Arithmetic ------------------------------------------------------------------------------------------------------
 
     def __add__(self, other: VectorLike | float) -> Vector3d:
-        o = other if isinstance(other, GzVector) else _spread(other)
+        o = other if isinstance(other, GzVector) else _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(self.x + o.x, self.y + o.y, self.z + o.z)
@@ -141,13 +124,13 @@ class Vector3d(GzVector):
     __radd__ = __add__
 
     def __sub__(self, other: VectorLike | float) -> Vector3d:
-        o = other if isinstance(other, GzVector) else _spread(other)
+        o = other if isinstance(other, GzVector) else _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(self.x - o.x, self.y - o.y, self.z - o.z)
 
     def __rsub__(self, other: VectorLike | float) -> Vector3d:
-        o = _spread(other)
+        o = _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(o.x - self.x, o.y - self.y, o.z - self.z)
@@ -155,7 +138,7 @@ class Vector3d(GzVector):
     def __mul__(self, other: VectorLike | float) -> Vector3d:
         if isinstance(other, _NUMBERS):
             return Vector3d(self.x * other, self.y * other, self.z * other)
-        o = other if isinstance(other, GzVector) else _spread(other)
+        o = other if isinstance(other, GzVector) else _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(self.x * o.x, self.y * o.y, self.z * o.z)
@@ -165,13 +148,13 @@ class Vector3d(GzVector):
     def __truediv__(self, other: VectorLike | float) -> Vector3d:
         if isinstance(other, _NUMBERS):
             return Vector3d(self.x / other, self.y / other, self.z / other)
-        o = other if isinstance(other, GzVector) else _spread(other)
+        o = other if isinstance(other, GzVector) else _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(self.x / o.x, self.y / o.y, self.z / o.z)
 
     def __rtruediv__(self, other: VectorLike | float) -> Vector3d:
-        o = _spread(other)
+        o = _operand(other)
         if o is None:
             return NotImplemented
         return Vector3d(o.x / self.x, o.y / self.y, o.z / self.z)
@@ -231,7 +214,7 @@ class Vector3d(GzVector):
         return along.Cross(self - start).Length() / along.Length()
 
     def Normalize(self) -> Vector3d:
-        """Bring it to length 1, and return it; zero stays zero."""
+        """Scale it to length 1, and return it; zero stays zero."""
         length = self.Length()
         if length:
             self.x, self.y, self.z = self.x / length, self.y / length, self.z / length
@@ -254,12 +237,12 @@ class Vector3d(GzVector):
     # Component by component ------------------------------------------------------------------------------------------
 
     def Round(self) -> Vector3d:
-        """Round the components to whole numbers, and return it."""
+        """Round the components to integers, and return it."""
         self.x, self.y, self.z = float(round(self.x)), float(round(self.y)), float(round(self.z))
         return self
 
     def Rounded(self) -> Vector3d:
-        """A copy with whole numbers."""
+        """A copy with rounded components."""
         return Vector3d(self.x, self.y, self.z).Round()
 
     def Abs(self) -> Vector3d:

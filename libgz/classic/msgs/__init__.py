@@ -1,7 +1,7 @@
-"""Messages: `msgs.Vector3d(x=1)`, `msgs.Pose()`, and all others of gazebo.msgs, each made when it is first asked for.
+"""Messages: `msgs.Vector3d(x=1)`, `msgs.Pose()`, and all others of gazebo.msgs; types are created at first use.
 
-Fields are attributes (see `libgz.classic.msgs.message.Message`); the declarations stand in
-`libgz/classic/msgs/table.py`, and `declare` adds one's own.
+Fields are attributes (see `libgz.classic.msgs.message.Message`); the declarations are in `libgz/classic/msgs/table.py`,
+and `declare` adds new ones.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Between messages and the types that the rest of the classic API uses."""
+"""Convert between messages and the types that the rest of the classic API uses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = ["Convert", "ConvertIgn", "CreateRequest", "Init", "Set", "Stamp"]
 
-# Numbers of requests begin anywhere, so that two programs do not take each other's answers.
+# Request numbers start at a random one, so that two programs do not accept each other's responses.
 _request_ids = itertools.count(random.SystemRandom().randrange(1, 1 << 30))
 
 
@@ -33,7 +33,7 @@ def Set(msg: Message, value: Any) -> None:
     - PlaneGeom: has `normal`, `size`, `d` as attributes or functions; GzString, Int: the value.
 
     Raises:
-        ParameterError: the message is of another type, or the value does not fit.
+        ParameterError: the message is of another type, or the value is invalid.
     """
     setter = _SETTERS.get(msg.GetTypeName().removeprefix("gazebo.msgs."))
     if setter is None:
@@ -47,9 +47,9 @@ def Set(msg: Message, value: Any) -> None:
 
 
 def Convert(value: Any) -> Any:
-    """A message as a value of the classic API, or such a value as a message.
+    """Convert a message to a value of the classic API, or such a value to a message.
 
-    Vectors, quaternions, poses, colours and times go both ways; a float becomes a Time.
+    Vectors, quaternions, poses, colours and times are converted in both directions; a float [s] becomes a Time.
 
     Raises:
         ParameterError: there is no counterpart.
@@ -65,7 +65,7 @@ def Convert(value: Any) -> Any:
 
 
 def ConvertIgn(msg: Message) -> Any:
-    """A Vector3d, Vector2d, Quaternion, Pose, Color or Time message as a value of the classic API.
+    """Convert a Vector3d, Vector2d, Quaternion, Pose, Color or Time message to a value of the classic API.
 
     Raises:
         ParameterError: there is no counterpart.
@@ -77,7 +77,7 @@ def ConvertIgn(msg: Message) -> Any:
 
 
 def Stamp(msg: Message) -> None:
-    """Write the wall time into a Time, or into the `stamp` of a Header.
+    """Set a Time, or the `stamp` of a Header, to the wall time.
 
     Raises:
         ParameterError: the message is of another type.
@@ -85,12 +85,12 @@ def Stamp(msg: Message) -> None:
     if "stamp" in msg._fields:
         msg = msg.stamp
     if msg.GetTypeName() != "gazebo.msgs.Time":
-        raise ParameterError(f"a {msg.GetTypeName()} has no place for a time stamp")
+        raise ParameterError(f"a {msg.GetTypeName()} has no time stamp")
     msg.sec, msg.nsec = divmod(clock.time_ns(), 1_000_000_000)
 
 
 def Init(msg: Message, id: str = "") -> None:
-    """Give the `header` of a message an id, if one is given, and the wall time.
+    """Set the `header` of a message: its id, if one is given, and its stamp to the wall time.
 
     Raises:
         ParameterError: the message has no header.
@@ -103,7 +103,7 @@ def Init(msg: Message, id: str = "") -> None:
 
 
 def CreateRequest(request: str, data: str = "") -> Any:
-    """A Request with an id of its own, such as ``CreateRequest("entity_delete", "box")``."""
+    """Return a Request with a new id, such as ``CreateRequest("entity_delete", "box")``."""
     return message_type("Request")(id=next(_request_ids), request=request, data=data)
 
 
@@ -138,7 +138,7 @@ def _set_time(msg: Any, value: Any) -> None:
 
 
 def _set_plane(msg: Any, value: Any) -> None:
-    def part(*names: str) -> Any:
+    def part(*names: str) -> Any:  # by name, for planes of both generations of the API have their own
         found = next((getattr(value, name) for name in names if hasattr(value, name)), None)
         return found() if callable(found) else found
 

@@ -1,4 +1,4 @@
-"""Message types from their declarations."""
+"""Create message types from their declarations."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ _enums: dict[str, Kind] = {}
 
 
 def known_types() -> list[str]:
-    """The full names of all message types."""
+    """Return the full names of all message types."""
     return sorted({*(PREFIX + name for name in MESSAGES), *(kind.GetTypeName() for kind in _types.values())})
 
 
 def message_type(name: str) -> type[Message]:
-    """The type of a name such as `gazebo.msgs.Vector3d`, `Vector3d`, or one that was declared.
+    """Return the type with a name such as `gazebo.msgs.Vector3d`, `Vector3d`, or one that was declared.
 
     Raises:
         NotFoundError: there is none.
@@ -44,9 +44,9 @@ def message_type(name: str) -> type[Message]:
 
 
 def declare(name: str, fields: str, **enums: str) -> type[Message]:
-    """A message type of one's own.
+    """Declare a message type.
 
-    Both ends of a topic must declare it alike: a field's number on the wire is its place in the line.
+    Both ends of a topic must declare it alike: a field's number on the wire is its position in `fields`.
 
     Args:
         name: Such as `my_robot.msgs.WheelSpeeds`.
@@ -55,7 +55,7 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
         enums: Enumerations by the names that `fields` use, such as ``Mode="IDLE DRIVING"``; values count from 1.
 
     Raises:
-        ParameterError: the name is taken by another declaration, or a field cannot be read.
+        ParameterError: the name is used by another declaration, or a field is invalid.
     """
     if not re.fullmatch(r"[A-Za-z_][\w.]*", name):
         raise ParameterError(f"a message type cannot be called {name!r}; it takes letters, digits, _ and dots")
@@ -73,7 +73,7 @@ def _describe(name: str, fields: str) -> str:
 
 
 def _enum(name: str, values: str) -> Kind:
-    """An enumeration: values are set by number or by name."""
+    """Return the kind of an enumeration: values are set by number or by name."""
     numbers = {value: number for number, value in enumerate(values.split(), 1)}
 
     def check(value: Any) -> int:
@@ -103,11 +103,11 @@ def _kind(owner: str, word: str, local: dict[str, Kind]) -> Kind | type[Message]
 
 
 def _make(short: str, name: str, fields: str, local: dict[str, Kind] | None = None) -> type[Message]:
-    """The class of a declaration, entered under its short name."""
+    """Create the class of a declaration, and register it under its short name."""
     namespace = {"_name": name, "__doc__": _describe(name, fields)}
     made: type[Message] = type(short.rpartition(".")[2], (Message,), namespace)
     made.__module__, made.__qualname__ = "libgz.classic.msgs", short
-    _types[short] = made  # before its fields: a Model holds Models
+    _types[short] = made  # before its fields: a Model contains Models
     try:
         table = dict(_read_fields(made, name, fields, local or {}))
     except ParameterError:
@@ -149,7 +149,7 @@ def _read_fields(made: type[Message], owner: str, fields: str, local: dict[str, 
 
 
 def _value(kind: Kind, word: str) -> Any:
-    """A default as it is written."""
+    """Return a default from its text."""
     if kind.name == "bool":
         return {"true": True, "false": False}.get(word, word)
     if kind.values is not None or kind.name == "string":

@@ -1,8 +1,8 @@
-"""The fields of messages: what each kind takes, and how it looks on the wire.
+"""The fields of messages: the values that each kind accepts, and their encoding.
 
-Numbers, strings and nested messages are laid out as protocol buffers lay them out (the public wire format: a key, which
-is a field's number and a wire type, then a varint, 4 bytes, 8 bytes, or a length and bytes). It is compact, a reader
-skips fields it does not know, and reading it never runs code that the sender chose.
+The encoding is the public wire format of protocol buffers: a key, which is a field's number and a wire type, then a
+varint, 4 bytes, 8 bytes, or a length and bytes. It is compact, a reader skips unknown fields, and reading it never
+executes code from the sender.
 """
 
 from __future__ import annotations
@@ -10,21 +10,30 @@ from __future__ import annotations
 import operator
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol, Self
 
 from libgz.errors import ParameterError
 
-if TYPE_CHECKING:
-    from libgz.classic.msgs.message import Message
-
-__all__ = ["BYTES", "FIXED32", "FIXED64", "KINDS", "VARINT", "Field", "Kind", "Repeated", "read_varint", "varint"]
+__all__ = [
+    "BYTES",
+    "FIXED32",
+    "FIXED64",
+    "KINDS",
+    "VARINT",
+    "AnyMessage",
+    "Field",
+    "Kind",
+    "Repeated",
+    "read_varint",
+    "varint",
+]
 
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 _FORMATS = {FIXED64: "d", FIXED32: "f"}
 
 
 def varint(value: int) -> bytes:
-    """A number as 7 bits a byte, the lowest first; negative ones as 64 bits in two's complement."""
+    """Encode a number with 7 bits per byte, the lowest first; negative ones as 64 bits in two's complement."""
     if 0 <= value < 0x80:
         return bytes((value,))
     value &= 0xFFFFFFFFFFFFFFFF
@@ -37,7 +46,7 @@ def varint(value: int) -> bytes:
 
 
 def read_varint(data: bytes, at: int) -> tuple[int, int]:
-    """The number at `at`, and where it ends.
+    """Return the number at offset `at`, and the offset of its end.
 
     Raises:
         ParameterError: the data end within it, or it has more than ten bytes.
@@ -53,14 +62,14 @@ def read_varint(data: bytes, at: int) -> tuple[int, int]:
 
 
 class Kind:
-    """A kind of value: its default, what may be set, and how it is written.
+    """A kind of value: its default, its allowed values and its encoding.
 
     Args:
         name: As declarations spell it, such as `double`.
         default: The value of a field that is not set.
         wire: VARINT, FIXED64, FIXED32 or BYTES.
-        check: Value as it is kept; raises TypeError or ValueError for one that does not fit.
-        read: From the number (or bytes) on the wire to the value.
+        check: Convert a value to the stored one; raise TypeError or ValueError for an invalid value.
+        read: Convert the number (or bytes) on the wire to the value.
         values: For an enumeration, its names and numbers.
     """
 
@@ -73,17 +82,11 @@ class Kind:
         read: Callable[[Any], Any],
         values: Mapping[str, int] | None = None,
     ) -> None:
-        self.name, self.default, self.wire, self.check, self.read, self.values = (
-            name,
-            default,
-            wire,
-            check,
-            read,
-            values,
-        )
+        self.name, self.default, self.wire = name, default, wire
+        self.check, self.read, self.values = check, read, values
 
     def encode(self, value: Any) -> bytes:
-        """The value on the wire, without its key."""
+        """Encode a value, without its key."""
         if self.wire == VARINT:
             return varint(int(value))
         if self.wire == BYTES:
@@ -92,7 +95,7 @@ class Kind:
         return struct.pack("<" + _FORMATS[self.wire], value)
 
     def decode(self, data: bytes, at: int) -> tuple[Any, int]:
-        """The value at `at`, and where it ends."""
+        """Return the value at offset `at`, and the offset of its end."""
         if self.wire == VARINT:
             number, end = read_varint(data, at)
             return self.read(number), end
@@ -108,7 +111,7 @@ class Kind:
         return struct.unpack_from("<" + _FORMATS[self.wire], data, at)[0], end
 
     def encode_all(self, values: Sequence[Any]) -> bytes:
-        """Numbers side by side, with their size in front."""
+        """Encode numbers as a packed field: their size in bytes, then one after the other."""
         if self.wire == VARINT:
             data = b"".join(varint(int(value)) for value in values)
         else:
@@ -116,7 +119,7 @@ class Kind:
         return varint(len(data)) + data
 
     def decode_all(self, data: bytes) -> list[Any]:
-        """Numbers that stand side by side."""
+        """Return the numbers of a packed field."""
         if self.wire != VARINT:
             size = 8 if self.wire == FIXED64 else 4
             if len(data) % size:
@@ -151,7 +154,7 @@ def _real(value: Any) -> float:
 
 
 def _single(value: Any) -> float:
-    """A number of single precision, as a receiver will read it."""
+    """Round a number to single precision, as a receiver will read it."""
     return float(struct.unpack("<f", struct.pack("<f", _real(value)))[0])
 
 
@@ -188,11 +191,31 @@ _KINDS = (
 KINDS = {kind.name: kind for kind in _KINDS}
 
 
+class AnyMessage(Protocol):
+    """The part of a message's interface that fields and the text form use."""
+
+    @classmethod
+    def GetTypeName(cls) -> str:
+        """Return the full name of the type."""
+
+    def ListFields(self) -> list[tuple[Field, Any]]:
+        """Return (field, value) of all fields that are set."""
+
+    def SetInParent(self) -> None:
+        """Mark it as set in the message that holds it."""
+
+    def copy(self) -> Self:
+        """Return a deep copy."""
+
+    def _field(self, name: str) -> Field:
+        """Return a field by name."""
+
+
 class Field:
     """A declared field: its name, number, kind or message type, default, and whether it is repeated."""
 
     def __init__(
-        self, owner: str, name: str, number: int, kind: Kind | type[Message], repeated: bool, default: Any = None
+        self, owner: str, name: str, number: int, kind: Kind | type[AnyMessage], repeated: bool, default: Any = None
     ) -> None:
         self.owner, self.name, self.number, self.repeated = owner, name, number, repeated
         self.kind = kind if isinstance(kind, Kind) else None
@@ -212,7 +235,7 @@ class Field:
         return self.message.GetTypeName() if self.message is not None else ""
 
     def check(self, value: Any) -> Any:
-        """One value as the field keeps it; a message is copied.
+        """Return a value as the field stores it; a message is copied.
 
         Raises:
             ParameterError: the value is of another type, or out of range.
@@ -229,15 +252,19 @@ class Field:
         raise ParameterError(f"{self.owner}.{self.name} cannot be {_short(value)}: {why}")
 
     def check_all(self, values: Any) -> Repeated:
-        """A sequence of values as the field keeps it."""
+        """Return a sequence of values as the field stores it.
+
+        Raises:
+            ParameterError: it is no sequence; or a value is of another type, or out of range.
+        """
         if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
             raise ParameterError(f"{self.owner}.{self.name} is repeated; it takes a sequence, not {_short(values)}")
-        tolist = getattr(values, "tolist", None)  # numpy's numbers as Python's, in one go
+        tolist = getattr(values, "tolist", None)  # converts a numpy array at once
         return Repeated(self, (self.check(value) for value in (values if tolist is None else tolist())))
 
 
 class Repeated(list[Any]):
-    """The values of a repeated field: a list whose `add` also makes nested messages. Every value is checked."""
+    """The values of a repeated field: a list that checks each value, and whose `add` makes nested messages."""
 
     __slots__ = ("field",)
 
@@ -249,7 +276,7 @@ class Repeated(list[Any]):
         return list, (list(self),)
 
     def add(self, *value: Any, **values: Any) -> Any:
-        """Append a new nested message with these fields and return it; of plain values, append the one given."""
+        """Append a nested message with these fields, or the given plain value, and return it."""
         if self.field.message is None:
             self.append(*value)
             return self[-1]

@@ -1,4 +1,4 @@
-"""What all messages can do."""
+"""Message: the base of all message types."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["Message"]
 DEEPEST = 100  # messages within messages, as in protocol buffers
 
 
-# What C++ calls <word>_<field> or <field>_size, in Python.
+# For error messages: the Python form of C++'s <word>_<field> and <field>_size.
 _CPP = {
     "set": "message.{0} = value",
     "mutable": "message.{0}",
@@ -34,15 +34,15 @@ _CPP_REPEATED = {
 class Message:
     """A message: fields are attributes.
 
-    A field that is not set has its default; nested messages and lists of repeated fields are there when they are first
-    asked for. Setting a name that is no field raises AttributeError; a value that does not fit, ParameterError.
-    Messages and lists that are set are copied. Where ported C++ says `msg.set_x(1)`, `msg.x()`,
-    `msg.mutable_pose()->...`, `msg.add_ranges(v)`, write `msg.x = 1`, `msg.x`, `msg.pose...`, `msg.ranges.append(v)`.
+    A field that is not set has its default; nested messages and lists of repeated fields are created at first access.
+    Setting an unknown field raises AttributeError, an invalid value ParameterError. Messages and lists that are set are
+    copied. For C++'s `msg.set_x(1)`, `msg.x()`, `msg.mutable_pose()->...`, `msg.add_ranges(v)`, write `msg.x = 1`,
+    `msg.x`, `msg.pose...`, `msg.ranges.append(v)`.
     """
 
     _fields: ClassVar[dict[str, Field]] = {}
     _numbers: ClassVar[dict[int, Field]] = {}
-    _parts: ClassVar[frozenset[str]] = frozenset()  # nested and repeated fields: what a copy must copy
+    _parts: ClassVar[frozenset[str]] = frozenset()  # nested and repeated fields, for `copy`
     _name: ClassVar[str] = ""
 
     def __init__(self, **values: Any) -> None:
@@ -51,14 +51,14 @@ class Message:
 
     @classmethod
     def GetTypeName(cls) -> str:
-        """Such as `gazebo.msgs.Vector3d`."""
+        """Return the full name of the type, such as `gazebo.msgs.Vector3d`."""
         return cls._name
 
     def __getattr__(self, name: str) -> Any:
         field = self._fields.get(name)
         if field is None:
             raise AttributeError(self._unknown(name))
-        # A nested or repeated field that was not asked for before; plain ones have their defaults in the class.
+        # First access to a nested or repeated field; the defaults of plain ones are attributes of the class.
         made = Repeated(field) if field.repeated else field.message() if field.message is not None else field.default
         self.__dict__[name] = made
         return made
@@ -120,11 +120,11 @@ class Message:
         """Whether a field was set; a nested message is set when one of its fields is, or after SetInParent.
 
         Raises:
-            ParameterError: there is no such field, or it is repeated: ask for its length.
+            ParameterError: there is no such field, or it is repeated: use its length.
         """
         field = self._field(name)
         if field.repeated:
-            raise ParameterError(f"{self._name}.{name} is repeated: ask len(message.{name})")
+            raise ParameterError(f"{self._name}.{name} is repeated: use len(message.{name})")
         value = self.__dict__.get(name)
         return value is not None if field.message is None else value is not None and value._is_set()
 
@@ -140,19 +140,19 @@ class Message:
                 yield field, value
 
     def ListFields(self) -> list[tuple[Field, Any]]:
-        """(field, value) of all fields that are set, in the order of their declaration."""
+        """Return (field, value) of all fields that are set, in the order of their declaration."""
         return sorted(self._set_fields(), key=lambda pair: pair[0].number)
 
     def SetInParent(self) -> None:
-        """Count as set in the message this is nested in, though no field is."""
+        """Mark it as set in the message that holds it, even without a set field."""
         self.__dict__["_present"] = True
 
     def Clear(self) -> None:
-        """Set no field."""
+        """Clear all fields."""
         self.__dict__.clear()
 
     def ClearField(self, name: str) -> None:
-        """Take back what was set.
+        """Set a field back to its default.
 
         Raises:
             ParameterError: there is no such field.
@@ -161,7 +161,7 @@ class Message:
         self.__dict__.pop(name, None)
 
     def CopyFrom(self, other: Message) -> None:
-        """Become equal to another message of the same type.
+        """Replace all fields by those of another message of the same type.
 
         Raises:
             ParameterError: it is of another type.
@@ -175,7 +175,7 @@ class Message:
             self.__dict__.update(values)
 
     def copy(self) -> Self:
-        """A message of its own with the same fields."""
+        """Return a deep copy."""
         new = object.__new__(type(self))
         values = new.__dict__
         values.update(self.__dict__)
@@ -192,7 +192,7 @@ class Message:
     # Forms -------------------------------------------------------------------------------------------------------
 
     def SerializeToString(self) -> bytes:
-        """The message in the wire format of protocol buffers."""
+        """Return the message in the wire format of protocol buffers."""
         out: list[tuple[int, bytes]] = []
         for name, value in self.__dict__.items():
             field = self._fields.get(name)
@@ -202,7 +202,7 @@ class Message:
         return b"".join([data for _, data in out])
 
     def ParseFromString(self, data: bytes) -> int:
-        """Become the message that `data` hold, and return their length. Fields that are not known are skipped.
+        """Replace all fields by those in `data`, and return its length. Unknown fields are skipped.
 
         Raises:
             ParameterError: the data are damaged; the message is then empty.
@@ -217,7 +217,7 @@ class Message:
 
     @classmethod
     def FromString(cls, data: bytes) -> Self:
-        """The message that `data` hold; see ParseFromString."""
+        """Return the message encoded in `data`; see ParseFromString."""
         message = cls()
         message.ParseFromString(data)
         return message
@@ -261,25 +261,25 @@ class Message:
             self._put(field, field.kind.read(data))
 
     def DebugString(self) -> str:
-        """The message as text, a field a line; msgs.Parse reads it."""
+        """Return the message as text, one field per line; msgs.Parse reads it."""
         return text.write(self)
 
     def ShortDebugString(self) -> str:
-        """The message as text in one line."""
+        """Return the message as text in one line."""
         return " ".join(line.strip() for line in text.write(self).splitlines())
 
     def ToDict(self) -> dict[str, Any]:
-        """The set fields as JSON knows values: bytes as base64, enumerations by name."""
+        """Return the set fields as JSON values: bytes as base64, enumerations by name."""
         found: dict[str, Any] = {}
         for field, value in self.ListFields():
             found[field.name] = [_plain(field, item) for item in value] if field.repeated else _plain(field, value)
         return found
 
     def FromDict(self, values: Mapping[str, Any]) -> Self:
-        """Become the message that ToDict gave these values for, and return it.
+        """Replace all fields by values in the form of ToDict, and return the message.
 
         Raises:
-            ParameterError: a name is unknown, or a value does not fit.
+            ParameterError: a name is unknown, or a value is invalid.
         """
         self.Clear()
         if not isinstance(values, Mapping):
@@ -298,7 +298,7 @@ class Message:
 
 
 def _write(out: list[tuple[int, bytes]], field: Field, value: Any) -> None:
-    """Add a field's bytes."""
+    """Append a field's number and encoding."""
     if field.repeated:
         if not value:
             return
@@ -320,14 +320,14 @@ def _write(out: list[tuple[int, bytes]], field: Field, value: Any) -> None:
 
 
 def _fits(field: Field, wire: int) -> bool:
-    """Whether a field can be read from this wire type; numbers of a repeated field come one by one or side by side."""
+    """Whether a field can have this wire type; numbers of a repeated field may be packed or not."""
     if field.kind is None:
         return wire == BYTES
     return wire == field.kind.wire or (wire == BYTES and field.packed)
 
 
 def _skip(data: bytes, at: int, wire: int) -> int:
-    """Where a field that is not known ends."""
+    """Return the offset of the end of an unknown field."""
     if wire == VARINT:
         return read_varint(data, at)[1]
     if wire == BYTES:
@@ -351,7 +351,8 @@ def _plain(field: Field, value: Any) -> Any:
 
 def _from_plain(field: Field, value: Any) -> Any:
     if field.message is not None:
-        return field.message().FromDict(value)
+        part: Any = field.message()
+        return part.FromDict(value)
     if field.kind is not None and field.kind.name == "bytes" and isinstance(value, str):
         try:
             return base64.b64decode(value, validate=True)

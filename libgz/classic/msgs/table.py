@@ -1,8 +1,8 @@
-"""The messages of Gazebo classic, one line or two each.
+"""The declarations of Gazebo classic's messages.
 
 A field is ``type name``, repeated with ``[]``, with ``= value`` where its default is not zero, empty or false. Names of
-types and fields are those of gazebo.msgs in Gazebo 11 (and of 1 to 7 where later versions dropped something that people
-still set). A field's number on the wire is its place in the line: new fields go to the end.
+types and fields are those of gazebo.msgs in Gazebo 11 (and of 1 to 7 for fields that later versions dropped and
+programs still set). A field's number on the wire is its position in the line: append new fields at the end.
 """
 
 from __future__ import annotations

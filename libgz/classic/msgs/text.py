@@ -1,16 +1,13 @@
-"""Messages as text, in the form that protocol buffers use for people: `x: 1`, `position { x: 1 }`."""
+"""The text form of messages, as protocol buffers print it: `x: 1`, `position { x: 1 }`."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from libgz.classic.msgs.fields import AnyMessage, Field
 from libgz.errors import ParameterError
-
-if TYPE_CHECKING:
-    from libgz.classic.msgs.fields import Field
-    from libgz.classic.msgs.message import Message
 
 __all__ = ["Parse", "write"]
 
@@ -24,12 +21,12 @@ _BOOLS = {"true": True, "t": True, "1": True, "false": False, "f": False, "0": F
 _ESCAPE = re.compile(rb"\\([0-7]{1,3}|x[0-9a-fA-F]{1,2}|.)", re.DOTALL)
 
 
-def write(message: Message) -> str:
-    """The set fields, one a line, nested ones indented by two blanks; each line ends with a newline."""
+def write(message: AnyMessage) -> str:
+    """Return the set fields, one per line, nested ones indented by two spaces; each line ends with a newline."""
     return "".join(line + "\n" for line in _lines(message, ""))
 
 
-def _lines(message: Message, indent: str) -> Iterator[str]:
+def _lines(message: AnyMessage, indent: str) -> Iterator[str]:
     for field, value in message.ListFields():
         for item in value if field.repeated else (value,):
             if field.kind is None:
@@ -56,7 +53,7 @@ def _scalar(field: Field, value: Any) -> str:
 
 
 def _single(field: Field, value: float) -> str:
-    """The shortest text that gives this number of single precision."""
+    """Return the shortest text that reads as this number in single precision."""
     texts = [f"{value:.{digits}g}" for digits in (7, 8, 9)]
     return next((text for text in texts if field.check(float(text)) == value), texts[-1])
 
@@ -68,18 +65,18 @@ def _quoted(value: str | bytes) -> str:
     return '"' + "".join(plain.get(c, c if c >= " " else f"\\{ord(c):03o}") for c in value) + '"'
 
 
-def Parse(message: Message, text: str) -> None:
+def Parse(message: AnyMessage, text: str) -> None:
     """Set fields of a message from its text form; a repeated field may also be given as a list.
 
     Raises:
-        ParameterError: the text cannot be read, names an unknown field, or a value does not fit.
+        ParameterError: the text is invalid, names an unknown field, or has an invalid value.
     """
     reader = _Reader(text)
     reader.fields(message, "")
 
 
 class _Reader:
-    """The tokens of a text, read from the front."""
+    """Reads the tokens of a text from the front."""
 
     def __init__(self, text: str) -> None:
         self.tokens = []
@@ -107,8 +104,8 @@ class _Reader:
             return True
         return False
 
-    def fields(self, message: Message, closing: str) -> None:
-        """Fields up to the closing bracket, or to the end."""
+    def fields(self, message: AnyMessage, closing: str) -> None:
+        """Read fields up to the closing bracket, or to the end."""
         while self.peek() != closing:
             self.field(message)
             if not self.taken(","):
@@ -116,7 +113,7 @@ class _Reader:
         if closing:
             self.take()
 
-    def field(self, message: Message) -> None:
+    def field(self, message: AnyMessage) -> None:
         field = message._field(self.take())
         colon = self.taken(":")
         if field.repeated and self.taken("["):
@@ -129,7 +126,7 @@ class _Reader:
         else:
             raise ParameterError(f"message text: {field.owner}.{field.name} must be followed by a colon and a value")
 
-    def value(self, message: Message, field: Field) -> None:
+    def value(self, message: AnyMessage, field: Field) -> None:
         if field.message is None:
             value = self.scalar(field)
             if field.repeated:

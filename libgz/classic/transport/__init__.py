@@ -1,7 +1,7 @@
 """Topics: `Node` makes publishers and subscribers; messages are those of `libgz.classic.msgs`.
 
-Within a process messages wait until the server has ended its iteration (`TopicManager.Instance().ProcessNodes()`).
-Between processes, a server listens (`serve`) and clients connect (`connect`, or `init`, as it was called); that needs
+Within a process messages wait until the end of the server's iteration (`TopicManager.Instance().ProcessNodes()`).
+Between processes, a server listens (`serve`) and clients connect (`connect`, or `init`, its original name); this needs
 the extra `libgz[net]`.
 """
 

@@ -1,9 +1,8 @@
-"""The free functions of transport, under their old names."""
+"""The free functions of transport, with their original names."""
 
 from __future__ import annotations
 
 import atexit
-import threading
 import time as clock
 from typing import Any
 
@@ -32,15 +31,11 @@ __all__ = [
     "stop",
 ]
 
-ANSWER_PERIOD = 0.25  # [s] between looks for an answer that was given early
-PUMP_PERIOD = 0.001  # [s] between looks for messages in a client
-
-_stopping = threading.Event()
-_thread: threading.Thread | None = None
+ANSWER_PERIOD = 0.25  # [s] between requests for a response that was sent before the subscription was known
 
 
 def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30) -> bool:
-    """Connect to a server, where this process has no link yet.
+    """Connect to a server, unless this process has a link.
 
     Args:
         masterHost: The machine; empty, with `masterPort` 0, for GAZEBO_MASTER_URI.
@@ -48,7 +43,7 @@ def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30)
         timeoutIterations: How long to try [s].
 
     Returns:
-        Whether there is a link; if not, it has been logged why.
+        Whether there is a link; if not, the reason has been logged.
 
     Raises:
         LibraryError: the extra `libgz[net]` is not installed.
@@ -65,36 +60,24 @@ def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30)
 
 
 def run() -> None:
-    """Deliver messages in a thread of its own until `stop`: for clients, where no server does it."""
-    global _thread
-    if _thread is None or not _thread.is_alive():
-        _stopping.clear()
-        _thread = threading.Thread(target=_pump, name="transport", daemon=True)
-        _thread.start()
-        atexit.register(stop)
-
-
-def _pump() -> None:
-    manager = TopicManager.Instance()
-    while not _stopping.wait(PUMP_PERIOD):
-        manager.ProcessNodes()
+    """Deliver messages in a thread until `stop`: for clients, which have no server loop that does it."""
+    TopicManager.Instance().thread.start()
+    atexit.register(stop)
 
 
 def stop() -> None:
-    """End the thread of `run`; also allowed in a callback."""
+    """Stop the thread of `run`; also allowed in a callback."""
     atexit.unregister(stop)
-    _stopping.set()
-    if _thread is not None and _thread is not threading.current_thread():
-        _thread.join()
+    TopicManager.Instance().thread.stop()
 
 
 def is_stopped() -> bool:
-    """Whether no thread of `run` delivers messages."""
-    return _thread is None or not _thread.is_alive()
+    """Whether the thread of `run` is stopped."""
+    return not TopicManager.Instance().thread.running
 
 
 def fini() -> None:
-    """End the thread, all publications and subscriptions, and the link."""
+    """Stop the thread of `run`, end all publications and subscriptions, and close the link."""
     stop()
     TopicManager.Instance().clear("")
     if Link.current is not None:
@@ -102,44 +85,44 @@ def fini() -> None:
 
 
 def getAdvertisedTopics(msgType: str = "") -> list[str]:
-    """The full names of all topics that are published, or of those with one type (its full name)."""
+    """Return the full names of all published topics, or of those with one type (its full name)."""
     found = TopicManager.Instance().AdvertisedTopics()
     return [topic for topic, name in found.items() if msgType in ("", name)]
 
 
 def getTopicMsgType(topic: str) -> str:
-    """The full name of the type published on a topic (its full name), or an empty string."""
+    """Return the full name of the type published on a topic (its full name), or an empty string."""
     return TopicManager.Instance().TopicMsgType(topic)
 
 
 def get_topic_namespaces() -> list[str]:
-    """The names of all worlds."""
+    """Return the names of all worlds."""
     return TopicManager.Instance().GetTopicNamespaces()
 
 
 def pause_incoming(pause: bool) -> None:
-    """Hold all messages back, or deliver them again."""
+    """Stop delivering messages, or deliver them again."""
     TopicManager.Instance().PauseIncoming(pause)
 
 
 def clear_buffers() -> None:
-    """Forget all messages that wait."""
+    """Drop all waiting messages."""
     TopicManager.Instance().ClearBuffers()
 
 
 def request(worldName: str, request: str, data: str = "", timeout: float = 10.0) -> Any:
-    """Ask a world something by `~/request`, and wait for its Response.
+    """Send a request to a world on `~/request`, and wait for its Response.
 
     Delivers messages while it waits, so that it also works in the world's own process, but not in a callback.
 
     Args:
         worldName: The world, or an empty string for the first one.
-        request: What is asked, such as `scene_info`.
-        data: What belongs to it, such as a name.
-        timeout: How long to wait at most [s].
+        request: The kind of request, such as `scene_info`.
+        data: Its argument, such as a name.
+        timeout: Longest time to wait [s].
 
     Raises:
-        GazeboError: no answer came in time.
+        GazeboError: there was no response in time.
     """
     node = Node()
     node.Init(worldName)
@@ -158,7 +141,7 @@ def request(worldName: str, request: str, data: str = "", timeout: float = 10.0)
         publisher.Publish(asked, block=True)
     again = clock.monotonic() + ANSWER_PERIOD
     while not answers and (now := clock.monotonic()) < end:
-        if now >= again:  # the server may have answered before it knew that we listen
+        if now >= again:  # the server may have answered before it knew of the subscription
             again = now + ANSWER_PERIOD
             manager.latch(topic, subscriber)
         manager.ProcessNodes()
@@ -170,7 +153,7 @@ def request(worldName: str, request: str, data: str = "", timeout: float = 10.0)
 
 
 def requestNoReply(worldName: str | Node, request: str, data: str = "") -> None:
-    """Ask something of a world, given by its name or by a node, and wait for nothing."""
+    """Send a request to a world, given by its name or by a node, and do not wait for a response."""
     if isinstance(worldName, Node):
         node = worldName
     else:

@@ -1,6 +1,6 @@
-"""The link between processes: a server listens where GAZEBO_MASTER_URI says, clients connect to it.
+"""The link between processes: a server listens at the address in GAZEBO_MASTER_URI, and clients connect to it.
 
-Nothing else is opened on the network, and nothing is searched for.
+No other port is opened, and there is no discovery.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ RETRY = 0.1  # [s] between attempts to connect
 
 
 class Link:
-    """An open link; there is one in a process at most. Closed at the end of the process, or of a `with`."""
+    """An open link; a process has at most one. Closed at the end of the process, or of a `with`."""
 
     current: ClassVar[Link | None] = None
 
     def __init__(self, address: Address, network: Network | None, claim: socket.socket | None = None) -> None:
         self.address = address
         self._network = network
-        self._claim = claim  # without the extra: holds the port, so that a second server notices
+        self._claim = claim  # without the extra: occupies the port, so that a second server fails to start
         Link.current = self
         if network is not None:
             TopicManager.Instance().link(network)
@@ -48,11 +48,11 @@ class Link:
         return self._network is not None
 
     def connected(self) -> bool:
-        """Whether a client's server is there."""
+        """Whether a client is connected to its server."""
         return self._network is not None and self._network.connected()
 
     def close(self) -> None:
-        """Close the link; publishers and subscribers go on within the process. Once is enough."""
+        """Close the link; publishers and subscribers continue within the process. Can be called twice."""
         atexit.unregister(self.close)
         if Link.current is self:
             Link.current = None
@@ -72,16 +72,16 @@ class Link:
 
 
 def serve(uri: str | None = None) -> Link:
-    """Be the server that clients find.
+    """Open this process's topics to clients.
 
-    Without the extra `libgz[net]` the port is held all the same, and topics stay within the process.
+    Without the extra `libgz[net]` the port is occupied as well, and topics stay within the process.
 
     Args:
         uri: Where to listen, such as `http://localhost:11345`; GAZEBO_MASTER_URI when not given.
 
     Raises:
         ServerError: the port is in use, or cannot be opened; or this process has a link.
-        ParameterError: the URI cannot be read.
+        ParameterError: the URI is invalid.
     """
     address = _free_process(uri)
     claim = _claim(address)
@@ -99,7 +99,7 @@ def serve(uri: str | None = None) -> Link:
 
 
 def connect(uri: str | None = None, timeout: float = 30.0) -> Link:
-    """Reach the topics of a server, and offer ours to it.
+    """Connect this process's topics to those of a server.
 
     Args:
         uri: Where the server listens; GAZEBO_MASTER_URI when not given.
@@ -108,7 +108,7 @@ def connect(uri: str | None = None, timeout: float = 30.0) -> Link:
     Raises:
         ServerError: there is no server; or this process has a link.
         LibraryError: the extra `libgz[net]` is not installed.
-        ParameterError: the URI cannot be read.
+        ParameterError: the URI is invalid.
     """
     address = _free_process(uri)
     network_type = _network()
@@ -125,7 +125,12 @@ def connect(uri: str | None = None, timeout: float = 30.0) -> Link:
 
 
 def _free_process(uri: str | None) -> Address:
-    """The address, if this process has no link yet."""
+    """Return the address to use.
+
+    Raises:
+        ServerError: this process has a link.
+        ParameterError: the URI is invalid.
+    """
     address = get_master_uri(uri)
     if Link.current is not None:
         raise ServerError(f"this process has a link to {Link.current.address.uri} already; close it first")
@@ -133,7 +138,7 @@ def _free_process(uri: str | None) -> Address:
 
 
 def _network() -> type[Network] | None:
-    """The way to other processes, or None without the extra."""
+    """Return the class that connects to other processes, or None without the extra."""
     try:
         from libgz.classic.transport.network import Network
     except ImportError as error:
@@ -144,7 +149,7 @@ def _network() -> type[Network] | None:
 
 
 def _claim(address: Address) -> socket.socket:
-    """A socket bound to the address: asks the system in its own words whether it is free."""
+    """Return a socket bound to the address, which shows that the address is free."""
     try:
         family, kind, protocol, _, where = socket.getaddrinfo(*address, type=socket.SOCK_STREAM)[0]
         claim = socket.socket(family, kind, protocol)
@@ -153,7 +158,7 @@ def _claim(address: Address) -> socket.socket:
     try:
         claim.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         claim.bind(where)
-        claim.listen()  # only then is a port that somebody else listens on refused
+        claim.listen()  # bind alone succeeds on a port that another process listens on
     except OSError as error:
         claim.close()
         raise _start_error(error.strerror or str(error), error.errno) from None
@@ -161,7 +166,7 @@ def _claim(address: Address) -> socket.socket:
 
 
 def _start_error(why: str, number: int | None = None) -> ServerError:
-    """The old server's sentence."""
+    """Return the error with the original server's text."""
     text = f"Unable to start server[bind: {why}]. There is probably another Gazebo process running."
     if number != errno.EADDRINUSE:
         text += f" The address comes from GAZEBO_MASTER_URI, which is {os.environ.get('GAZEBO_MASTER_URI')!r}."
@@ -169,8 +174,8 @@ def _start_error(why: str, number: int | None = None) -> ServerError:
 
 
 def _no_master(address: Address, timeout: float) -> str:
-    """The old client's sentence, and what may be the matter."""
-    why = f"there is no server at {address.uri}, which GAZEBO_MASTER_URI would change"
+    """Return the original client's text, with a possible reason."""
+    why = f"there is no server at {address.uri}; GAZEBO_MASTER_URI sets another address"
     with contextlib.suppress(OSError), socket.create_connection(address, timeout=1.0):
-        why = f"what listens at {address.uri} does not answer; if it is a server of libgz, it wants {EXTRA}"
+        why = f"the process that listens at {address.uri} does not answer; a server of libgz needs {EXTRA}"
     return f"Failed to connect to master in {timeout:g} seconds. ({why})"

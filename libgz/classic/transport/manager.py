@@ -1,4 +1,4 @@
-"""The topics of this process, and the delivery of their messages."""
+"""TopicManager: the topics of this process, and the delivery of their messages."""
 
 from __future__ import annotations
 
@@ -7,51 +7,50 @@ import threading
 import weakref
 from collections import deque
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 from libgz.classic.msgs.declare import message_type
-from libgz.classic.transport.topic import INCOMING, End, Incoming, Topic, log
+from libgz.classic.msgs.message import Message
+from libgz.classic.transport.topic import INCOMING, Endpoint, Incoming, LocalSubscriber, Topic, log
 from libgz.errors import NotFoundError, ParameterError
 
-if TYPE_CHECKING:
-    from libgz.classic.msgs.message import Message
-    from libgz.classic.transport.subscriber import Subscriber
+__all__ = ["DeliveryThread", "Remote", "TopicManager"]
 
-__all__ = ["Remote", "TopicManager"]
+DELIVERY_PERIOD = 0.001  # [s] between deliveries of a DeliveryThread
 
 
 class Remote(Protocol):
-    """The way to other processes."""
+    """A connection to other processes."""
 
     client: bool  # whether there is a server to wait for
 
     def refresh(self, topic: Topic) -> None:
-        """Offer and ask for what this process now publishes and listens to."""
+        """Announce the publishers and subscribers that this process now has."""
 
     def refresh_namespaces(self, names: list[str]) -> None:
-        """Tell the names of this process's worlds."""
+        """Announce the names of this process's worlds."""
 
     def send(self, topic: Topic, publisher: int, number: int, message: Message) -> None:
-        """Send a message to the processes that listen."""
+        """Send a message to the subscribers of other processes."""
 
-    def latch(self, topic: Topic, subscriber: Subscriber) -> None:
-        """Ask the other processes for their last messages."""
+    def latch(self, topic: Topic, subscriber: LocalSubscriber) -> None:
+        """Request the last messages of the other processes."""
 
     def namespaces(self) -> list[str]:
-        """The worlds of the other processes."""
+        """Return the names of the other processes' worlds."""
 
     def advertised(self) -> dict[str, str]:
-        """Topic to type name of what the other processes publish."""
+        """Return topic to type name of what the other processes publish."""
 
-    def ends(self, topic: str) -> list[End]:
-        """Who publishes on a topic and who listens, in the other processes."""
+    def endpoints(self, topic: str) -> list[Endpoint]:
+        """Return the publishers and subscribers of a topic in the other processes."""
 
 
 class TopicManager:
-    """All topics of this process, there once: `TopicManager.Instance()`.
+    """All topics of this process; `TopicManager.Instance()` is its only instance.
 
-    Messages wait in the order in which they were published, from whatever thread, until `ProcessNodes` delivers them:
-    the server calls it after each iteration, and so callbacks run between iterations, in a fixed order.
+    Messages wait in the order in which they were published, from any thread, until `ProcessNodes` delivers them: the
+    server calls it after each iteration, so that callbacks run between iterations, in a fixed order.
     """
 
     _instance: ClassVar[TopicManager | None] = None
@@ -59,15 +58,16 @@ class TopicManager:
     def __init__(self) -> None:
         self.topics: dict[str, Topic] = {}
         self.queue: deque[Callable[[], None]] = deque()
-        self.pump = threading.RLock()  # held while callbacks run
+        self.delivering = threading.RLock()  # held while callbacks run
         self.remote: Remote | None = None
+        self.thread = DeliveryThread(self)
         self._namespaces: list[str] = []
         self._busy = False
         self._paused = False
 
     @classmethod
     def Instance(cls) -> TopicManager:
-        """The one of this process."""
+        """Return the manager of this process."""
         if cls._instance is None:
             cls._instance = cls()
         return cls._instance
@@ -75,10 +75,10 @@ class TopicManager:
     # Delivery ----------------------------------------------------------------------------------------------------
 
     def ProcessNodes(self) -> None:
-        """Deliver what was published up to now; what callbacks publish waits for the next call."""
+        """Deliver the messages published up to now; those that callbacks publish wait for the next call."""
         if not self.queue:
             return
-        with self.pump:
+        with self.delivering:
             if self._busy or self._paused:
                 return
             self._busy = True
@@ -93,11 +93,11 @@ class TopicManager:
                 self._busy = False
 
     def PauseIncoming(self, pause: bool) -> None:
-        """Hold all messages back, or deliver them again."""
+        """Stop delivering messages, or deliver them again."""
         self._paused = pause
 
     def ClearBuffers(self) -> None:
-        """Forget all messages that wait."""
+        """Drop all waiting messages."""
         self.queue.clear()
         for topic in list(self.topics.values()):
             topic.incoming.clear()
@@ -107,11 +107,11 @@ class TopicManager:
     # Topics ------------------------------------------------------------------------------------------------------
 
     def topic(self, name: str) -> Topic:
-        """The topic of a full name."""
+        """Return the topic with a full name, a new one if there is none."""
         return self.topics.setdefault(name, Topic(name))
 
     def check_type(self, name: str, type_name: str) -> None:
-        """Raise ParameterError if a topic is published with another type, here or in another process."""
+        """Raise ParameterError if this or another process publishes a topic with another type."""
         known = self.TopicMsgType(name)
         if known not in ("", type_name):
             raise ParameterError(
@@ -119,53 +119,55 @@ class TopicManager:
             )
 
     def TopicMsgType(self, name: str) -> str:
-        """The full name of the type published on a topic, or an empty string."""
+        """Return the full name of the type published on a topic, or an empty string."""
         topic = self.topics.get(name)
         found = topic.type_name() if topic is not None else ""
         return found or (self.remote.advertised().get(name, "") if self.remote is not None else "")
 
     def AdvertisedTopics(self) -> dict[str, str]:
-        """Topic to full type name of all that is published, here and in the other processes, sorted."""
+        """Return topic to full type name of all published topics, those of other processes included, sorted."""
         found = dict(self.remote.advertised()) if self.remote is not None else {}
         found.update({name: topic.type_name() for name, topic in list(self.topics.items()) if topic.live_publishers()})
         return dict(sorted(found.items()))
 
     def TopicInfo(self, name: str) -> Any:
-        """A TopicInfo message: the type, and who publishes and listens; `host` is the machine, `port` the process."""
+        """Return a TopicInfo message: type, publishers, subscribers; `host` is the machine, `port` the process id."""
         topic = self.topics.get(name)
-        ends = [
-            *(topic.ends() if topic is not None else []),
-            *(self.remote.ends(name) if self.remote is not None else []),
-        ]
+        endpoints = topic.endpoints() if topic is not None else []
+        if self.remote is not None:
+            endpoints += self.remote.endpoints(name)
         info = message_type("TopicInfo")(msg_type=self.TopicMsgType(name))
-        for end in sorted(ends):
+        for end in sorted(endpoints):
             host, _, process = end.process.rpartition(":")
             parts = {"topic": name, "msg_type": end.type_name or info.msg_type, "host": host, "port": int(process)}
-            (info.publisher if end.what == "pub" else info.subscriber).add(**parts)
+            if end.what == "pub":
+                info.publisher.add(**parts)
+            else:
+                info.subscriber.add(**parts)
         return info
 
     def clear(self, prefix: str) -> None:
-        """End all publications and subscriptions of topics whose full names begin so; an empty prefix means all."""
+        """End all publications and subscriptions of topics with a prefix; an empty prefix means all."""
         for name, topic in list(self.topics.items()):
             if name.startswith(prefix):
                 for publisher in topic.live_publishers():
                     publisher.Fini()
                 for subscriber in topic.live_subscribers():
-                    subscriber.Fini()
+                    subscriber.Unsubscribe()
                 self.topics.pop(name, None)
 
     def refresh(self, topic: Topic) -> None:
-        """Tell other processes that publishers or subscribers have come or gone."""
+        """Announce a change of publishers or subscribers to other processes."""
         if self.remote is not None:
             self.remote.refresh(topic)
 
     def refresh_later(self, topic: Topic) -> None:
-        """The same with the next delivery: safe while objects are collected."""
+        """Announce a change with the next delivery: safe while objects are collected."""
         if self.remote is not None:
             self.queue.append(functools.partial(self.refresh, topic))
 
-    def latch(self, topic: Topic, subscriber: Subscriber) -> None:
-        """Give a new subscriber the last message of each publisher."""
+    def latch(self, topic: Topic, subscriber: LocalSubscriber) -> None:
+        """Queue the last message of each publisher for a new subscriber."""
         to = weakref.ref(subscriber)
         for publisher in topic.live_publishers():
             if publisher.latest is not None:
@@ -174,15 +176,15 @@ class TopicManager:
             self.remote.latch(topic, subscriber)
 
     def receive(self, topic: Topic, message: Incoming) -> None:
-        """Queue what came from another process; any thread may call this."""
-        if len(topic.incoming) < INCOMING:  # else the oldest goes, and its place in the queue is taken
+        """Queue a message from another process; any thread may call this."""
+        if len(topic.incoming) < INCOMING:  # else the oldest is dropped, and its place in the queue is reused
             self.queue.append(functools.partial(_receive, topic))
         topic.incoming.append(message)
 
     def link(self, remote: Remote) -> None:
-        """Reach other processes from now on."""
+        """Connect the topics to other processes."""
         self.remote = remote
-        self._tell_namespaces()
+        self._refresh_namespaces()
         for topic in list(self.topics.values()):
             remote.refresh(topic)
             for subscriber in topic.live_subscribers():
@@ -190,7 +192,7 @@ class TopicManager:
                     remote.latch(topic, subscriber)
 
     def unlink(self, remote: Remote) -> None:
-        """Stay within this process from now on."""
+        """Disconnect the topics from other processes."""
         if self.remote is remote:
             self.remote = None
             for topic in list(self.topics.values()):
@@ -199,36 +201,67 @@ class TopicManager:
     # Namespaces --------------------------------------------------------------------------------------------------
 
     def AddTopicNamespace(self, name: str) -> None:
-        """Enter a world; the first one's name is what `~` means where a node is not told."""
+        """Add the name of a world; `~` means the first one in a node that was not given a name."""
         if name not in self._namespaces:
             self._namespaces.append(name)
-            self._tell_namespaces()
+            self._refresh_namespaces()
 
     def RemoveTopicNamespace(self, name: str) -> None:
-        """A world was closed: its topics end."""
+        """Remove the name of a closed world, and end its topics."""
         if name in self._namespaces:
             self._namespaces.remove(name)
-            self._tell_namespaces()
+            self._refresh_namespaces()
         self.clear(f"/gazebo/{name}/")
 
     def GetTopicNamespaces(self) -> list[str]:
-        """The names of the worlds of this process, oldest first, and then of the others."""
+        """Return the names of the worlds of this process, oldest first, then those of other processes."""
         others = self.remote.namespaces() if self.remote is not None else []
         return list(dict.fromkeys((*self._namespaces, *others)))
 
-    def _tell_namespaces(self) -> None:
+    def _refresh_namespaces(self) -> None:
         if self.remote is not None:
             self.remote.refresh_namespaces(list(self._namespaces))
 
 
-def _take(subscriber: weakref.ref[Subscriber], message: Message) -> None:
+class DeliveryThread:
+    """Delivers messages periodically in a thread: for clients, which have no server loop that does it."""
+
+    def __init__(self, manager: TopicManager) -> None:
+        self._manager = manager
+        self._stopping = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread is not None and self._thread.is_alive()
+
+    def start(self) -> None:
+        """Start the thread, unless it runs."""
+        if not self.running:
+            self._stopping.clear()
+            self._thread = threading.Thread(target=self._deliver, name="transport", daemon=True)
+            self._thread.start()
+
+    def _deliver(self) -> None:
+        while not self._stopping.wait(DELIVERY_PERIOD):
+            self._manager.ProcessNodes()
+
+    def stop(self) -> None:
+        """Stop the thread; also allowed in a callback, where the thread ends after it."""
+        self._stopping.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+
+
+def _take(subscriber: weakref.ref[LocalSubscriber], message: Message) -> None:
     found = subscriber()
     if found is not None:
         found.take(message)
 
 
 def _receive(topic: Topic) -> None:
-    """Read the oldest message that came from another process, and deliver it."""
+    """Decode and deliver the oldest message received from another process."""
     try:
         incoming = topic.incoming.popleft()
     except IndexError:
@@ -236,13 +269,13 @@ def _receive(topic: Topic) -> None:
     known = topic.type_name()
     if known not in ("", incoming.type_name):
         log.error(
-            "topic %s is published here with %s; a %s that came was dropped", topic.name, known, incoming.type_name
+            "topic %s is published here with %s; a received %s was dropped", topic.name, known, incoming.type_name
         )
         return
     try:
         message = message_type(incoming.type_name).FromString(incoming.data)
     except (NotFoundError, ParameterError) as error:
-        log.error("topic %s: a message that came was dropped: %s", topic.name, error)
+        log.error("topic %s: a received message was dropped: %s", topic.name, error)
         return
     if incoming.subscriber is None:
         topic.heard[incoming.sender] = (incoming.sent, incoming.number)

@@ -1,4 +1,4 @@
-"""Where the server is: GAZEBO_MASTER_URI, and this machine's address."""
+"""The server's address, from GAZEBO_MASTER_URI, and this machine's address."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ DEFAULT_URI = f"http://localhost:{DEFAULT_PORT}"
 
 
 class Address(NamedTuple):
-    """Where a server listens. `localhost` is 127.0.0.1, so that both ends mean the same."""
+    """The address of a server. `localhost` is 127.0.0.1, so that both ends use the same one."""
 
     host: str
     port: int
 
     @property
     def uri(self) -> str:
-        """In the form of GAZEBO_MASTER_URI."""
+        """The address in the form of GAZEBO_MASTER_URI."""
         return f"http://{self._bracketed()}:{self.port}"
 
     @property
     def endpoint(self) -> str:
-        """In the form of the network library."""
+        """The address in the form of the network library."""
         return f"tcp/{self._bracketed()}:{self.port}"
 
     def _bracketed(self) -> str:
@@ -37,10 +37,10 @@ class Address(NamedTuple):
 
 
 def get_master_uri(uri: str | None = None) -> Address:
-    """The address in a URI such as `http://localhost:11345`; without one, in GAZEBO_MASTER_URI.
+    """Return the address in a URI such as `http://localhost:11345`; without one, in GAZEBO_MASTER_URI.
 
     Raises:
-        ParameterError: it is no such URI.
+        ParameterError: the URI is invalid.
     """
     text = uri or os.environ.get("GAZEBO_MASTER_URI") or DEFAULT_URI
     try:
@@ -57,15 +57,17 @@ def get_master_uri(uri: str | None = None) -> Address:
 
 
 def publicized_address() -> str:
-    """The address under which other machines know this one: GAZEBO_IP, GAZEBO_HOSTNAME, or the one that packets to
-    elsewhere leave from; 127.0.0.1 on a machine without a network. Nothing is sent.
+    """Return the address at which other machines reach this one.
+
+    It is GAZEBO_IP, GAZEBO_HOSTNAME, or the source address of the default route; 127.0.0.1 without a network. Nothing
+    is sent.
     """
     named = os.environ.get("GAZEBO_IP") or os.environ.get("GAZEBO_HOSTNAME")
     if named:
         return named
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
-            probe.connect(("192.0.2.1", 9))  # an address for documentation: only the route is looked up
+            probe.connect(("192.0.2.1", 9))  # an address for documentation: the call only looks up the route
             return str(probe.getsockname()[0])
         except OSError:
             return "127.0.0.1"

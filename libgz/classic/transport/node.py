@@ -1,14 +1,12 @@
-"""Where a program's publications and subscriptions begin."""
+"""Node: makes publishers and subscribers."""
 
 from __future__ import annotations
 
-import importlib
 import itertools
-import sys
 import time as clock
 import weakref
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
@@ -18,14 +16,12 @@ from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
 from libgz.simulation.event import owner
-
-if TYPE_CHECKING:
-    from libgz.simulation.world import World
+from libgz.simulation.running import running_worlds
 
 __all__ = ["Node"]
 
 _ids = itertools.count()
-NAMESPACE_TRIES = 10  # seconds that a client waits for the server to name a world
+NAMESPACE_TRIES = 10  # seconds that a client waits for the name of a world of its server
 
 
 class Node:
@@ -37,11 +33,11 @@ class Node:
         self._ends: weakref.WeakSet[Publisher | Subscriber] = weakref.WeakSet()
 
     def Init(self, space: str = "") -> None:
-        """Choose the world that `~` means.
+        """Set the world that `~` means.
 
         Args:
-            space: The world's name; empty for that of the plugin that is running, elsewhere for the first one there is,
-                or `default` if there is none in this process and no server is connected.
+            space: The world's name. If empty: the world of the running plugin; outside plugins the first world; or
+                `default` if this process has no world and no server is connected.
         """
         _open_topics()
         self._namespace = space.strip("/") or _own_namespace() or first_namespace()
@@ -51,13 +47,13 @@ class Node:
         return self._namespace is not None
 
     def Fini(self) -> None:
-        """End all publications and subscriptions that this node made."""
+        """End all publications and subscriptions of this node."""
         for end in list(self._ends):
             end.Fini()
         self._namespace = None
 
     def GetTopicNamespace(self) -> str:
-        """The name of the world that `~` means.
+        """Return the name of the world that `~` means.
 
         Raises:
             ClosedError: before Init, or after Fini.
@@ -69,31 +65,31 @@ class Node:
     TopicNamespace = GetTopicNamespace
 
     def GetId(self) -> int:
-        """The number of this node in its process."""
+        """Return the number of this node in its process."""
         return self._id
 
     def DecodeTopicName(self, topic: str) -> str:
-        """The full name of a topic: `~/a` becomes `/gazebo/<world>/a`."""
+        """Return the full name of a topic: `/gazebo/<world>/a` for `~/a`."""
         return decode(topic, self.GetTopicNamespace())
 
     def EncodeTopicName(self, topic: str) -> str:
-        """The short name of a topic: `/gazebo/<world>/a` becomes `~/a`."""
+        """Return the short name of a topic: `~/a` for `/gazebo/<world>/a`."""
         return encode(topic, self.GetTopicNamespace())
 
     def Advertise(
         self, kind: type[Message] | str, topic: str, queueLimit: int = 1000, hzRate: float = 0.0
     ) -> Publisher:
-        """A publisher, ``node.Advertise(msgs.Vector3d, "~/my_topic")``; it ends when it is dropped.
+        """Return a publisher, such as ``node.Advertise(msgs.Vector3d, "~/my_topic")``; it ends when it is dropped.
 
         Args:
             kind: The messages' type, or its name.
             topic: Such as ``~/my_topic``.
-            queueLimit: Messages that may wait for delivery; then the oldest are dropped.
-            hzRate: Messages per second of wall time; what is more is dropped. 0 for no limit.
+            queueLimit: Messages that may wait for delivery; above it, the oldest are dropped.
+            hzRate: Messages per second of wall time; above it, messages are dropped. 0 for no limit.
 
         Raises:
-            ParameterError: the topic is published with another type; an argument is not allowed.
-            NotFoundError: there is no type of this name.
+            ParameterError: the topic is published with another type; or an argument is invalid.
+            NotFoundError: there is no type with this name.
             ClosedError: before Init.
         """
         kind = message_type(kind) if isinstance(kind, str) else kind
@@ -106,12 +102,12 @@ class Node:
         return publisher
 
     def Subscribe(self, topic: str, callback: Callable[[Any], Any], latching: bool = False) -> Subscriber:
-        """A subscriber, which must be kept: the callback is called as long as it lives.
+        """Return a subscriber, which must be kept: the subscription ends when it is dropped.
 
         Args:
             topic: Such as ``~/my_topic``.
-            callback: Takes the message. All subscribers of the process get the same one: it is to be read only.
-            latching: Whether to get the last message of each publisher that there is, too.
+            callback: Takes the message. All subscribers of the process get the same object: do not change it.
+            latching: Whether to receive the last message of each existing publisher, too.
 
         Raises:
             ParameterError: the callback cannot be called, or the topic has no name.
@@ -122,32 +118,28 @@ class Node:
         return subscriber
 
     def GetMsgType(self, topic: str) -> str:
-        """The full name of the type published on a topic, or an empty string."""
+        """Return the full name of the type published on a topic, or an empty string."""
         return TopicManager.Instance().TopicMsgType(self.DecodeTopicName(topic))
 
 
-def _worlds() -> list[World]:
-    """The SDF worlds that run in this process; clients that only listen have none, and need no engine."""
-    module = sys.modules.get("libgz.simulation.world")
-    return [world for world in module.World.all_running() if world.engine.classic] if module is not None else []
-
-
 def _open_topics() -> None:
-    """Let worlds speak that have had no reason to: those without plugins and sensors."""
+    """Open the topics of this process's worlds; those without plugins and sensors have none before."""
     names = TopicManager.Instance().GetTopicNamespaces()
-    for world in _worlds():
+    for world in running_worlds():
         if world.name not in names:
-            importlib.import_module("libgz.classic.server").attach(world)  # by name: it stands on this
+            world.attach_era()
 
 
 def _own_namespace() -> str:
-    """The name of the world whose plugin is running; an empty string outside plugins."""
-    by = owner.get()
-    return next((world.name for world in _worlds() if by is not None and by.events is world.events), "")
+    """Return the name of the running plugin's world; an empty string outside plugins."""
+    plugin = owner.get()
+    if plugin is None:
+        return ""
+    return next((world.name for world in running_worlds() if plugin.events is world.events), "")
 
 
 def first_namespace() -> str:
-    """The first world's name; a client waits some seconds for its server to have one."""
+    """Return the name of the first world; a client waits some seconds for its server to have one."""
     manager = TopicManager.Instance()
     for second in range(1, NAMESPACE_TRIES + 1):
         end = clock.monotonic() + 1.0

@@ -1,4 +1,4 @@
-"""The end of a topic that speaks."""
+"""Publisher: the sending end of a topic."""
 
 from __future__ import annotations
 
@@ -15,11 +15,15 @@ from libgz.errors import ClosedError, ParameterError
 
 __all__ = ["Publisher"]
 
-POLL = 0.002  # [s] between looks for a subscriber
+POLL = 0.002  # [s] between checks for a subscriber
 
 
 class Publisher:
-    """A publication, as Node.Advertise returns it; it ends when it is dropped, and its last message with it."""
+    """A publication, as returned by Node.Advertise; it ends when it is dropped.
+
+    Raises:
+        ParameterError: `queueLimit` is below 1, or `hzRate` is negative.
+    """
 
     def __init__(self, topic: Topic, kind: type[Message], queueLimit: int = 1000, hzRate: float = 0.0) -> None:
         if queueLimit < 1:
@@ -33,7 +37,7 @@ class Publisher:
         self._period = 1.0 / hzRate if hzRate else 0.0
         self._due = 0.0
         self._outbox: deque[tuple[int, Message]] = deque()
-        # Not a method of this object: what waits is delivered, though the publisher may be dropped before.
+        # Not a method of this object: waiting messages are delivered even if the publisher is dropped before.
         self._send_one = functools.partial(_send_one, topic, self._outbox)
         self._open = True
         self._warned = False
@@ -43,11 +47,11 @@ class Publisher:
         self._manager.refresh(topic)
 
     def Publish(self, message: Message, block: bool = False) -> None:
-        """Send a message; it is copied, so that it may be filled anew at once.
+        """Send a copy of a message.
 
-        Subscribers in this process are called when the server has ended its iteration, or, with `block`, before this
-        returns. Other processes are sent the message at once. Above `hzRate` messages a second of wall time, the
-        message is dropped. A message that nobody listens to is only kept for late subscribers.
+        Subscribers in this process are called at the end of the server's iteration, or, with `block`, before this
+        returns. Other processes are sent the message at once. Above `hzRate` messages per second of wall time, the
+        message is dropped. Without a subscriber, the message is only kept for late ones.
 
         Raises:
             ParameterError: the message is not of the type that was advertised.
@@ -75,13 +79,13 @@ class Publisher:
             remote.send(topic, self.id, *entry)
 
     def SendMessage(self) -> None:
-        """Deliver to the subscribers of this process what waits, now."""
-        with self._manager.pump:
+        """Deliver the waiting messages to the subscribers of this process now."""
+        with self._manager.delivering:
             while self._outbox:
                 self._send_one()
 
     def _drop(self) -> bool:
-        """Drop the oldest message that waits, so that another can take its place in the queue."""
+        """Drop the oldest waiting message, so that another can take its place in the queue."""
         try:
             self._outbox.popleft()
         except IndexError:
@@ -89,24 +93,24 @@ class Publisher:
         if not self._warned:
             self._warned = True
             log.warning(
-                "topic %s: more than %d messages wait; the oldest are dropped (told once)",
+                "topic %s: more than %d messages wait; the oldest are dropped (reported once)",
                 self._topic.name,
                 self._limit,
             )
         return True
 
     def HasConnections(self) -> bool:
-        """Whether somebody listens, here or in another process."""
+        """Whether there is a subscriber, in this or another process."""
         return bool(self._topic.subscribers) or self._topic.remote
 
     def WaitForConnection(self, timeout: Any = None) -> bool:
-        """Wait until somebody listens.
+        """Wait until there is a subscriber.
 
         Args:
-            timeout: How long of wall time, as a Time or in [s]; as long as it takes when not given or negative.
+            timeout: Wall time to wait, as a Time or in [s]; without limit when not given or negative.
 
         Returns:
-            Whether somebody does.
+            Whether there is a subscriber.
         """
         seconds = -1.0 if timeout is None else float(timeout.Double() if hasattr(timeout, "Double") else timeout)
         end = clock.monotonic() + seconds
@@ -117,23 +121,23 @@ class Publisher:
         return True
 
     def GetTopic(self) -> str:
-        """The full name of the topic."""
+        """Return the full name of the topic."""
         return self._topic.name
 
     def GetMsgType(self) -> str:
-        """The full name of the messages' type."""
+        """Return the full name of the messages' type."""
         return self._type.GetTypeName()
 
     def GetOutgoingCount(self) -> int:
-        """How many messages wait for delivery in this process."""
+        """Return the number of messages that wait for delivery in this process."""
         return len(self._outbox)
 
     def ClearBuffer(self) -> None:
-        """Forget what waits."""
+        """Drop the waiting messages."""
         self._outbox.clear()
 
     def Fini(self) -> None:
-        """End the publication. What waits is still delivered."""
+        """End the publication. Waiting messages are still delivered."""
         self._open = False
         if self._topic.publishers.pop(id(self), None) is not None:
             self._manager.refresh(self._topic)
@@ -145,7 +149,7 @@ class Publisher:
 
 
 def _send_one(topic: Topic, outbox: deque[tuple[int, Message]]) -> None:
-    """Deliver the oldest message that waits; SendMessage may have been faster."""
+    """Deliver the oldest waiting message, if SendMessage has not done it yet."""
     try:
         entry = outbox.popleft()
     except IndexError:

@@ -1,4 +1,4 @@
-"""The end of a topic that listens."""
+"""Subscriber: the receiving end of a topic."""
 
 from __future__ import annotations
 
@@ -15,20 +15,23 @@ from libgz.simulation.event import checked, owner, report_failure
 
 __all__ = ["Subscriber"]
 
-HASTE = 0.001  # [s]: a subscription dropped sooner was never kept
+DROPPED_AT_ONCE = 0.001  # [s] a subscription dropped within this was never stored
 
 
 class Subscriber:
-    """A subscription, as Node.Subscribe returns it; it ends when it is dropped.
+    """A subscription, as returned by Node.Subscribe; it ends when it is dropped.
 
     A bound method is held weakly: with ``self.sub = self.node.Subscribe("~/topic", self.OnMsg)`` the subscription ends
-    with the object it belongs to. Functions and everything else are held.
+    with its object. Functions and all other callables are held.
+
+    Raises:
+        ParameterError: the callback cannot be called.
     """
 
     def __init__(self, topic: Topic, callback: Callable[[Any], Any], latching: bool = False) -> None:
         checked(callback, f"the callback of {topic.name}")
         self._topic = topic
-        self._owner = owner.get()  # the plugin whose code subscribes: it is stopped when the callback raises
+        self._owner = owner.get()  # the plugin that subscribes: it is stopped when the callback raises
         self._callback: Callable[[], Callable[[Any], Any] | None]
         if isinstance(callback, types.MethodType):
             self._callback = weakref.WeakMethod(callback)
@@ -47,11 +50,11 @@ class Subscriber:
             manager.latch(topic, self)
 
     def GetTopic(self) -> str:
-        """The full name of the topic."""
+        """Return the full name of the topic."""
         return self._topic.name
 
     def Unsubscribe(self) -> None:
-        """Hear no more. Allowed at any time, also in the callback."""
+        """End the subscription. Allowed at any time, also in the callback."""
         if self._topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh(self._topic)
 
@@ -61,13 +64,13 @@ class Subscriber:
         topic = getattr(self, "_topic", None)
         if topic is not None and topic.subscribers.pop(id(self), None) is not None:
             TopicManager.Instance().refresh_later(topic)
-            if clock.monotonic() - self._born < HASTE:
+            if clock.monotonic() - self._born < DROPPED_AT_ONCE:
                 log.warning(
                     "the subscription to %s ended right after it began: keep what Subscribe returns", topic.name
                 )
 
     def take(self, message: Message) -> None:
-        """Call back. A callback that raises is reported; its subscription ends, and its plugin is stopped."""
+        """Call the callback. If it raises, report the error, end the subscription, and stop the plugin."""
         if id(self) not in self._topic.subscribers:
             return
         callback = self._callback()
@@ -77,11 +80,8 @@ class Subscriber:
         token = owner.set(self._owner)
         try:
             callback(message)
-        except Exception as error:  # noqa: BLE001 - a plugin's; the simulation goes on
-            self._failed(error)
+        except Exception as error:  # noqa: BLE001 - of a plugin; the simulation continues
+            self.Unsubscribe()
+            report_failure(self._owner, f"the callback {self._what} of topic {self._topic.name}", error)
         finally:
             owner.reset(token)
-
-    def _failed(self, error: Exception) -> None:
-        self.Unsubscribe()
-        report_failure(self._owner, f"the callback {self._what} of topic {self._topic.name}", error)

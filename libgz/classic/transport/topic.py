@@ -1,4 +1,4 @@
-"""A topic: who publishes on it and who listens, in this process; and the names of topics."""
+"""Topic: the publishers and subscribers of a topic in this process; and the names of topics."""
 
 from __future__ import annotations
 
@@ -8,26 +8,22 @@ import os
 import socket
 import weakref
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple, Protocol
 
+from libgz.classic.msgs.message import Message
 from libgz.errors import ParameterError
 
-if TYPE_CHECKING:
-    from libgz.classic.msgs.message import Message
-    from libgz.classic.transport.publisher import Publisher
-    from libgz.classic.transport.subscriber import Subscriber
-
-__all__ = ["End", "Incoming", "Topic", "decode", "encode", "log", "sequence"]
+__all__ = ["Endpoint", "Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]
 
 log = logging.getLogger("libgz.classic.transport")
 
-# Every message and every subscription of the process gets the next number: a subscriber hears what came after it.
+# Every message and every subscription of the process gets the next number: a subscriber receives what came after it.
 sequence = itertools.count(1)
 INCOMING = 1000  # messages from other processes that may wait on a topic; then the oldest are dropped
 
 
 def decode(topic: str, namespace: str) -> str:
-    """The full name of a topic: a leading `~` stands for `/gazebo/<namespace>`, doubled slashes are one.
+    """Return the full name of a topic: a leading `~` is replaced by `/gazebo/<namespace>`, doubled slashes by one.
 
     Raises:
         ParameterError: the name is empty.
@@ -45,13 +41,42 @@ def decode(topic: str, namespace: str) -> str:
 
 
 def encode(topic: str, namespace: str) -> str:
-    """The short name of a topic, with `~` for `/gazebo/<namespace>`."""
+    """Return the short name of a topic, with `~` for `/gazebo/<namespace>`."""
     prefix = f"/gazebo/{namespace}"
     return "~" + topic.removeprefix(prefix) if topic == prefix or topic.startswith(prefix + "/") else topic
 
 
-class End(NamedTuple):
-    """One end of a topic."""
+class LocalPublisher(Protocol):
+    """The part of a publisher's interface that topics and their manager use."""
+
+    id: int
+    latest: tuple[int, Message] | None  # the last message and its number
+
+    def GetMsgType(self) -> str:
+        """Return the full name of the messages' type."""
+
+    def ClearBuffer(self) -> None:
+        """Drop all waiting messages."""
+
+    def Fini(self) -> None:
+        """End the publication."""
+
+
+class LocalSubscriber(Protocol):
+    """The part of a subscriber's interface that topics and their manager use."""
+
+    since: int  # the number of the subscription: it receives messages with larger ones
+    latching: bool
+
+    def take(self, message: Message) -> None:
+        """Call the callback."""
+
+    def Unsubscribe(self) -> None:
+        """End the subscription."""
+
+
+class Endpoint(NamedTuple):
+    """A publisher or a subscriber, of this or another process."""
 
     what: str  # pub or sub
     type_name: str
@@ -59,51 +84,52 @@ class End(NamedTuple):
 
 
 class Incoming(NamedTuple):
-    """A message from another process, as it came."""
+    """A message received from another process, still encoded."""
 
-    number: int  # ours
+    number: int  # of this process
     sender: str  # the publisher
     sent: int  # the sender's number
     type_name: str
     data: bytes
-    subscriber: weakref.ref[Subscriber] | None  # the one that asked for it; None for all
+    subscriber: weakref.ref[LocalSubscriber] | None  # the one that requested it; None for all
 
 
 class Topic:
-    """What this process knows of a topic.
+    """A topic in this process.
 
-    Publishers and subscribers are held weakly: whoever asked for one holds it. The tables change by single operations
-    of dicts, so that no lock is needed, also when an object goes while another thread publishes.
+    Publishers and subscribers are held weakly: the code that created one holds it. The tables change by single
+    operations of dicts, so that no lock is needed, even if an object is collected while another thread publishes.
     """
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.publishers: dict[int, weakref.ref[Publisher]] = {}
-        self.subscribers: dict[int, weakref.ref[Subscriber]] = {}
-        self.remote = False  # whether another process listens
+        self.publishers: dict[int, weakref.ref[LocalPublisher]] = {}
+        self.subscribers: dict[int, weakref.ref[LocalSubscriber]] = {}
+        self.remote = False  # whether another process has a subscriber
         self.incoming: deque[Incoming] = deque(maxlen=INCOMING)
-        self.heard: dict[str, tuple[int, int]] = {}  # other processes' publishers: last message, and our number for it
+        # Publishers of other processes: the number of the last message, and the number that it got here.
+        self.heard: dict[str, tuple[int, int]] = {}
 
-    def live_publishers(self) -> list[Publisher]:
-        """Those that were not dropped, oldest first."""
+    def live_publishers(self) -> list[LocalPublisher]:
+        """Return the publishers that were not dropped, oldest first."""
         return [found for ref in list(self.publishers.values()) if (found := ref()) is not None]
 
-    def live_subscribers(self) -> list[Subscriber]:
-        """Those that were not dropped, oldest first."""
+    def live_subscribers(self) -> list[LocalSubscriber]:
+        """Return the subscribers that were not dropped, oldest first."""
         return [found for ref in list(self.subscribers.values()) if (found := ref()) is not None]
 
     def type_name(self) -> str:
-        """The full name of the type that is published here, or an empty string."""
+        """Return the full name of the type that this process publishes, or an empty string."""
         return next((publisher.GetMsgType() for publisher in self.live_publishers()), "")
 
-    def ends(self) -> list[End]:
-        """Who publishes and who listens in this process."""
+    def endpoints(self) -> list[Endpoint]:
+        """Return the publishers and subscribers of this process."""
         me = f"{socket.gethostname()}:{os.getpid()}"
-        publishers = [End("pub", publisher.GetMsgType(), me) for publisher in self.live_publishers()]
-        return publishers + [End("sub", "", me) for _ in self.live_subscribers()]
+        publishers = [Endpoint("pub", publisher.GetMsgType(), me) for publisher in self.live_publishers()]
+        return publishers + [Endpoint("sub", "", me) for _ in self.live_subscribers()]
 
     def deliver(self, number: int, message: Message) -> None:
-        """Call all subscribers that were there when the message got its number."""
+        """Call all subscribers that subscribed before the message got its number."""
         for subscriber in self.live_subscribers():
             if subscriber.since < number:
                 subscriber.take(message)

@@ -19,7 +19,7 @@ ECEF, GLOBAL, LOCAL, SPHERICAL = (
 )
 
 
-def test_known_points_of_the_globe():
+def test_known_points_of_the_earth():
     """Two points of California; their earth-centred coordinates are as gdaltransform (EPSG:4978) gives them."""
     osrf = (math.radians(37.3877349), math.radians(-122.0651166), 32.0)
     sc = SphericalCoordinates(SphericalCoordinates.EARTH_WGS84, osrf[0], osrf[1], osrf[2])

@@ -1,4 +1,4 @@
-"""What an SDF world says and hears on Gazebo's topics."""
+"""The topics of an SDF world."""
 
 import math
 

@@ -110,7 +110,7 @@ class Plugin:
         self.got.append(message)
 
 
-def test_a_dropped_plugin_hears_no_more(node):
+def test_a_dropped_plugin_receives_no_messages(node):
     gc.disable()
     try:
         got = []
@@ -141,7 +141,7 @@ def test_a_dropped_subscriber_or_publisher_ends(node):
     assert not manager.topic("/gazebo/here/a").subscribers
 
 
-def test_a_subscriber_that_is_not_kept_is_told(node, caplog, monkeypatch):
+def test_a_subscriber_that_is_not_kept_is_reported(node, caplog, monkeypatch):
     monkeypatch.setattr("libgz.classic.transport.subscriber.clock.monotonic", lambda: 5.0)
     node.Subscribe("~/a", print).Unsubscribe()
     assert not caplog.records
@@ -263,7 +263,7 @@ def test_worlds_have_their_own_topics():
     assert node.GetTopicNamespace() == "default"
 
 
-def test_a_node_that_is_told_no_world_takes_that_of_its_plugin(tmp_path, monkeypatch):
+def test_a_node_without_a_world_uses_that_of_its_plugin(tmp_path, monkeypatch):
     text = """from libgz.classic import *
 class P(WorldPlugin):
     def Load(self, world, sdf):
@@ -280,7 +280,7 @@ GZ_REGISTER_WORLD_PLUGIN(P)
         assert [node.GetTopicNamespace() for node in nodes] == ["one", "two"]
 
 
-def test_a_world_without_plugins_speaks_as_soon_as_there_is_a_node():
+def test_a_world_without_plugins_has_topics_as_soon_as_there_is_a_node():
     model = "<model name='m'><link name='l'/></model>"
     with libgz.World.from_string(f"<sdf version='1.6'><world name='quiet'>{model}</world></sdf>") as world:
         node, heard = Node(), []

@@ -1,4 +1,4 @@
-"""The mathematics of classic plugins: algebra, both spellings of names, agreement with the engine's functions."""
+"""Vectors, quaternions, poses and others: algebra, both spellings of names, agreement with the engine's functions."""
 
 import copy
 import math as pymath
@@ -90,7 +90,7 @@ def test_a_vector_equals_the_engines_vector_of_equal_numbers_both_ways_round():
     assert gz.GzColor(1, 0, 0) == Color.Red
 
 
-def test_nobody_can_spoil_a_constant_and_no_operator_changes_its_operands():
+def test_constants_and_operands_are_not_modified():
     zero = Vector3d.Zero
     zero.x = 5.0
     Pose3d.Zero.pos.x = 5.0
@@ -314,7 +314,7 @@ def test_a_pose_is_made_in_every_way_that_plugins_use():
         parse(Pose3d, "1 2 3")
 
 
-def test_both_spellings_of_a_pose_and_whose_halves_they_are():
+def test_both_spellings_of_a_pose_and_its_parts():
     pos = Vector3d(1, 2, 3)
     pose = Pose3d(pos, Quaterniond(0, 0, 0.5))
     assert pose.pos is pose.Pos()

@@ -1,4 +1,4 @@
-"""Logs of runs: recorded, read, played."""
+"""Logs of runs: recording, reading and playback."""
 
 import base64
 import bz2
@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gzserver_process import new_environment, run
 from sdf_worlds import GROUND, collision, inertial, link, model, world
-from test_gzserver import place, run  # noqa: F401 - a fixture
 
 from libgz.classic import msgs
 from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_states
@@ -25,6 +25,12 @@ BALL = model("ball", link("link", inertial(2.0), collision("sphere")), pose="3 0
 LAMP = "<light name='lamp' type='point'><pose>0 0 4 0 0 0</pose></light>"
 
 
+@pytest.fixture
+def place(tmp_path):
+    """The environment of gzserver."""
+    return new_environment(tmp_path)
+
+
 def log_of(path):
     return list(read_states(LogReader(path)))
 
@@ -33,7 +39,7 @@ def poses(core):
     return {link.GetScopedName(): link.body.GetPose() for m in attach(core).world.all_models() for link in m.GetLinks()}
 
 
-def test_a_log_tells_how_a_box_fell(load, tmp_path):
+def test_a_log_has_the_motion_of_a_falling_box(load, tmp_path):
     core = load(world(BOX, LAMP))
     core.step(100)
     with LogRecord(core, tmp_path / "deep" / "state.log") as record:
@@ -183,7 +189,7 @@ def test_sensors_see_in_a_played_world_what_they_saw(load, tmp_path):
         assert list(get_sensor("default::watcher::link::ray").Ranges()) == pytest.approx(expected, abs=1e-9)
 
 
-def test_classics_own_logs_are_read(tmp_path):
+def test_logs_of_gazebo_7_are_read(tmp_path):
     """One as Gazebo 7 writes them: several documents in a chunk, with declarations, scales and wrenches."""
     first = f"<?xml version='1.0'?>\n<sdf version ='1.6'>\n{world(BOX)}</sdf>\n"
     state = (
@@ -214,7 +220,7 @@ def test_classics_own_logs_are_read(tmp_path):
     assert heights == [(1.5, 3.0), (2.5, 4.0), (3.5, 5.0)]
 
 
-def test_a_log_whose_end_is_missing_is_read_as_far_as_it_goes(load, tmp_path):
+def test_a_truncated_log_is_read_up_to_its_end(load, tmp_path):
     core = load(world(BOX))
     with LogRecord(core, tmp_path / "state.log", encoding="txt") as record:
         core.step(500)
@@ -237,7 +243,7 @@ def test_a_log_whose_end_is_missing_is_read_as_far_as_it_goes(load, tmp_path):
         ("<gazebo_log><header/><chunk encoding='bz2'>AAAA</chunk></gazebo_log>", ":1: <chunk>: is damaged"),
     ],
 )
-def test_what_is_no_log_is_told(tmp_path, text, said):
+def test_an_invalid_log_is_an_error(tmp_path, text, said):
     path = tmp_path / "state.log"
     path.write_text(text)
     with pytest.raises(WorldFileError, match=said):
@@ -291,7 +297,7 @@ def test_topics_begin_and_end_a_log(load, tmp_path):
     control.close()
 
 
-def tool(place, *words):  # noqa: F811
+def tool(place, *words):
     done = subprocess.run(
         [sys.executable, "-m", "libgz.apps.libgz", *map(str, words)],
         env=place,
@@ -302,7 +308,7 @@ def tool(place, *words):  # noqa: F811
     return done.returncode, done.stdout, done.stderr
 
 
-def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
+def test_gzserver_records_and_plays(place, tmp_path):
     path = tmp_path / "w.world"
     path.write_text(f"<sdf version='1.6'>{world(GROUND, BOX, BALL)}</sdf>".replace("'default'", "'hall &amp; yard'"))
     folder = tmp_path / "logs"
@@ -326,7 +332,7 @@ def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
     assert tool(place, "log")[0::2] == (1, "libgz: which log? -f FILE; or -d 1 and -d 0 for a running server\n")
 
 
-def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):  # noqa: F811
+def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):
     path = tmp_path / "w.world"
     path.write_text(f"<sdf version='1.6'>{world(BOX)}</sdf>")
     assert run(place, path, "-r", "--record_encoding", "bz2", "--iters", 5).returncode == 0

@@ -183,7 +183,7 @@ def test_the_wire_is_that_of_protocol_buffers():
     assert msgs.Joystick.FromString(one_by_one).buttons == [1, 0, 300]
 
 
-def test_fields_that_are_not_known_are_skipped():
+def test_unknown_fields_are_skipped():
     new = msgs.declare("test.New", "int32 a, double b, string c, Pose d, double e, float f, int32 g[]")
     old = msgs.declare("test.Old", "int32 a, int64 unused, uint32 also")
     data = new(a=7, b=2, c="x", d=msgs.Pose(id=1), e=1, f=1, g=[1, 2]).SerializeToString()
@@ -250,7 +250,7 @@ def test_a_dict_that_does_not_fit_is_refused(values):
         msgs.Vector3d().FromDict(values)
 
 
-def test_own_messages():
+def test_declared_messages():
     wheels = msgs.declare(
         "test.Wheels", "double left, double right = 2.5, Mode mode = DRIVING, bool on = true", Mode="IDLE DRIVING"
     )
@@ -328,5 +328,5 @@ def test_stamps_and_requests():
     assert one.id != two.id
     with pytest.raises(ParameterError, match="no header"):
         msgs.Init(msgs.Vector3d())
-    with pytest.raises(ParameterError, match="no place for a time stamp"):
+    with pytest.raises(ParameterError, match="has no time stamp"):
         msgs.Stamp(msgs.Vector3d())

@@ -13,7 +13,7 @@ from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom, TriMeshGeom
 from libgz.physics.mesh_files import read_mesh
-from libgz.rendering.drawers import meshes_of
+from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.shot import pose_matrix
 from libgz.sdf.element import Element
 from libgz.sdf.materials import Material

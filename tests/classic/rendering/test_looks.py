@@ -135,7 +135,7 @@ def test_buffers_of_sizes_long_ago_are_let_go(world_of):
             camera.SetImageSize(width, 48)
             rendering.draw_frame(world, [camera])
             assert middle(camera.pixels) == (255, 0, 0)
-        assert len(camera.view._scene._renderer._buffers) <= 16
+        assert len(camera.view._scene.thread.renderer._buffers) <= 16
 
 
 # Materials -----------------------------------------------------------------------------------------------------------

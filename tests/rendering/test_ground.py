@@ -80,7 +80,7 @@ def test_what_is_finer_than_a_pixel_is_mixed_and_does_not_flicker(tmp_path):
 
 def test_a_camera_that_rises_and_zooms_needs_few_lists(tmp_path):
     with world_of(checkered(tmp_path)) as world, Camera(world, 32, 24) as camera:
-        library = camera._scene._renderer.library
+        library = camera._scene.thread.renderer.library
         for i in range(300):
             camera.SetPose(at(1.0 + 0.003 * i))
             camera.SetFOV(math.radians(60.0 - 0.1 * i))

@@ -272,35 +272,30 @@ def test_impossible_optics_are_refused(attributes, complaint):
         world_of(f"<model:MonoCam><id>c</id>{attributes}</model:MonoCam>")
 
 
-def saved_frames(folder, beside):
-    """What two cameras on a driving, panning robot save; also when served."""
-    from libgz.rendering.scene import draw_beside_physics
-
+def saved_frames(folder, threaded):
+    """The frames that two cameras save on a driving, panning robot; they are also served."""
     save = f"<savePath>{folder}/{{}}</savePath><saveFrames>1</saveFrames>"
     body = (
         LIGHT + solid("3 0.4 0", "0.5 0.6 0.7") + ROBOT_WITH_CAMERA.format(save.format("c"))
         + f"<model:MonoCam><id>m</id><xyz>-3 0 1</xyz><updateRate>5</updateRate>{save.format('m')}</model:MonoCam>"
     )  # fmt: skip
-    draw_beside_physics(beside)
-    try:
-        with world_of(body) as world:
-            world.interface("ptz", "c").command(pan=0.5, zoom=0.5)
-            world.interface("position", "r").command(vx=0.3)
-            for step in range(60):
-                if step == 33:
-                    world.body("s").geoms[0].SetColor(libgz.GzColor(0, 1, 0))
-                world.step()
-                assert world.interface("camera", "c").time >= world.GetSimTime() - (0.22 if beside else 0.12)
-    finally:
-        draw_beside_physics(False)
+    with world_of(body) as world:
+        world.backdrop.threaded = threaded
+        world.interface("ptz", "c").command(pan=0.5, zoom=0.5)
+        world.interface("position", "r").command(vx=0.3)
+        for step in range(60):
+            if step == 33:
+                world.body("s").geoms[0].SetColor(libgz.GzColor(0, 1, 0))
+            world.step()
+            assert world.interface("camera", "c").time >= world.GetSimTime() - (0.22 if threaded else 0.12)
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.pnm")}
 
 
-def test_pictures_drawn_beside_physics_are_the_same_bit_for_bit(tmp_path):
-    alone, beside = saved_frames(tmp_path / "alone", False), saved_frames(tmp_path / "beside", True)
+def test_images_of_a_separate_thread_are_the_same_bit_for_bit(tmp_path):
+    alone, threaded = saved_frames(tmp_path / "alone", False), saved_frames(tmp_path / "threaded", True)
     assert len(alone) == 12 + 6
     assert len(set(alone.values())) == len(alone)
-    assert beside == alone
+    assert threaded == alone
 
 
 # Observer --------------------------------------------------------------------------------------------------------

@@ -25,7 +25,7 @@ def test_both_ways_give_the_same_picture(size):
     with world_of(LIGHT + solid("3 0 0", "1 1 1")) as world, Camera(world, *size) as camera:
         camera.SetPose(GzPosePointAt(GzVector(0, 1, 1), GzVector(3, 0, 0), GzVector(0, 0, 1)))
         native = camera.Update().copy()
-        reader = camera._scene._renderer._pixels
+        reader = camera._scene.thread.renderer._pixels
         assert reader._drop_alpha is not None
         reader._drop_alpha = None
         assert (camera.Update() == native).all()

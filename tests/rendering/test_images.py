@@ -20,7 +20,7 @@ from libgz.physics.engine import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context
-from libgz.rendering.drawers import DRAWERS, meshes_of
+from libgz.rendering.geom_meshes import GEOM_MESHES, meshes_of
 from libgz.rendering.skin import read_skin
 from libgz.worldfile.attributes import installed_worlds
 
@@ -114,7 +114,7 @@ def test_golden_pictures(case, context, monkeypatch):
         expected = np.asarray(golden.convert("RGB"))
     difference = np.abs(actual.astype(int) - expected).max(axis=2)
     if difference.mean() > 0.5 or (difference > 16).mean() > 0.01:
-        folder = Path(__file__).parent.parent / "build" / "golden"
+        folder = Path(__file__).parents[2] / "build" / "golden"
         folder.mkdir(parents=True, exist_ok=True)
         amplified = np.minimum(4 * difference, 255).astype(np.uint8)
         for name, pixels in (("expected", expected), ("actual", actual), ("difference", amplified)):
@@ -138,7 +138,7 @@ for choice in ("osmesa", "egl"):
     cameras.append(Camera(world, 160, 120))
 for _ in range(2):
     pictures = [camera.Update().astype(int) for camera in cameras]
-print([camera._scene.context.name for camera in cameras], np.ptp(pictures[0]) > 30,
+print([camera._scene.thread.context.name for camera in cameras], np.ptp(pictures[0]) > 30,
       np.abs(pictures[0] - pictures[1]).max() <= 16)
 """
 
@@ -191,7 +191,7 @@ def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatc
         assert look(world)[60, 80].tolist() != look(world)[0, 0].tolist()
         geom.SetRelativePosition((0, 0, 5))  # a geom that moves on its body is drawn anew
         assert look(world)[60, 80].tolist() == look(world)[0, 0].tolist()
-        monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
+        monkeypatch.setitem(GEOM_MESHES, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
         geom.SetColor(GzColor(1, 0, 0))
         assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
 
@@ -208,7 +208,7 @@ def test_a_tires_missing_inner_side_is_not_missed(monkeypatch):
             wheel.SetColor(GzColor(0.9, 0.5, 0.2))
             drawn = look(world).astype(int)
             with monkeypatch.context() as patch:
-                patch.setitem(DRAWERS, libgz.WheelGeom, whole)
+                patch.setitem(GEOM_MESHES, libgz.WheelGeom, whole)
                 wheel.SetColor(GzColor(0.9, 0.5, 0.2))
                 difference = np.abs(look(world) - drawn).max(axis=2)
         parts = meshes_of(wheel, 32)[0].vertices
@@ -221,7 +221,7 @@ def test_what_has_no_normals_is_drawn_unlit(monkeypatch):
         pass
 
     points = np.array([(3.0, y / 50.0, 0.0) for y in range(-20, 21)], dtype=np.float32)
-    monkeypatch.setitem(DRAWERS, Dots, lambda geom, segments: [mesh.Mesh(points, mode=0)])
+    monkeypatch.setitem(GEOM_MESHES, Dots, lambda geom, segments: [mesh.Mesh(points, mode=0)])
     with world_of(LIGHT) as world:
         Dots(libgz.Body(world), None).SetColor(GzColor(1, 0.5, 0))
         solid = libgz.BoxGeom(libgz.Body(world), Space(world.engine), 1, 1, 1)
@@ -367,7 +367,7 @@ def test_textures_are_made_once_and_not_as_part_of_a_list():
     texture = f"<textureFile>{installed_worlds()}/grid.png</textureFile>"
     bodies = f"<model:GroundPlane>{texture}</model:GroundPlane><model:SimpleSolid>{texture}</model:SimpleSolid>"
     with world_of(LIGHT + bodies) as world, Camera(world, 160, 120) as camera:
-        gl, calls = camera._scene._renderer.gl, []
+        gl, calls = camera._scene.thread.renderer.gl, []
         for name in ("glNewList", "glEndList", "glTexImage2D"):
             real = getattr(gl, name)
             setattr(gl, name, lambda *words, name=name, real=real: (calls.append(name), real(*words))[1])
@@ -388,7 +388,7 @@ def test_a_damaged_picture_is_one_warning(tmp_path, caplog):
         LIGHT + ground + solid.format(2) + solid.format(4) + "<model:MonoCam><xyz>0 0 1</xyz></model:MonoCam>"
     ) as world:
         world.step(12)
-    assert caplog.text.count(f"picture {path} cannot be read") == 1
+    assert caplog.text.count(f"image {path} cannot be read") == 1
 
 
 def chunk(kind, *parts):

@@ -156,6 +156,7 @@ class Entity(Base):
     """Something with a place in the world."""
 
     entity_type = Base.ENTITY
+    visual: Any = None  # set by libgz.classic.rendering
 
     # Pose: the engine's is asked for and set through these two.
 

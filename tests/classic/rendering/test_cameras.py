@@ -224,4 +224,4 @@ def test_wrong_values_are_told_with_file_and_line(text, message):
 
 def test_a_lens_that_is_not_drawn_is_told(caplog):
     with world_of(camera(size=(8, 6), content="<distortion><k1>-0.2</k1></distortion>")):
-        assert "<distortion>: pictures are drawn without it" in caplog.text
+        assert "<distortion>: images are rendered without it" in caplog.text

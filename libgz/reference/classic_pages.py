@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -61,9 +62,15 @@ def _page(name: str, about: str) -> str:
     return "\n".join(part for part in parts if part)
 
 
+def _is_public(kind: type) -> bool:
+    """Whether a class is in the `__all__` of its package in libgz.classic."""
+    package = sys.modules[".".join(kind.__module__.split(".")[:3])]
+    return package.__name__.startswith("libgz.classic") and kind.__name__ in getattr(package, "__all__", ())
+
+
 def _about(kind: type, names: list[str]) -> str:
     others = [name for name in names if name != kind.__name__]
-    above = [b.__name__ for b in kind.__bases__ if b.__module__.startswith("libgz.classic") and b.__name__[0] != "_"]
+    above = [base.__name__ for base in [next(filter(_is_public, kind.__mro__[1:]), None)] if base is not None]
     parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
     parts += [f"Also called {_names(others)}."] if others else []
     parts += [f"Besides these it has what {_names(above)} has."] if above else []

@@ -214,7 +214,7 @@ class Library:
         self.texture(geom.appearance.texture_file if look.textures else None)
 
     def _draw_geom(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
-        """Draw meshes with the material and texture of their geom, or their own."""
+        """Submit meshes with the material and texture of their geom, or their own."""
         gl, appearance = self.gl, geom.appearance
         texture = self.texture(appearance.texture_file if look.textures else None)
         colors = _colors(geom)

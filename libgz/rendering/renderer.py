@@ -227,7 +227,7 @@ class Renderer:
         """A plane as rings around the camera's foot; its texture stays fixed in the world."""
         if not isinstance(geom, PlaneGeom):
             return
-        view, gl = shot.view, self.gl
+        view = shot.view
         frame = _plane_frame((*geom.normal,), geom.altitude)
         x, y, height = (float(value) for value in frame[:3, :3].T @ (np.array(view.pose.pos) - frame[:3, 3]))
         if height <= 0.0:
@@ -236,11 +236,16 @@ class Renderer:
         matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
         compiled = self.library.plane(geom, Sight.of(view, height), _look_of(shot), plain)
         size = geom.appearance.texture_size
+        self._call_shifted(compiled.list, eye @ matrix, math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0))
+
+    def _call_shifted(self, number: int, matrix: NDArray[np.float64], s: float, t: float) -> None:
+        """Call a list in a frame, with its texture coordinates shifted."""
+        gl = self.gl
         gl.glMatrixMode(Constant.TEXTURE)
-        gl.glTranslated(math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0), 0.0)
+        gl.glTranslated(s, t, 0.0)
         gl.glMatrixMode(Constant.MODELVIEW)
-        _load(gl, eye @ matrix)
-        gl.glCallList(compiled.list)
+        _load(gl, matrix)
+        gl.glCallList(number)
         gl.glMatrixMode(Constant.TEXTURE)
         gl.glLoadIdentity()
         gl.glMatrixMode(Constant.MODELVIEW)
@@ -262,15 +267,7 @@ class Renderer:
         gl.glEnable(Constant.TEXTURE_2D)
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.REPLACE)
         gl.glBindTexture(Constant.TEXTURE_2D, texture)
-        gl.glMatrixMode(Constant.TEXTURE)
-        gl.glLoadIdentity()
-        gl.glTranslated(share, 0.0, 0.0)
-        gl.glMatrixMode(Constant.MODELVIEW)
-        _load(gl, eye @ matrix)
-        gl.glCallList(compiled.list)
-        gl.glMatrixMode(Constant.TEXTURE)
-        gl.glLoadIdentity()
-        gl.glMatrixMode(Constant.MODELVIEW)
+        self._call_shifted(compiled.list, eye @ matrix, share, 0.0)
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
         gl.glDisable(Constant.TEXTURE_2D)
         gl.glDepthMask(1)

@@ -1,4 +1,4 @@
-"""Which OpenGL draws: its choice, what is told when it is not there, what it leaves behind."""
+"""OpenGL contexts: their choice, messages when one is missing, and what remains after them."""
 
 import gc
 import logging

@@ -3,17 +3,10 @@
 import math
 
 import pytest
-from classic_scenes import BEHIND, FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
+from classic_scenes import BEHIND, FLAT, material, middle, model, red, script, see, visual
 
 from libgz.classic import rendering
 from libgz.errors import ParameterError
-
-
-@pytest.fixture
-def world_of(tmp_path, monkeypatch):
-    """Makes a classic world of some elements."""
-    keep_to(tmp_path, monkeypatch)
-    yield from worlds_in(tmp_path)
 
 
 def glass(name, color, x):

@@ -1,10 +1,10 @@
-"""Rendering of Gazebo classic: pictures, depths, visuals, materials."""
+"""Rendering of Gazebo classic: images, depths, visuals, materials."""
 
 import math
 
 import numpy as np
 import pytest
-from classic_scenes import BEHIND, keep_to, material, middle, model, red, script, see, visual, worlds_in
+from classic_scenes import BEHIND, material, middle, model, red, script, see, visual
 from PIL import Image
 
 from libgz.classic import rendering
@@ -12,17 +12,6 @@ from libgz.classic.event import Events
 from libgz.classic.math import Color, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.sdf.materials import find_material
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def world_of(tmp_path):
-    yield from worlds_in(tmp_path)
-
 
 # Cameras ---------------------------------------------------------------------------------------------------------
 
@@ -177,7 +166,7 @@ def test_events_around_a_frame_come_in_order_and_once(world_of):
     assert heard == ["PreRender", "Render", "frame", "PostRender"]
 
 
-def test_a_callback_that_raises_is_told_and_pictures_go_on(world_of, caplog):
+def test_a_callback_that_raises_is_logged_and_images_continue(world_of, caplog):
     world = world_of(model(inside=red()))
 
     def spoil():
@@ -379,7 +368,7 @@ def test_a_material_named_in_plain_text_and_one_that_is_not_known(world_of, capl
 
 
 SCRIPT = """
-// a material with a parent, and one with a picture
+// a material with a parent, and one with an image
 material My/Base { technique { pass { ambient 0 0.5 0 1
     diffuse 0 0.5 0 1
     specular 0.1 0.2 0.3 1 20 } } }

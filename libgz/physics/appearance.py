@@ -60,4 +60,3 @@ class Backdrop:
     fog_end: float = 100.0  # [m], of linear fog
     lines: list[Callable[[Any], Iterable[Any]]] = field(default_factory=list)  # View -> more Lines to render
     threaded: bool = False  # whether robots' cameras render in a separate thread while physics continues
-    scene: Any = None  # shared by the world's cameras; set by libgz.rendering

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import LibraryError, ParameterError
 from libgz.geometry import GzPose
-from libgz.rendering.scene import SceneWorld, join_scene
+from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 
 __all__ = ["Camera", "horizontal_view"]
@@ -62,7 +62,8 @@ class Camera:
         self._shot: Shot | None = None  # of the last image
         self._pending: Future[None] | None = None  # the image that `Start` began
         self._closed = False
-        self._scene = join_scene(world)
+        self._scene = world.extension(Scene)
+        self._scene.join()
 
     @property
     def blind(self) -> bool:

@@ -6,7 +6,7 @@ import logging
 import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +22,14 @@ from libgz.rendering.render_thread import RenderThread
 from libgz.rendering.renderer import LIGHTS
 from libgz.rendering.shot import Content, Fog, Item, Light, Shot, View, pose_matrices
 
-__all__ = ["Scene", "SceneWorld", "join_scene"]
+__all__ = ["Scene", "SceneWorld"]
 
 log = logging.getLogger("libgz.rendering")
 
 NOT_ITEMS = (DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom)
+
+
+E = TypeVar("E")
 
 
 class SceneWorld(Protocol):
@@ -42,27 +45,23 @@ class SceneWorld(Protocol):
         """Bodies and geoms."""
 
     @property
-    def models(self) -> Sequence[Any]:
-        """Models, each with `bodies` and `GetIntId()`."""
+    def entities(self) -> Sequence[Any]:
+        """Entities, each with `bodies` and `GetIntId()`."""
+
+    def extension(self, kind: Callable[[Any], E]) -> E:
+        """The world's one object of a kind."""
 
 
 class Scene:
-    """The geoms of a world, and the thread that renders them.
-
-    Raises:
-        LibraryError: the chosen OpenGL does not work here.
-    """
+    """The geoms of a world, and the thread that renders them: an extension of the world."""
 
     def __init__(self, world: SceneWorld) -> None:
         self.world = weakref.proxy(world)
-        self.cameras = 0
+        self.thread: RenderThread | None = None  # while there are cameras and OpenGL is not switched off
+        self._cameras = 0
         self._edits = -1
         self._versions: list[int] | None = None
         self._light_count = 0
-        context = open_context()
-        self.thread = RenderThread(context) if context is not None else None
-        if context is None:
-            log.info("rendering is disabled: OpenGL is switched off")
 
     @property
     def blind(self) -> bool:
@@ -74,10 +73,23 @@ class Scene:
         """Whether `start` returns while the image is still being rendered."""
         return bool(self.world.backdrop.threaded)
 
+    def join(self) -> None:
+        """Add one camera; the first one opens a context.
+
+        Raises:
+            LibraryError: the chosen OpenGL does not work here.
+        """
+        if self._cameras == 0:
+            context = open_context()
+            self.thread = RenderThread(context) if context is not None else None
+            if context is None:
+                log.info("rendering is disabled: OpenGL is switched off")
+        self._cameras += 1
+
     def leave(self) -> None:
         """Remove one camera; the last one closes the context."""
-        self.cameras -= 1
-        if self.cameras <= 0 and self.thread is not None:
+        self._cameras -= 1
+        if self._cameras == 0 and self.thread is not None:
             self.thread.close()
 
     # To arrays ---------------------------------------------------------------------------------------------------
@@ -162,7 +174,7 @@ class Scene:
         self._planes: tuple[Geom, ...] = tuple(of_kind(PlaneGeom))
         domes = of_kind(DomeGeom)
         self._dome: DomeGeom | None = domes[0] if domes else None
-        owner = {body: model.GetIntId() for model in self.world.models for body in model.bodies}
+        owner = {body: model.GetIntId() for model in self.world.entities for body in model.bodies}
         items, bodies = [], []
         for body in dict.fromkeys(geom.body for geom in shown):
             seen = [geom for geom in body.geoms if geom.appearance.visible and not isinstance(geom, NOT_ITEMS)]
@@ -199,17 +211,3 @@ def _fog(world: SceneWorld) -> Fog:
     back = world.backdrop
     color = world.skyColor if back.fog_color is None else back.fog_color
     return Fog(back.fog_kind, color, world.fogDensity, back.fog_start, back.fog_end)
-
-
-def join_scene(world: SceneWorld) -> Scene:
-    """The scene of a world, for one more camera; `Scene.leave` removes the camera.
-
-    Raises:
-        LibraryError: the chosen OpenGL does not work here.
-    """
-    # The world itself owns the scene. A module-level table would keep the geoms, and with them the world, alive.
-    scene: Scene | None = world.backdrop.scene
-    if scene is None or (scene.thread is not None and scene.thread.closed):
-        scene = world.backdrop.scene = Scene(world)
-    scene.cameras += 1
-    return scene

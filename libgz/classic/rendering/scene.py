@@ -25,7 +25,7 @@ from libgz.physics.geom import Geom
 from libgz.rendering.overlay import CORNERS, EDGES
 from libgz.rendering.renderer import FOGS
 from libgz.rendering.shot import Lines, View
-from libgz.sdfworld.loader import SdfLight
+from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.visual import set_sky
 
@@ -140,7 +140,7 @@ class Scene:
             number = int(camera.core.segmentation[y, x])
         except (IndexError, LibraryError):
             return None
-        core = next((core for core in self.world.core.models if core.GetIntId() == number), None)
+        core = next((core for core in self.world.core.entities if core.GetIntId() == number), None)
         return self.model_visual(self.world.view(core)) if core is not None and not isinstance(core, SdfLight) else None
 
     GetVisualAt = GetModelVisualAt

@@ -1,4 +1,4 @@
-"""Events of the client: `gui.Events.ConnectMainWindowReady(callback)` and similar return a connection to keep."""
+"""Events of the client: `gui.Events.ConnectMainWindowReady(callback)` and its like return a connection to keep."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from libgz.simulation.event import Connection, Event
 
 __all__ = ["Events"]
 
-# Name -> arguments of the callback.
+# Name -> what the callback is given.
 EVENTS = {
     "MainWindowReady": (),
     "KeyPress": ("key event",),
@@ -48,4 +48,4 @@ _disconnect: Callable[[Connection], None] = lambda connection: connection.Discon
 
 
 class Events(metaclass=_Names):
-    """The client's events. `Events.mainWindowReady()` and similar signal one."""
+    """The client's events. `Events.mainWindowReady()` and its like make one happen."""

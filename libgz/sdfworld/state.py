@@ -14,7 +14,7 @@ __all__ = ["apply_state"]
 
 
 def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
-    """Put models, links and lights where a `<state>` says. What it names and is not there is a warning.
+    """Apply the poses and velocities of a `<state>` to models, links and lights. Unknown names are warnings.
 
     Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
     loads the world.

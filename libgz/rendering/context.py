@@ -53,7 +53,7 @@ class Context:
         raise NotImplementedError
 
     def destroy(self) -> None:
-        """Undo `create`, as far as it got."""
+        """Undo `create`, also a partial one."""
         raise NotImplementedError
 
     def address_of(self, name: bytes) -> int | None:

@@ -48,7 +48,7 @@ class Sight:
         return cls(_rounded(height, round), _rounded(view.focal, round), _rounded(reach, math.ceil))
 
     def borders(self, texel: float, count: int) -> list[float]:
-        """Radii [m] of the circles between so many levels of a texture with texels of that size [m].
+        """Radii [m] of the circles between `count` levels of a texture with texels of that size [m].
 
         From one row of pixels to the next, a line of sight of length D moves on by D^2 / (height focal) on the plane.
         The borders are where that is sqrt(2), 2 sqrt(2) ... texels, as OpenGL has them; inside the camera's foot, 0.

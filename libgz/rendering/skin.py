@@ -97,7 +97,7 @@ class _Reader3DS:
         return self.data[start:stop].decode("latin-1"), stop + 1
 
     def array(self, kind: str, start: int, end: int, columns: int) -> NDArray[Any]:
-        """A count and so many rows."""
+        """A count and that number of rows."""
         if start + 2 > end:
             raise _Damaged(f"the count at byte {start} is missing")
         count = int(np.frombuffer(self.data, "<u2", 1, start)[0])

@@ -1,4 +1,4 @@
-"""AltimeterSensor: how far its link has risen since the start, and how fast it rises."""
+"""AltimeterSensor: height and vertical velocity of its link, relative to the start."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GpsSensor: where on Earth its link is, and how fast."""
+"""GpsSensor: position on Earth and velocity of its link."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ MOST_RAYS = 10_000_000
 
 
 class RaySensor(LinkSensor):
-    """A laser. What lies beyond its range is +inf, what lies closer than it measures -inf.
+    """A laser. Distances beyond its range are +inf, those below its minimum -inf.
 
     Rays are cast against collisions, those of the laser's own link included, from the minimum range on. Where
     `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.

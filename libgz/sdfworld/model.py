@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
@@ -64,7 +64,7 @@ class SdfModel(Entity):
             self._guard(element, self._add_nested, element, pose)
         self._canonical = next((body for model in self.nested_family() for body in model.bodies), None)
         if self._canonical is None and self.parent is None:
-            self._note(self.sdf, "a model needs at least one link", "error")
+            self.diagnostics.error(self.sdf, "a model needs at least one link")
         elif self._canonical is not None:
             self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
         self._places = [(body, GzCoordPoseSub(body.GetPose(), pose), body.GetPose()) for body in self.bodies]
@@ -93,15 +93,12 @@ class SdfModel(Entity):
         for model in self.nested.values():
             yield from model.nested_family()
 
-    def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
-
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
         """Call `action`; what it raises becomes an error of the file, reported with all others."""
         try:
             action(*arguments)
         except GazeboError as error:
-            self._note(element, str(error), "error")
+            self.diagnostics.error(element, str(error))
 
     # Links -------------------------------------------------------------------------------------------------------
 
@@ -125,7 +122,7 @@ class SdfModel(Entity):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
-        link_lights(body, element, self._note)
+        link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
         inertial = element.child("inertial")
@@ -182,7 +179,7 @@ class SdfModel(Entity):
 
     def add_collision(self, body: Body, element: Element, space: Space | None = None) -> Geom | None:
         """Add a `<collision>` to a link; None, with a warning, where its shape cannot be built."""
-        geom = make_collision(body, space or self.modelSpaceId, element, self._note)
+        geom = make_collision(body, space or self.modelSpaceId, element, self.diagnostics.warn)
         if geom is None:
             return None
         geom.appearance.visible = False
@@ -193,10 +190,10 @@ class SdfModel(Entity):
 
     def _add_visual(self, body: Body, element: Element) -> None:
         """Geoms without a space: they are rendered and touch nothing."""
-        for geom in make_visual(body, element, self._note):
+        for geom in make_visual(body, element, self.diagnostics.warn):
             self.geom_names[geom] = element.Get(str, "name")
             self.visual_elements[geom] = element
-            dress(geom, element, self._note)
+            dress(geom, element, self.diagnostics.warn)
 
     # Joints ------------------------------------------------------------------------------------------------------
 

@@ -11,11 +11,11 @@ import pytest
 
 import libgz
 from libgz.apps import clean, libgz as toolbox
+from libgz.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
 from libgz.transport import stale_files
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import SemaphoreSet
-from libgz.worldfile.attributes import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
 

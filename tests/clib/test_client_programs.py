@@ -12,12 +12,12 @@ from wire_layout import LAYOUT
 
 import libgz
 from libgz.clib import FOLDER, header, library
+from libgz.files import installed_worlds
 from libgz.geometry import GzQuaternFromEuler
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.transport.layout import fields_of
 from libgz.transport.server import Server
-from libgz.worldfile.attributes import installed_worlds
 
 # Generated files ------------------------------------------------------------------------------------------------
 

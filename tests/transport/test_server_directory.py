@@ -10,11 +10,11 @@ import pytest
 from served import serve
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.interfaces.position import Position
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import Server, free_server_id
-from libgz.worldfile.attributes import installed_worlds
 
 
 def test_directory_is_named_by_tmp_user_and_id(monkeypatch):

@@ -11,7 +11,7 @@ import time
 import pytest
 
 import libgz
-from libgz.worldfile.attributes import installed_worlds
+from libgz.files import installed_worlds
 
 pytestmark = pytest.mark.trial
 

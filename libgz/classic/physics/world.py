@@ -48,7 +48,7 @@ class World(Base):
 
     def __init__(self, core: CoreWorld, server: WorldServer) -> None:
         self.core, self.server = core, server
-        self.scene: Any = None  # set by libgz.classic.rendering
+        self.scene: object = None  # set by libgz.classic.rendering
         super().__init__(self, core.name, None)
         self.animations = Animations(self)
         self.controllers: list[JointController] = []

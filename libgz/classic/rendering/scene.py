@@ -48,10 +48,9 @@ NOON = 10.0  # [h] time of day of a sky that is switched on
 
 def scene_of(world: World) -> Scene:
     """The scene of a world."""
-    if world.scene is None:
+    if not isinstance(world.scene, Scene):
         world.scene = Scene(world)
-    scene: Scene = world.scene
-    return scene
+    return world.scene
 
 
 def get_scene(name: str = "") -> Scene:

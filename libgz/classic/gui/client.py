@@ -103,7 +103,7 @@ class Client:
         if loaded is None or loaded.plugin is None:
             log.error("Unable to create gui overlay plugin with filename[%s]", filename)
             return
-        loaded.plugin.gui = self.window.AddOverlay(name)  # type: ignore[attr-defined]
+        loaded.plugin.gui = self.window.AddPlace(name)  # type: ignore[attr-defined]
         if loaded.start(element):
             self.plugins.append(loaded)
 

@@ -77,14 +77,14 @@ class MainWindow:
         title: of the window.
         scene: the shown scene.
         camera: the user's camera.
-        overlays: of the plugins, by name.
+        places: the overlays of the plugins, by name.
         open: until it is closed.
     """
 
     def __init__(self, scene: Scene, camera: UserCamera) -> None:
         self.title = "Gazebo"
         self.scene, self.camera = scene, camera
-        self.overlays: dict[str, GUI] = {}
+        self.places: dict[str, GUI] = {}
         self.open = True
 
     def setWindowTitle(self, title: str) -> None:
@@ -103,10 +103,10 @@ class MainWindow:
         """Set the size of the image [px]."""
         self.camera.Resize(width, height)
 
-    def AddOverlay(self, name: str) -> GUI:
+    def AddPlace(self, name: str) -> GUI:
         """A new overlay for a plugin."""
-        self.overlays[name] = GUI(name)
-        return self.overlays[name]
+        self.places[name] = GUI(name)
+        return self.places[name]
 
     def close(self) -> None:
         """End the client, after this frame."""

@@ -1,11 +1,11 @@
-"""What a camera frame costs, and how long a world with a camera takes to start.
+"""The time of a camera frame, and of the start of a world with a camera.
 
     python benchmarks/camera.py
 
-Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the picture ends in the interface's memory.
-Where MuJoCo and PyBullet are installed they draw a like scene in the same run, in turn with libgz, so that a machine
-whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet.
-They run in processes of their own, this one's python unless LIBGZ_BENCH_PYTHON names another.
+Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the image is copied into the interface's memory.
+Where MuJoCo and PyBullet are installed, they render a similar scene in the same run, in turn with libgz, so that a
+machine whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet.
+They run in their own processes, with this Python unless LIBGZ_BENCH_PYTHON names another.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ SIZES = ((320, 240), (640, 480))
 ROBOTS, ROUNDS, FRAMES = 20, 5, 40
 EYE, AT = (-6.0, -5.0, 4.0), (3.0, 3.0, 0.0)
 
-Draw = Callable[[], object]
+Render = Callable[[], object]
 
 
 def places() -> list[tuple[float, float]]:
     return [(1.6 * (i % 5), 1.6 * (i // 5)) for i in range(ROBOTS)]
 
 
-def libgz_frame(width: int, height: int) -> Draw:
-    """A tick of an ObserverCam's picture: capture, draw, and copy into the interface."""
+def libgz_frame(width: int, height: int) -> Render:
+    """One frame of a MonoCam: take a shot, render it, and copy the image into the interface."""
     import libgz
     from libgz.files import installed_worlds
     from libgz.geometry import GzPosePointAt, GzVector
@@ -48,15 +48,15 @@ def libgz_frame(width: int, height: int) -> Draw:
     server = world.model("c").camera
     pose = GzPosePointAt(GzVector(*EYE), GzVector(*AT), GzVector(0.0, 0.0, 1.0))
 
-    def draw() -> object:
+    def render() -> object:
         server.rate.last = -math.inf
         server.update(pose, math.radians(60.0))
         return world
 
-    return draw
+    return render
 
 
-def mujoco_frame(width: int, height: int, *, coarse: bool) -> Draw:
+def mujoco_frame(width: int, height: int, *, coarse: bool) -> Render:
     import mujoco
 
     detail = '<quality shadowsize="0" offsamples="0" numslices="12" numstacks="8" numquads="1"/>'
@@ -90,14 +90,14 @@ def mujoco_frame(width: int, height: int, *, coarse: bool) -> Draw:
     renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
     renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
 
-    def draw() -> object:
+    def render() -> object:
         renderer.update_scene(data, "c")
         return renderer.render()
 
-    return draw
+    return render
 
 
-def pybullet_frame(width: int, height: int) -> Draw:
+def pybullet_frame(width: int, height: int) -> Render:
     import pybullet as p
 
     p.connect(p.DIRECT)
@@ -118,7 +118,7 @@ def pybullet_frame(width: int, height: int) -> Draw:
     return lambda: p.getCameraImage(width, height, view, projection, shadow=0, renderer=p.ER_TINY_RENDERER)
 
 
-RENDERERS: dict[str, Callable[[int, int], Draw]] = {
+RENDERERS: dict[str, Callable[[int, int], Render]] = {
     "libgz": libgz_frame,
     "MuJoCo, default meshes": lambda w, h: mujoco_frame(w, h, coarse=False),
     "MuJoCo, coarse meshes": lambda w, h: mujoco_frame(w, h, coarse=True),
@@ -127,20 +127,20 @@ RENDERERS: dict[str, Callable[[int, int], Draw]] = {
 
 
 def serve(name: str, width: int, height: int) -> None:
-    """In a process of its own: draw whenever a line comes in, and answer with the median time [s]."""
-    draw = RENDERERS[name](width, height)
-    draw()
+    """In its own process: render as many frames as each input line says, and print their median time [s]."""
+    render = RENDERERS[name](width, height)
+    render()
     for line in sys.stdin:
         times = []
         for _ in range(int(line)):
             start = time.perf_counter()
-            draw()
+            render()
             times.append(time.perf_counter() - start)
         print(statistics.median(times), flush=True)
 
 
 def measure(width: int, height: int) -> dict[str, float]:
-    """Median time of a frame of each renderer that works here [s], taken in turn."""
+    """Median time of a frame of each renderer that works here [s], measured in turn."""
     other = os.environ.get("LIBGZ_BENCH_PYTHON", sys.executable)
     processes = {}
     for name in RENDERERS:
@@ -170,7 +170,7 @@ def measure(width: int, height: int) -> dict[str, float]:
 
 
 def start_time() -> tuple[float, float]:
-    """Time [s] to start a world with a camera and take its first picture, and that of a world without one."""
+    """Time [s] to start a world with a camera and take its first image, and that of a world without one."""
     code = (
         "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.files import installed_worlds\n"
         "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
@@ -190,7 +190,7 @@ def main() -> None:
         serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
         return
     with_camera, without = start_time()
-    print(f"start to the first picture of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
+    print(f"start to the first image of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
     print(f"start of a world without cameras: {1e3 * without:.0f} ms")
     for width, height in SIZES:
         times = measure(width, height)

@@ -164,7 +164,7 @@ class CameraServer:
             eye.SetPose(pose)
             eye.Start()
             self._taken = now
-            if not eye.beside:
+            if not eye.threaded:
                 self._publish(eye, now)
         return due
 

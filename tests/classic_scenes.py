@@ -66,7 +66,7 @@ def see(world, pose=(0, 0, 0, 0, 0, 0), size=(64, 48), kind=rendering.Camera, **
     """One picture, shape (height, width, 3)."""
     with kind(world, "eye", *size, **options) as camera:
         camera.SetWorldPose(Pose3d(*pose))
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         return camera.pixels.copy()
 
 

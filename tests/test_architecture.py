@@ -55,6 +55,7 @@ FACADES = {
 }
 # Circles inside a package are between a parent and its parts: without the parent there is none.
 PARENTS = {
+    "libgz.classic.rendering.scene",
     "libgz.simulation.world",
     "libgz.classic.physics.world",
 }

@@ -117,7 +117,7 @@ def make_parser() -> argparse.ArgumentParser:
     add(
         "--render-thread",
         action="store_true",
-        help="draw robots' cameras beside physics: the same pictures, served up to one period of the camera later",
+        help="render robots' cameras in a separate thread: the same images, served up to one camera period later",
     )
     add(
         "--record",
@@ -201,10 +201,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(path: Path, options: argparse.Namespace) -> int:
     if options.gl is not None:
         prefer(options.gl)
-    if options.render_thread:
-        from libgz.rendering.scene import draw_beside_physics  # not needed by worlds without cameras
-
-        draw_beside_physics(True)
     if options.server_id is not None:
         return _serve(path, options, options.server_id)
     while True:
@@ -218,6 +214,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
+    world.backdrop.threaded = options.render_thread
     run = None
     try:
         world.LoadFile(path)

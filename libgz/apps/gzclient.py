@@ -126,7 +126,7 @@ class Run:
         return 0
 
     def _take_picture(self, client: Client) -> int:
-        client.frame(picture=True)
+        client.frame(image=True)
         camera = client.window.camera
         write_image(Path(self.options.picture), camera.pixels)
         print(f"{self.options.picture}: {camera.ImageWidth()} x {camera.ImageHeight()} px, of {client.world.Name()!r}")

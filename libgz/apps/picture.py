@@ -86,7 +86,7 @@ def _look_by_sensor(world: World, name: str | None) -> tuple[Callable[[], NDArra
 
             def take(camera: CameraSensor = camera) -> NDArray[np.uint8]:
                 camera.Update(True)
-                return np.zeros((0, 0, 3), np.uint8) if camera.Camera().view.blind else camera.Camera().pixels
+                return np.zeros((0, 0, 3), np.uint8) if camera.Camera().core.blind else camera.Camera().pixels
 
             return take, repr(camera.ScopedName())
     if not cameras:

@@ -128,7 +128,7 @@ class WorldServer:
                     self._create_sensors(joint)
         if self.sensors is not None:
             self.sensors.start_new()
-            if self.sensors.draws:
+            if self.sensors.renders:
                 self.serve_visuals().add(added)
 
     def _create_sensors(self, holder: Link | Joint) -> bool:

@@ -58,4 +58,5 @@ class Backdrop:
     fog_kind: str = "exp2"  # or exp, linear
     fog_start: float = 0.0  # [m], of linear fog
     fog_end: float = 100.0  # [m], of linear fog
-    lines: list[Callable[[Any], Iterable[Any]]] = field(default_factory=list)  # View -> Lines to draw as well
+    lines: list[Callable[[Any], Iterable[Any]]] = field(default_factory=list)  # View -> more Lines to render
+    threaded: bool = False  # whether robots' cameras render in a separate thread while physics continues

@@ -65,7 +65,7 @@ def _page(name: str, module: ModuleType, about: str) -> str:
 
 def _about(kind: type, names: list[str]) -> str:
     others = [name for name in names if name != kind.__name__]
-    above = [base.__name__ for base in kind.__bases__ if _documented(base)]
+    above = [base.__name__ for base in [next(filter(_documented, kind.__mro__[1:]), None)] if base is not None]
     parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
     parts += [f"Also called {_names(others)}."] if others else []
     parts += [f"It also has the members of {_names(above)}."] if above else []

@@ -1,1 +1,1 @@
-"""Pictures of a world: contexts, scenes, cameras, meshes and textures."""
+"""Images of a world: contexts, scenes, cameras, meshes and textures."""

@@ -1,4 +1,4 @@
-"""Camera: pictures of a world, with depth and segmentation, in this process."""
+"""Camera: images of a world, with depth and segmentation, rendered in this process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import LibraryError, ParameterError
 from libgz.geometry import GzPose
-from libgz.rendering.scene import SceneWorld, join_scene
+from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 
 __all__ = ["Camera", "horizontal_view"]
@@ -30,9 +30,9 @@ class Camera:
 
     Args:
         world: the World; the first camera of a world opens an OpenGL context, the last one's `close` releases it.
-        width, height: of the picture [px].
+        width, height: of the image [px].
         hfov: horizontal field of view [rad].
-        near, far: nearest and farthest that is drawn [m].
+        near, far: clipping distances [m].
 
     Raises:
         ParameterError: an argument is out of range.
@@ -59,21 +59,22 @@ class Camera:
         self.image: NDArray[np.uint8] = np.zeros((height, width, 3), dtype=np.uint8)
         self.pose = GzPose()
         self.SetFOV(hfov)
-        self._shot: Shot | None = None
-        self._drawing: Future[None] | None = None
+        self._shot: Shot | None = None  # of the last image
+        self._pending: Future[None] | None = None  # the image that `Start` began
         self._closed = False
-        self._scene = join_scene(world)
+        self._scene = world.extension(Scene)
+        self._scene.join()
 
     @property
     def blind(self) -> bool:
-        """Whether OpenGL is switched off, so that there are no pictures."""
+        """Whether OpenGL is switched off, so that there are no images."""
         return self._scene.blind
 
     def SetPose(self, pose: GzPose) -> None:
-        """Global pose [m]; pictures from the next `Update` on are taken from there.
+        """Set the global pose [m] for the next `Update`.
 
         Raises:
-            ParameterError: there is a number in it that is none.
+            ParameterError: a number in it is not finite.
         """
         if not all(map(math.isfinite, (*pose.pos, *pose.rot))):
             raise ParameterError(f"the camera's pose is {pose}; it must be finite")
@@ -102,70 +103,66 @@ class Camera:
         return self.width, self.height
 
     def Update(self, depth: NDArray[np.float32] | None = None) -> NDArray[np.uint8]:
-        """Take a picture of the world as it is now.
+        """Render an image of the world as it is now.
 
         Args:
-            depth: out, if wanted: distance ahead, along the camera's axis [m], shape (height, width).
+            depth: out, optional: distance ahead, along the camera's axis [m], shape (height, width).
 
         Returns:
-            `image`: shape (height, width, 3), red, green, blue, top row first; the next Update draws into the same.
+            `image`: shape (height, width, 3), red, green, blue, top row first; the next Update overwrites it.
         """
-        self._shot = self._scene.capture(self.view)
-        self._scene.draw(self._shot, self.image, depth)
+        self._shot = self._scene.render(self.view, self.image, depth)
         return self.image
 
     def Start(self) -> None:
-        """Begin a picture of the world as it is now; `Finish` gives it, and `image` is not to be read before."""
-        self._shot = self._scene.capture(self.view)
-        self._drawing = self._scene.start(self._shot, self.image)
+        """Begin to render an image of the world as it is now. Do not read `image` before `Finish` returns it."""
+        self._shot, self._pending = self._scene.start(self.view, self.image)
 
     def Finish(self) -> NDArray[np.uint8]:
-        """The picture that `Start` began, waited for if need be."""
-        if self._drawing is not None:
-            self._drawing.result()
-            self._drawing = None
+        """The image that `Start` began; wait until it is complete."""
+        if self._pending is not None:
+            self._pending.result()
+            self._pending = None
         return self.image
 
     @property
     def ready(self) -> bool:
-        """Whether `Finish` would not have to wait."""
-        return self._drawing is None or self._drawing.done()
+        """Whether `Finish` can return without waiting."""
+        return self._pending is None or self._pending.done()
 
     @property
-    def beside(self) -> bool:
-        """Whether pictures are drawn while physics goes on."""
-        return self._scene.beside
+    def threaded(self) -> bool:
+        """Whether `Start` renders in a separate thread while physics continues."""
+        return self._scene.threaded
 
     @property
     def view(self) -> View:
-        """Pose and optics as they are set now."""
+        """The current pose and optics."""
         return View(self.pose, self.width, self.height, self.hfov, self.near, self.far, self.options)
 
     @property
     def depth(self) -> NDArray[np.float32]:
-        """Distance ahead, along the axis, in the last picture [m], shape (height, width); infinite for the sky.
+        """Distance ahead, along the axis, in the last image [m], shape (height, width); infinite for the sky.
 
         Raises:
-            LibraryError: there was no picture yet.
+            LibraryError: there is no image yet.
         """
-        found = np.empty((self.height, self.width), dtype=np.float32)
-        self._scene.draw(self._last_shot(), None, found)
-        return found
+        return self._scene.depth(self._last_shot())
 
     @property
     def segmentation(self) -> NDArray[np.int32]:
-        """`GetIntId` of the model at each pixel of the last picture, 0 for ground and sky; shape (height, width).
+        """`GetIntId` of the model at each pixel of the last image, 0 for ground and sky; shape (height, width).
 
         Raises:
-            LibraryError: there was no picture yet.
+            LibraryError: there is no image yet.
         """
         return self._scene.segment(self._last_shot())
 
     def _last_shot(self) -> Shot:
         if self.blind:
-            raise LibraryError("OpenGL is switched off (--gl none or LIBGZ_GL): there are no pictures")
+            raise LibraryError("OpenGL is switched off (--gl none or LIBGZ_GL): there are no images")
         if self._shot is None:
-            raise LibraryError("this camera has taken no picture yet; Update() takes one")
+            raise LibraryError("this camera has no image yet; call Update() first")
         return self._shot
 
     def __enter__(self) -> Camera:
@@ -177,7 +174,7 @@ class Camera:
         self.close()
 
     def close(self) -> None:
-        """Let the camera go. Can be called twice."""
+        """Close the camera. Can be called twice."""
         if not self._closed:
             self._closed = True
             self.Finish()
@@ -186,5 +183,5 @@ class Camera:
 
 
 def horizontal_view(vertical: float, width: int, height: int) -> float:
-    """The horizontal field of view [rad] of a picture [px] whose vertical one is given [rad]; pixels are square."""
+    """The horizontal field of view [rad] of an image [px] whose vertical one is given [rad]; pixels are square."""
     return 2.0 * math.atan(math.tan(vertical / 2.0) * width / height)

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from ctypes import c_char_p, c_int, c_uint, c_void_p
-from typing import ClassVar, TypeVar
+from typing import ClassVar, ParamSpec, TypeVar
 
 from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
 from libgz.rendering.gl import GL, Constant
@@ -17,11 +17,12 @@ __all__ = ["CHOICES", "CONTEXTS", "Context", "EGLContext", "OSMesaContext", "cho
 
 log = logging.getLogger("libgz.rendering")
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 
 class Context:
-    """A context and the one thread that may call it.
+    """A context, and the one thread that may use it.
 
     All GL work goes through `run` or `submit`. `close` is idempotent.
 
@@ -30,7 +31,7 @@ class Context:
     """
 
     name: ClassVar[str]
-    hint: ClassVar[str]  # what to install where it is missing
+    hint: ClassVar[str]  # the command that installs it
 
     def __init__(self) -> None:
         self._worker: ThreadPoolExecutor | None = ThreadPoolExecutor(1, thread_name_prefix=f"libgz-{self.name}")
@@ -52,26 +53,26 @@ class Context:
         raise NotImplementedError
 
     def destroy(self) -> None:
-        """Undo `create`, as far as it got."""
+        """Undo `create`, also a partial one."""
         raise NotImplementedError
 
     def address_of(self, name: bytes) -> int | None:
         """Address of a GL function."""
         raise NotImplementedError
 
-    def submit(self, work: Callable[[], T]) -> Future[T]:
-        """Let the context's thread do something, soon.
+    def submit(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Queue a call for the context's thread.
 
         Raises:
             ClosedError: the context was closed.
         """
         if self._worker is None:
             raise ClosedError(f"the {self.name} context was closed")
-        return self._worker.submit(work)
+        return self._worker.submit(work, *args, **kwargs)
 
-    def run(self, work: Callable[[], T]) -> T:
-        """Let the context's thread do something, and wait for its result."""
-        return self.submit(work).result()
+    def run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """Call a function in the context's thread, and wait for its result."""
+        return self.submit(work, *args, **kwargs).result()
 
     @property
     def closed(self) -> bool:
@@ -87,7 +88,7 @@ class Context:
 
 
 class OSMesaContext(Context):
-    """Mesa drawing into memory, without any window system. Mesa 25.1 dropped it."""
+    """Mesa that renders into memory, without a window system. Mesa 25.1 dropped it."""
 
     name = "osmesa"
     hint = "apt-get install libosmesa6"
@@ -107,7 +108,7 @@ class OSMesaContext(Context):
         self._handle = lib.OSMesaCreateContextExt(self._RGBA, 0, 0, 0, None)
         if not self._handle:
             raise LibraryError("OSMesa could not make a context")
-        self._pixel = (ctypes.c_ubyte * 64)()  # pictures are drawn into framebuffer objects; this one is for form
+        self._pixel = (ctypes.c_ubyte * 64)()  # required, but unused: images are rendered into framebuffer objects
         if not lib.OSMesaMakeCurrent(self._handle, self._pixel, Constant.UNSIGNED_BYTE, 4, 4):
             raise LibraryError("OSMesa could not make its context current")
 
@@ -122,7 +123,7 @@ class OSMesaContext(Context):
 
 
 class EGLContext(Context):
-    """EGL on Mesa's surfaceless platform: no window system, and a graphics card if Mesa knows one."""
+    """EGL on Mesa's surfaceless platform: no window system, and a graphics card if Mesa supports it."""
 
     name = "egl"
     hint = "apt-get install libegl1 libgl1-mesa-dri"
@@ -148,22 +149,22 @@ class EGLContext(Context):
         lib.eglDestroyContext.argtypes = [c_void_p, c_void_p]
         self._display = get_display(self._SURFACELESS_MESA, None, None)
         if not self._display or not lib.eglInitialize(self._display, None, None):
-            raise self._fault("has no surfaceless platform")
+            raise self._error("has no surfaceless platform")
         wanted = (c_int * 5)(self._SURFACE_TYPE, 0, self._RENDERABLE_TYPE, self._OPENGL_BIT, self._NONE)
         config, found = c_void_p(), c_int()
         if not lib.eglChooseConfig(self._display, wanted, ctypes.byref(config), 1, ctypes.byref(found)) or not found:
-            raise self._fault("offers no configuration with OpenGL")
+            raise self._error("offers no configuration with OpenGL")
         if not lib.eglBindAPI(self._OPENGL_API):
-            raise self._fault("has no OpenGL")
+            raise self._error("has no OpenGL")
         self._handle = lib.eglCreateContext(self._display, config, None, None)
         if not self._handle or not lib.eglMakeCurrent(self._display, None, None, self._handle):
-            raise self._fault("could not make a context")
+            raise self._error("could not make a context")
 
-    def _fault(self, what: str) -> LibraryError:
+    def _error(self, what: str) -> LibraryError:
         return LibraryError(f"EGL {what} (EGL error {self._lib.eglGetError():#06x}); {self.hint} may help")
 
     def destroy(self) -> None:  # noqa: D102
-        # The display is one per process: it is left to others that may use it.
+        # The display is shared by the whole process, so it is not terminated.
         if getattr(self, "_handle", None):
             self._lib.eglMakeCurrent(self._display, None, None, None)
             self._lib.eglDestroyContext(self._display, self._handle)
@@ -198,7 +199,7 @@ def prefer(choice: str | None) -> None:
 
 
 def chosen() -> str:
-    """What `prefer` said, else the environment's LIBGZ_GL, else ``"auto"``.
+    """The choice of `prefer`, else the environment's LIBGZ_GL, else ``"auto"``.
 
     Raises:
         ParameterError: LIBGZ_GL is none of `CHOICES`.
@@ -229,11 +230,11 @@ def open_context(choice: str | None = None) -> Context | None:
         try:
             context = kind()
         except LibraryError as error:
-            log.info("no pictures by %s: %s", name, error)
+            log.info("%s does not render: %s", name, error)
             reasons.append(f"{name}: {error}")
             continue
-        log.info("pictures by %s: %s", name, context.description)
+        log.info("rendering with %s: %s", name, context.description)
         return context
     raise LibraryError(
-        f"no OpenGL works here, which the world's cameras need ({'; '.join(reasons)}); without pictures: --gl none"
+        f"no OpenGL works here, which the world's cameras need ({'; '.join(reasons)}); --gl none disables rendering"
     )

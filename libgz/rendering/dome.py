@@ -16,7 +16,7 @@ RINGS, SECTORS = 10, 40
 def dome_mesh() -> Mesh:
     """A hemisphere of radius 1, seen from inside: rings from the horizon up, and the top.
 
-    Texture: s is 0, for the time of day is added when it is drawn; t is 1 at the zenith, the picture's top row,
+    Texture: s is 0, because rendering adds the time of day; t is 1 at the zenith, the image's top row,
     and 0 at the horizon.
     """
     vertices, texcoords = [], []

@@ -1,7 +1,7 @@
 """OpenGL as PyOpenGL declares it, bound to one context at a time.
 
-PyOpenGL's own functions belong to the one platform that it chose at its first import. Here its constants and prototypes
-are taken, and each context binds them to its own library: OSMesa and EGL can be tried in turn, and stand side by side.
+PyOpenGL's own functions belong to the one platform that it chose at its first import. Only its constants and prototypes
+are used here. Each context binds them to its own library, so OSMesa and EGL can be tried in turn and used together.
 Arrays are passed as ctypes arrays or addresses; a call costs a quarter of a microsecond.
 """
 
@@ -23,14 +23,14 @@ try:
     _library = platform.PLATFORM.GL
 except ImportError:
     _library = None
-if _library is None:  # OSMesa or EGL may be all there is, but the declarations want a library to name
+if _library is None:  # with OSMesa or EGL alone, the declarations still need a library
     platform.PLATFORM.GL = SimpleNamespace(glGetError=None)
 
 from OpenGL.raw.GL.VERSION import GL_1_1, GL_1_2, GL_1_4, GL_3_0  # type: ignore[import-untyped]
 
 VERSIONS = (GL_1_1, GL_1_2, GL_1_4, GL_3_0)  # 1.1 has all of 1.0
 PLAIN = {None, c_double, c_float, c_int, c_ubyte, c_uint}  # all other types are arrays
-WAITING = {"glFinish", "glReadPixels"}  # those that draw or wait let other Python threads run meanwhile
+WAITING = {"glFinish", "glReadPixels"}  # these render or wait, and release the interpreter lock meanwhile
 
 
 def _declared(name: str) -> Any:
@@ -78,7 +78,7 @@ class GL:
         return function
 
     def check(self) -> None:
-        """Raise what GL has complained about since the last check.
+        """Raise the error that GL has recorded since the last check.
 
         Raises:
             LibraryError: there is an error pending.

@@ -1,7 +1,7 @@
-"""Ground: a plane as rings around the point below the camera, each with the level of its texture that it needs.
+"""Ground: a plane as rings around the point below the camera, each with one level of its texture.
 
 Mesa's software rasteriser takes as long to find the mipmap level of a pixel as to fetch it. On a plane the level
-follows from the distance alone: its borders are circles, and a ring between two of them needs but one picture.
+follows from the distance alone: its borders are circles, and a ring between two of them needs one image only.
 """
 
 from __future__ import annotations
@@ -19,13 +19,16 @@ from libgz.rendering.shot import View
 __all__ = ["Sight", "rings"]
 
 SECTORS = 16  # of each ring
-FIRST, GROWTH = 2.0, 2.0  # rings are this wide [m], or their inner radius times this, at most: corners tell the light
-STEPS = 8  # between a sight's numbers and twice as large ones; at each the levels' borders jump by a few per cent
+FIRST, GROWTH = (
+    2.0,
+    2.0,
+)  # most width of a ring [m], or of its inner radius; light is computed at vertices
+STEPS = 8  # per doubling of a rounded number; at each, the borders of the levels move by a few per cent
 
 
 @dataclass(frozen=True)
 class Sight:
-    """How a camera sees a plane, in rounded numbers: cameras that see it much alike share its rings.
+    """How a camera sees a plane, in rounded numbers, so that similar views share their rings.
 
     Attributes:
         height: of the camera above the plane [m].
@@ -45,7 +48,7 @@ class Sight:
         return cls(_rounded(height, round), _rounded(view.focal, round), _rounded(reach, math.ceil))
 
     def borders(self, texel: float, count: int) -> list[float]:
-        """Radii [m] of the circles between so many levels of a texture with texels of that size [m].
+        """Radii [m] of the circles between `count` levels of a texture with texels of that size [m].
 
         From one row of pixels to the next, a line of sight of length D moves on by D^2 / (height focal) on the plane.
         The borders are where that is sqrt(2), 2 sqrt(2) ... texels, as OpenGL has them; inside the camera's foot, 0.
@@ -65,7 +68,7 @@ def rings(sight: Sight, texel: float, count: int, texture_size: tuple[float, flo
         sight: the camera's.
         texel: size of a texel of level 0 [m].
         count: of levels; 1 if there is no texture.
-        texture_size: extent of one picture [m].
+        texture_size: extent of one image [m].
     """
     ends = [min(border, sight.reach) for border in sight.borders(texel, count)] + [sight.reach]
     found = []

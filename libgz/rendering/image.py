@@ -1,4 +1,4 @@
-"""Pictures in files: textures read, frames written."""
+"""Image files: textures are read, frames are written."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["pyramid", "read_image", "write_image", "write_pnm"]
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
-    """A picture of any kind that pillow reads (PNG, JPEG, PPM ...), shape (height, width, 3), top row first.
+    """Read an image of any format that pillow supports (PNG, JPEG, PPM ...), shape (height, width, 3), top row first.
 
     Raises:
         GazeboError: the file cannot be read, or is damaged.
@@ -21,40 +21,40 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     from PIL import Image
 
     try:
-        with Image.open(path) as picture:
-            return np.asarray(picture.convert("RGB"))
+        with Image.open(path) as file:
+            return np.asarray(file.convert("RGB"))
     except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise GazeboError(f"picture {path} cannot be read: {error}") from None
+        raise GazeboError(f"image {path} cannot be read: {error}") from None
 
 
 def pyramid(pixels: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:
-    """A picture, and each next one half as wide and high, down to a single pixel."""
+    """An image and its halved copies, down to a single pixel."""
     from PIL import Image
 
-    found, picture = [np.ascontiguousarray(pixels)], Image.fromarray(pixels)
-    while max(picture.size) > 1:
-        width, height = picture.size
-        picture = picture.resize((max(width // 2, 1), max(height // 2, 1)), Image.Resampling.BOX)
-        found.append(np.ascontiguousarray(picture))
+    found, image = [np.ascontiguousarray(pixels)], Image.fromarray(pixels)
+    while max(image.size) > 1:
+        width, height = image.size
+        image = image.resize((max(width // 2, 1), max(height // 2, 1)), Image.Resampling.BOX)
+        found.append(np.ascontiguousarray(image))
     return found
 
 
 def write_image(path: Path, pixels: NDArray[np.uint8]) -> None:
-    """Write a picture, shape (height, width, 3), top row first, in the format that the file's name asks for.
+    """Write an image, shape (height, width, 3), top row first, in the format of the file's suffix.
 
     Raises:
-        GazeboError: the file cannot be written, or its name asks for no known format.
+        GazeboError: the file cannot be written, or its suffix is unknown.
     """
     from PIL import Image
 
     try:
         Image.fromarray(pixels).save(path)
     except (OSError, ValueError) as error:
-        raise GazeboError(f"picture {path} cannot be written: {error}") from None
+        raise GazeboError(f"image {path} cannot be written: {error}") from None
 
 
 def write_pnm(path: Path, pixels: NDArray[np.uint8]) -> None:
-    """Write a picture, shape (height, width, 3), top row first, as the old server's saved frames are.
+    """Write an image, shape (height, width, 3), top row first, in the old server's format of saved frames.
 
     Raises:
         GazeboError: the file cannot be written.

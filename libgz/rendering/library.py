@@ -1,4 +1,4 @@
-"""Library: display lists and textures of a scene, made once and kept while they are used. GL's thread only."""
+"""Library: display lists and textures of a scene, made once and kept while used. For the context's thread only."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.physics.geom import Geom
-from libgz.rendering.drawers import meshes_of
+from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.image import pyramid, read_image
@@ -26,17 +26,25 @@ __all__ = ["Compiled", "Level", "Library", "Look", "Table"]
 
 log = logging.getLogger("libgz.rendering")
 
-SEGMENTS = (32, 12, 8)  # of a full turn: where a body is large in the picture, small, and very small
+SEGMENTS = (32, 12, 8)  # of a full turn: for a body that is large in the image, small, and very small
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
 Color = tuple[float, ...]
-Look = tuple[bool, bool, bool, bool]  # whether skins, materials, textures are shown, and lamps are near things
+
+
+class Look(NamedTuple):
+    """How content is shown."""
+
+    skins: bool
+    materials: bool
+    textures: bool
+    local_lights: bool  # whether there are lights other than directional ones
 
 
 class Compiled:
-    """A display list, the radius [m] of a ball around the body's origin that it stays in, and its own middle [m]."""
+    """A display list, the radius [m] of the ball around the body's origin that contains it, and its own middle [m]."""
 
     __slots__ = ("list", "middle", "radius")
 
@@ -45,7 +53,7 @@ class Compiled:
 
 
 class Level(NamedTuple):
-    """A picture of a texture at one of its sizes: GL's number, width and height [px]."""
+    """A texture at one of its sizes: GL's number, width and height [px]."""
 
     number: int
     width: int
@@ -53,7 +61,7 @@ class Level(NamedTuple):
 
 
 class Table:
-    """Lists, radii and middles [m] of all items of a content, which are shown in one way."""
+    """Lists, radii and middles [m] of all items of a content, for one look."""
 
     def __init__(self, library: Library, content: Content, look: Look, plain: bool) -> None:
         def find(i: int, level: int) -> Compiled:
@@ -74,7 +82,7 @@ class Table:
 
 
 class Library:
-    """Display lists by item, looks and detail; textures and skins by file."""
+    """Display lists by item, look and detail; textures and skins by file."""
 
     def __init__(self, gl: GL) -> None:
         self.gl = gl
@@ -89,7 +97,7 @@ class Library:
         self._tables: dict[tuple[Look, bool], Table] = {}
 
     def use(self, content: Content) -> None:
-        """Let go what is not in the content any more."""
+        """Delete the lists of items that are no longer in the content."""
         if content is self._content:
             return
         self._content = content
@@ -128,28 +136,28 @@ class Library:
 
     def _compile_plane(self, geom: Geom, sight: Sight, look: Look, plain: bool) -> int:
         gl, size = self.gl, geom.appearance.texture_size
-        levels = () if plain else self.levels(geom.appearance.texture_file if look[2] else None)
+        levels = () if plain else self.levels(geom.appearance.texture_file if look.textures else None)
         texel = min(size.x / levels[0].width, size.y / levels[0].height) if levels else math.inf
         number = self._begin()
         if not plain:
-            self._material(*(_colors(geom) if look[1] else NEUTRAL.colors))
+            self._material(*(_colors(geom) if look.materials else NEUTRAL.colors))
         if levels:
             gl.glEnable(Constant.TEXTURE_2D)
         for level, shape in rings(sight, texel, max(len(levels), 1), (size.x, size.y)):
             if levels:
                 gl.glBindTexture(Constant.TEXTURE_2D, levels[level].number)
-            self._draw(shape, bool(levels))
+            self._draw_mesh(shape, bool(levels))
         if levels:
             gl.glDisable(Constant.TEXTURE_2D)
         gl.glEndList()
         return number
 
     def shape(self, name: str, build: Callable[[], Mesh]) -> Compiled:
-        """The list of a mesh that has no geom, built when it is first asked for."""
+        """The list of a mesh that has no geom, built at first use."""
         found = self._shapes.get(name)
         if found is None:
             number = self._begin()
-            self._draw(build(), True)
+            self._draw_mesh(build(), True)
             self.gl.glEndList()
             found = self._shapes[name] = Compiled(number, 0.0)
         return found
@@ -169,15 +177,15 @@ class Library:
         for geom, meshes in work:
             if plain:
                 for shape in meshes:
-                    self._draw(shape, False)
+                    self._draw_mesh(shape, False)
             else:
-                self._look(geom, meshes, look)
+                self._draw_geom(geom, meshes, look)
         self.gl.glEndList()
         return Compiled(number, radius, middle)
 
     def _meshes(self, geom: Geom, look: Look, segments: int) -> list[Mesh]:
-        """What a geom looks like, in the frame of its body."""
-        appearance, skins = geom.appearance, look[0]
+        """The visible meshes of a geom, in the frame of its body."""
+        appearance, skins = geom.appearance, look.skins
         place = pose_matrix(geom.GetRelativePose())
         if skins and appearance.skin_null and (appearance.skin_instead is None or self._skin(appearance.skin_instead)):
             return []
@@ -186,7 +194,7 @@ class Library:
             if skin:
                 on_geom = place @ pose_matrix(appearance.skin_pose)
                 return [part.scaled(*appearance.skin_scale).moved(on_geom) for part in skin]
-        shapes = meshes_of(geom, segments, lamps=look[3])
+        shapes = meshes_of(geom, segments, local_lights=look.local_lights)
         if tuple(appearance.scale) != (1.0, 1.0, 1.0):
             shapes = [shape.scaled(*appearance.scale) for shape in shapes]
         return [shape.moved(place) for shape in shapes]
@@ -197,22 +205,22 @@ class Library:
             try:
                 self._skins[path] = read_skin(path)
             except GazeboError as error:
-                log.warning("%s; the shape below is shown instead", error)
+                log.warning("%s; its own shape is shown instead", error)
                 self._skins[path] = []
         return self._skins[path]
 
     def _load_texture(self, geom: Geom, look: Look) -> None:
-        """Before a list begins: a texture made inside would be part of it, and be made anew in every picture."""
-        self.texture(geom.appearance.texture_file if look[2] else None)
+        """Load a texture before a list begins; made inside the list, it would be made again in every image."""
+        self.texture(geom.appearance.texture_file if look.textures else None)
 
-    def _look(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
-        """Draw meshes with the material and texture of their geom, or their own."""
+    def _draw_geom(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
+        """Submit meshes with the material and texture of their geom, or their own."""
         gl, appearance = self.gl, geom.appearance
-        texture = self.texture(appearance.texture_file if look[2] else None)
+        texture = self.texture(appearance.texture_file if look.textures else None)
         colors = _colors(geom)
         for shape in meshes:
             own = shape.material
-            if not look[1]:
+            if not look.materials:
                 own = NEUTRAL
             self._material(*(colors if own is None else own.colors))
             textured = bool(texture) and shape.texcoords is not None and shape.material is None
@@ -223,7 +231,7 @@ class Library:
             if not lit:
                 gl.glDisable(Constant.LIGHTING)
                 gl.glColor3f(*(own.diffuse if own is not None else colors[1])[:3])
-            self._draw(shape, textured)
+            self._draw_mesh(shape, textured)
             if not lit:
                 gl.glEnable(Constant.LIGHTING)
             if textured:
@@ -244,7 +252,7 @@ class Library:
         gl.glMaterialfv(both, Constant.EMISSION, floats(*emission))
         gl.glMaterialf(both, Constant.SHININESS, min(max(shininess, 0.0), 128.0))
 
-    def _draw(self, shape: Mesh, textured: bool) -> None:
+    def _draw_mesh(self, shape: Mesh, textured: bool) -> None:
         gl = self.gl
         if shape.two_sided:
             gl.glDisable(Constant.CULL_FACE)
@@ -272,11 +280,11 @@ class Library:
         if path is None:
             return 0
         if (path, repeat) not in self._textures:
-            picture = self._picture(path)
+            image = self._read(path)
             vertical = Constant.REPEAT if repeat else Constant.CLAMP_TO_EDGE
-            # Mixing the mipmaps, too, would cost as much as all the rest of a software-drawn picture.
+            # Mixing the mipmaps as well would take as long as all the rest of an image rendered in software.
             smoothing = Constant.LINEAR, Constant.NEAREST_MIPMAP_NEAREST
-            self._textures[path, repeat] = 0 if picture is None else self._upload(picture, vertical, *smoothing)
+            self._textures[path, repeat] = 0 if image is None else self._upload(image, vertical, *smoothing)
         return self._textures[path, repeat]
 
     def levels(self, path: Path | None) -> tuple[Level, ...]:
@@ -284,20 +292,20 @@ class Library:
         if path is None:
             return ()
         if path not in self._levels:
-            picture = self._picture(path)
-            pictures = [] if picture is None else pyramid(picture)
-            # Near by, texels are larger than pixels, and are smoothed; far away there is one for each pixel.
-            filters = [Constant.LINEAR] + [Constant.NEAREST] * (len(pictures) - 1)
-            self._levels[path] = tuple(map(self._upload_level, pictures, filters))
+            image = self._read(path)
+            images = [] if image is None else pyramid(image)
+            # Nearby texels are larger than pixels, and are smoothed; distant pixels show one texel each.
+            filters = [Constant.LINEAR] + [Constant.NEAREST] * (len(images) - 1)
+            self._levels[path] = tuple(map(self._upload_level, images, filters))
         return self._levels[path]
 
-    def _picture(self, path: Path) -> NDArray[np.uint8] | None:
-        """A picture, top row first; None, and one warning, if its file cannot be read."""
+    def _read(self, path: Path) -> NDArray[np.uint8] | None:
+        """An image, top row first; None, and one warning, if its file cannot be read."""
         try:
             return read_image(path)
         except GazeboError as error:
             if path not in self._damaged:
-                log.warning("%s; its place stays plain", error)
+                log.warning("%s; rendered without a texture", error)
             self._damaged.add(path)
             return None
 
@@ -306,7 +314,7 @@ class Library:
         return Level(self._upload(pixels, Constant.REPEAT, smoothing, smoothing), width, height)
 
     def _upload(self, pixels: NDArray[np.uint8], vertical: int, magnified: int, minified: int) -> int:
-        """A texture of a picture, bottom row last as in files, that repeats sideways."""
+        """A texture that repeats horizontally, from an image with its bottom row last."""
         upward = np.ascontiguousarray(pixels[::-1])  # GL's rows begin at the bottom
         gl, kind, number = self.gl, Constant.TEXTURE_2D, ctypes.c_uint()
         gl.glGenTextures(1, ctypes.byref(number))
@@ -335,7 +343,7 @@ def _extent(meshes: list[Mesh]) -> tuple[float, tuple[float, ...]]:
 
 
 def _colors(geom: Geom) -> tuple[Color, Color, Color, Color, float]:
-    """Ambient, diffuse, specular colour, emission and shininess. In worlds of classic what has no shininess is dull."""
+    """Ambient, diffuse, specular colour, emission, shininess. In classic worlds, no shininess means no highlights."""
     a = geom.appearance
     red, green, blue, alpha = a.diffuse
     dull = geom.body.engine.classic and a.shininess <= 0.0

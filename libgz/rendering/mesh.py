@@ -1,4 +1,4 @@
-"""Meshes: what geoms and skins look like, as arrays; and the shapes that are made of formulas."""
+"""Meshes of geoms and skins, as arrays; and functions that build the meshes of basic shapes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = [
 
 Floats = NDArray[np.float32]
 MOST_PATCHES = 100  # of a flat face, in each direction
-CREASE = math.cos(math.radians(40.0))  # edges sharper than this are drawn sharp
+CREASE = math.cos(math.radians(40.0))  # edges sharper than this are rendered sharp
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class Mesh:
     Attributes:
         vertices: [m], shape (n, 3).
         normals: unit vectors, shape (n, 3); None: unlit, in the plain diffuse colour.
-        texcoords: shape (n, 2), (0, 0) is the lower left of a picture; None: never textured.
+        texcoords: shape (n, 2), (0, 0) is the lower left of the image; None: never textured.
         indices: of vertices, counter-clockwise seen from outside; None: all in order.
         mode: a GL primitive.
-        material: of its own, where the geom's does not count.
-        two_sided: seen from inside, too.
+        material: replaces the geom's.
+        two_sided: visible from both sides.
     """
 
     vertices: Floats
@@ -104,7 +104,7 @@ def _patches(columns: int, rows: int) -> NDArray[np.uint32]:
 def rectangle(corner: ArrayLike, across: ArrayLike, up: ArrayLike, patch: float = math.inf) -> Mesh:
     """A flat rectangle from its lower left corner along two sides [m]; it carries the whole texture.
 
-    `patch`: longest side of the parts that it is made of [m], as far as so many allow: light is reckoned at their
+    `patch`: longest side of the patches that it is split into [m], up to `MOST_PATCHES`; light is computed at their
     corners.
     """
     sides = [np.asarray(side, dtype=np.float64) for side in (across, up)]
@@ -134,7 +134,7 @@ def box(x: float, y: float, z: float, patch: float = math.inf) -> Mesh:
 
 
 def _revolved(radii: Floats, heights: Floats, outward: Floats, upward: Floats, t: Floats, segments: int) -> Mesh:
-    """A profile turned about z; one value of each array per ring, from the bottom up."""
+    """A profile revolved about z; one value of each array per ring, from the bottom up."""
     angles = np.linspace(0.0, 2.0 * math.pi, segments + 1)
     cos, sin, one = np.cos(angles), np.sin(angles), np.ones(segments + 1)
     vertices = np.stack([np.outer(radii, cos), np.outer(radii, sin), np.outer(heights, one)], axis=-1)
@@ -168,7 +168,7 @@ def capsule(radius: float, length: float, segments: int) -> Mesh:
 
 
 def disc(radius: float, z: float, segments: int, up: float) -> Mesh:
-    """A flat disc at height z [m] that is seen from above (up 1) or below (-1)."""
+    """A flat disc at height z [m] visible from above (up 1) or below (-1)."""
     angles = np.linspace(0.0, 2.0 * math.pi * up, segments, endpoint=False)
     rim = np.stack([radius * np.cos(angles), radius * np.sin(angles), np.full(segments, z)], axis=1)
     middle = np.arange(1, segments - 1)
@@ -188,12 +188,12 @@ def torus(radius: float, tube: float, segments: int, reach: float = math.pi) -> 
 
 
 def triangles(vertices: ArrayLike, corners: ArrayLike, texture_size: tuple[float, float] = (2.0, 2.0)) -> Mesh:
-    """A triangle mesh: smooth where it bends little, sharp where it bends much; its texture is laid on from above.
+    """A triangle mesh: smooth at shallow edges, sharp at steep ones; its texture is projected from above.
 
     Args:
         vertices: [m], shape (n, 3).
         corners: indices, shape (m, 3).
-        texture_size: extent of one picture [m].
+        texture_size: extent of one image [m].
     """
     points, faces = np.asarray(vertices, dtype=np.float64), np.asarray(corners, dtype=np.int64).reshape(-1, 3)
     a, b, c = (points[faces[:, k]] for k in range(3))

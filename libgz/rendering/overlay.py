@@ -1,4 +1,4 @@
-"""What observers can have drawn over a picture: boxes, axes, centres of mass, rays, frusta. All as lines."""
+"""The overlay of an image: bounding boxes, axes, centres of mass, rays, frusta; all as lines."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from libgz.physics.body import Body
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import FrustrumGeom, RayGeom
-from libgz.rendering.drawers import meshes_of
+from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.shot import Lines, View, pose_matrix
 
 __all__ = ["overlay_lines"]
@@ -24,7 +24,7 @@ EDGES = [(a, b) for a, b in itertools.combinations(range(8), 2) if np.abs(CORNER
 
 
 def overlay_lines(view: View, engine: Engine) -> tuple[Lines, ...]:
-    """The lines that a view's options ask for."""
+    """The lines that a view's options request."""
     options, found = view.options, []
     wanted = (
         options.displayBBox, options.displayAxes, options.displayCoM, options.displayRays, options.displayFrustrums

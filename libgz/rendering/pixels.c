@@ -1,4 +1,4 @@
-/* Pictures as OpenGL holds them, four bytes a pixel, to those that libgz serves, three bytes a pixel. */
+/* Converts images of four bytes a pixel, as OpenGL stores them, to three bytes a pixel, as libgz serves them. */
 
 #include <stddef.h>
 

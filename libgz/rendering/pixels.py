@@ -1,4 +1,4 @@
-"""Pixels: reads pictures from OpenGL; natively (pixels.c) where that was built, in a third of Mesa's time."""
+"""Pixels: reads images from OpenGL; natively (pixels.c) where that was built, in a third of Mesa's time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def find_drop_alpha() -> DropAlpha | None:
 
 
 class PixelReader:
-    """Reads the picture of one context's current framebuffer."""
+    """Reads the image in one context's current framebuffer."""
 
     def __init__(self, gl: GL) -> None:
         self._gl, self._drop_alpha = gl, find_drop_alpha()
@@ -44,6 +44,6 @@ class PixelReader:
             return
         if self._raw.shape[:2] != (height, width):
             self._raw = np.empty((height, width, 4), dtype=np.uint8)
-        # Mesa copies what needs no conversion, and converts the rest pixel by pixel.
+        # Mesa copies RGBA as it is, but converts RGB pixel by pixel.
         self._gl.glReadPixels(*area, Constant.RGBA, Constant.UNSIGNED_BYTE, self._raw.ctypes.data)
         self._drop_alpha(self._raw.ctypes.data, image.ctypes.data, width * height)

@@ -1,4 +1,4 @@
-"""Renderer: draws shots into arrays. All of it runs in its context's thread."""
+"""Renderer: renders shots into arrays. All of it runs in its context's thread."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from libgz.rendering.shot import Light, Shot, View
 __all__ = ["Renderer"]
 
 LIGHTS = 8
-MOST_SIZES = 16  # of pictures, whose buffers are kept
+MOST_SIZES = 16  # of images, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
-SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is drawn with less detail, and with least
+SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is rendered with less detail, and with least
 
 
 class Renderer:
-    """Draws shots with the lists and textures of one context."""
+    """Renders shots with the lists and textures of one context."""
 
     def __init__(self, gl: GL) -> None:
         self.gl = gl
@@ -43,12 +43,12 @@ class Renderer:
         gl.glDisable(Constant.DITHER)
         gl.glDepthFunc(Constant.LEQUAL)
         gl.glBlendFunc(Constant.SRC_ALPHA, Constant.ONE_MINUS_SRC_ALPHA)
-        gl.glFrontFace(Constant.CW)  # pictures are drawn upside down, and so read top row first
+        gl.glFrontFace(Constant.CW)  # images are rendered upside down, so that the top row is read first
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
         gl.glPixelStorei(Constant.PACK_ALIGNMENT, 1)
 
     def _bind(self, width: int, height: int) -> None:
-        """Draw into a buffer of this size."""
+        """Render into a buffer of this size."""
         gl, frame = self.gl, Constant.FRAMEBUFFER
         if (width, height) not in self._buffers:
             if len(self._buffers) >= MOST_SIZES:
@@ -68,16 +68,16 @@ class Renderer:
                 gl.glRenderbufferStorage(Constant.RENDERBUFFER, layout, width, height)
                 gl.glFramebufferRenderbuffer(frame, role, Constant.RENDERBUFFER, part)
             if gl.glCheckFramebufferStatus(frame) != Constant.FRAMEBUFFER_COMPLETE:
-                raise LibraryError(f"this OpenGL cannot draw pictures of {width} x {height} px")
+                raise LibraryError(f"this OpenGL cannot render images of {width} x {height} px")
             self._buffers[width, height] = (number, parts)
         gl.glBindFramebuffer(frame, self._buffers[width, height][0])
         gl.glViewport(0, 0, width, height)
 
-    def draw(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
-        """Draw a shot.
+    def render(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
+        """Render a shot.
 
         Args:
-            shot: what.
+            shot: what to render.
             image: out, shape (height, width, 3), top row first.
             depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing.
         """
@@ -98,7 +98,7 @@ class Renderer:
         self._read(view, image, depth)
 
     def segment(self, shot: Shot, ids: NDArray[np.uint8]) -> None:
-        """Draw which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
+        """Render which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
         self._bind(shot.view.width, shot.view.height)
         eye = self._begin(shot, black=True)
         self._ground(shot, eye, plain=True)
@@ -186,7 +186,7 @@ class Renderer:
         table = self.library.table(content, _look_of(shot), plain)
         places = matrices[:, :3, 3]
         later: list[tuple[float, int, int]] = []
-        lamps = _Lamps(gl, shot, eye)
+        local = _LocalLights(gl, shot, eye)
         for i, level in _visible(shot.view, places, table.radii):
             number, item = table.list(i, level), content.items[i]
             if plain:
@@ -195,27 +195,27 @@ class Renderer:
                 middle = matrices[i] @ (*table.middles[i], 1.0)
                 later.append((float(middle[:3] @ middle[:3]), i, number))
                 continue
-            if lamps.near:
-                lamps.switch(places[i].tolist(), float(table.radii[i]))
+            if local.lights:
+                local.switch(places[i].tolist(), float(table.radii[i]))
             load(start + 128 * i)
             call(number)
         if later:
             gl.glEnable(Constant.BLEND)
             gl.glDepthMask(0)
             for _, i, number in sorted(later, reverse=True):
-                if lamps.near:
-                    lamps.switch(places[i].tolist(), float(table.radii[i]))
+                if local.lights:
+                    local.switch(places[i].tolist(), float(table.radii[i]))
                 load(start + 128 * i)
                 call(number)
             gl.glDepthMask(1)
             gl.glDisable(Constant.BLEND)
-        lamps.all_on()
+        local.all_on()
 
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
 
     def _ground(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
-        """All planes: most of the pixels, which are drawn by Mesa's threads while this one goes on to the items."""
+        """All planes: most of the pixels. Mesa's threads render them while this one submits the items."""
         if plain:
             self._id_color(0)
         for plane in shot.planes:
@@ -224,10 +224,10 @@ class Renderer:
             self.gl.glFlush()
 
     def _plane(self, shot: Shot, eye: NDArray[np.float64], geom: Geom, plain: bool) -> None:
-        """A plane as rings around the camera's foot; its texture keeps its place in the world."""
+        """A plane as rings around the camera's foot; its texture stays fixed in the world."""
         if not isinstance(geom, PlaneGeom):
             return
-        view, gl = shot.view, self.gl
+        view = shot.view
         frame = _plane_frame((*geom.normal,), geom.altitude)
         x, y, height = (float(value) for value in frame[:3, :3].T @ (np.array(view.pose.pos) - frame[:3, 3]))
         if height <= 0.0:
@@ -236,11 +236,16 @@ class Renderer:
         matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
         compiled = self.library.plane(geom, Sight.of(view, height), _look_of(shot), plain)
         size = geom.appearance.texture_size
+        self._call_shifted(compiled.list, eye @ matrix, math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0))
+
+    def _call_shifted(self, number: int, matrix: NDArray[np.float64], s: float, t: float) -> None:
+        """Call a list in a frame, with its texture coordinates shifted."""
+        gl = self.gl
         gl.glMatrixMode(Constant.TEXTURE)
-        gl.glTranslated(math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0), 0.0)
+        gl.glTranslated(s, t, 0.0)
         gl.glMatrixMode(Constant.MODELVIEW)
-        _load(gl, eye @ matrix)
-        gl.glCallList(compiled.list)
+        _load(gl, matrix)
+        gl.glCallList(number)
         gl.glMatrixMode(Constant.TEXTURE)
         gl.glLoadIdentity()
         gl.glMatrixMode(Constant.MODELVIEW)
@@ -262,15 +267,7 @@ class Renderer:
         gl.glEnable(Constant.TEXTURE_2D)
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.REPLACE)
         gl.glBindTexture(Constant.TEXTURE_2D, texture)
-        gl.glMatrixMode(Constant.TEXTURE)
-        gl.glLoadIdentity()
-        gl.glTranslated(share, 0.0, 0.0)
-        gl.glMatrixMode(Constant.MODELVIEW)
-        _load(gl, eye @ matrix)
-        gl.glCallList(compiled.list)
-        gl.glMatrixMode(Constant.TEXTURE)
-        gl.glLoadIdentity()
-        gl.glMatrixMode(Constant.MODELVIEW)
+        self._call_shifted(compiled.list, eye @ matrix, share, 0.0)
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
         gl.glDisable(Constant.TEXTURE_2D)
         gl.glDepthMask(1)
@@ -301,7 +298,7 @@ class Renderer:
 
 
 def _visible(view: View, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Iterable[tuple[int, int]]:
-    """Which balls in the eye frame [m] are inside the view's sides, and with which level of detail each is drawn."""
+    """Which balls in the eye frame [m] are inside the view, and the level of detail of each."""
     x, y, z = places.T
     tx, ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
     seen = (radii - z >= view.near) & (-z - radii <= view.far)
@@ -313,21 +310,21 @@ def _visible(view: View, places: NDArray[np.float64], radii: NDArray[np.float64]
     return zip(found.tolist(), levels.tolist(), strict=True)
 
 
-class _Lamps:
-    """Switches off, for one item after the other, lights that it is out of range of."""
+class _LocalLights:
+    """Switches lights off for the items that are out of their range."""
 
     def __init__(self, gl: GL, shot: Shot, eye: NDArray[np.float64]) -> None:
         self._gl = gl
-        self.near: list[tuple[int, tuple[float, float, float], float]] = []  # GL's number, place, range of lights
+        self.lights: list[tuple[int, tuple[float, float, float], float]] = []  # GL's number, position, range
         for i, light in enumerate(shot.lights):
             if light.kind != "directional" and math.isfinite(light.range):
                 x, y, z, _ = (eye @ (*light.position, 1.0)).tolist()
-                self.near.append((Constant.LIGHT0 + i, (x, y, z), light.range))
+                self.lights.append((Constant.LIGHT0 + i, (x, y, z), light.range))
         self._off: set[int] = set()
 
     def switch(self, middle: list[float], radius: float) -> None:
-        """Light a ball in the eye frame [m]."""
-        for number, place, reach in self.near:
+        """Set the lights for a ball in the eye frame [m]."""
+        for number, place, reach in self.lights:
             if math.dist(place, middle) > reach + radius:
                 self._gl.glDisable(number)
                 self._off.add(number)
@@ -336,7 +333,7 @@ class _Lamps:
                 self._off.remove(number)
 
     def all_on(self) -> None:
-        """Light everything."""
+        """Switch all lights on."""
         for number in self._off:
             self._gl.glEnable(number)
         self._off.clear()
@@ -344,13 +341,13 @@ class _Lamps:
 
 def _look_of(shot: Shot) -> Look:
     options = shot.view.options
-    lamps = any(light.kind != "directional" for light in shot.lights)
-    return options.displaySkins, options.displayMaterials, options.displayTextures, lamps
+    local = any(light.kind != "directional" for light in shot.lights)
+    return Look(options.displaySkins, options.displayMaterials, options.displayTextures, local)
 
 
 @lru_cache
 def _plane_frame(normal: tuple[float, float, float], altitude: float) -> NDArray[np.float64]:
-    """A frame on a plane: z along its normal, x along the world's x where that can be, shape (4, 4)."""
+    """A frame on a plane: z along its normal, x along the world's x where possible, shape (4, 4)."""
     z: NDArray[Any] = np.array(normal)
     x = np.array((1.0, 0.0, 0.0)) - z[0] * z
     if np.linalg.norm(x) < 1e-6:

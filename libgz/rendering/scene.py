@@ -1,4 +1,4 @@
-"""Scene: what all cameras of one world share, made by the first of them and released with the last."""
+"""Scene: shared by all cameras of one world; the first camera makes it, the last one closes its context."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import logging
 import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,18 +18,22 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom
 from libgz.rendering.context import open_context
 from libgz.rendering.overlay import overlay_lines
-from libgz.rendering.renderer import LIGHTS, Renderer
+from libgz.rendering.render_thread import RenderThread
+from libgz.rendering.renderer import LIGHTS
 from libgz.rendering.shot import Content, Fog, Item, Light, Shot, View, pose_matrices
 
-__all__ = ["Scene", "SceneWorld", "draw_beside_physics", "join_scene"]
+__all__ = ["Scene", "SceneWorld"]
 
 log = logging.getLogger("libgz.rendering")
 
 NOT_ITEMS = (DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom)
 
 
+E = TypeVar("E")
+
+
 class SceneWorld(Protocol):
-    """What a scene needs of a world."""
+    """The part of a world that a scene uses."""
 
     skyColor: GzColor
     fogEnable: bool
@@ -41,48 +45,84 @@ class SceneWorld(Protocol):
         """Bodies and geoms."""
 
     @property
-    def models(self) -> Sequence[Any]:
-        """Models, each with `bodies` and `GetIntId()`."""
+    def entities(self) -> Sequence[Any]:
+        """Entities, each with `bodies` and `GetIntId()`."""
+
+    def extension(self, kind: Callable[[Any], E]) -> E:
+        """The world's one object of a kind."""
 
 
 class Scene:
-    """The geoms of a world, and the context that draws them.
-
-    Raises:
-        LibraryError: the chosen OpenGL does not work here.
-    """
+    """The geoms of a world, and the thread that renders them: an extension of the world."""
 
     def __init__(self, world: SceneWorld) -> None:
         self.world = weakref.proxy(world)
-        self.cameras = 0
-        self.context = open_context()
-        self._renderer: Renderer | None = None
-        self.beside = _beside
-        self._drawn: Content | None = None
+        self.thread: RenderThread | None = None  # while there are cameras and OpenGL is not switched off
+        self._cameras = 0
         self._edits = -1
         self._versions: list[int] | None = None
         self._light_count = 0
-        if self.context is not None:
-            gl = self.context.gl
-            self._renderer = self.context.run(lambda: Renderer(gl))
-        else:
-            log.info("no pictures: OpenGL is switched off")
 
     @property
     def blind(self) -> bool:
-        """Whether OpenGL is switched off, so that nothing is drawn."""
-        return self.context is None
+        """Whether OpenGL is switched off, so that nothing is rendered."""
+        return self.thread is None
+
+    @property
+    def threaded(self) -> bool:
+        """Whether `start` returns while the image is still being rendered."""
+        return bool(self.world.backdrop.threaded)
+
+    def join(self) -> None:
+        """Add one camera; the first one opens a context.
+
+        Raises:
+            LibraryError: the chosen OpenGL does not work here.
+        """
+        if self._cameras == 0:
+            context = open_context()
+            self.thread = RenderThread(context) if context is not None else None
+            if context is None:
+                log.info("rendering is disabled: OpenGL is switched off")
+        self._cameras += 1
 
     def leave(self) -> None:
-        """A camera goes; the last one releases the context."""
-        self.cameras -= 1
-        if self.cameras <= 0 and self.context is not None:
-            self.context.close()
+        """Remove one camera; the last one closes the context."""
+        self._cameras -= 1
+        if self._cameras == 0 and self.thread is not None:
+            self.thread.close()
+
+    # To arrays ---------------------------------------------------------------------------------------------------
+
+    def render(self, view: View, image: NDArray[np.uint8], depth: NDArray[np.float32] | None = None) -> Shot:
+        """Render the world as it is now into arrays (see `Renderer.render`); returns the shot."""
+        shot = self.capture(view)
+        if self.thread is not None:
+            self.thread.render(shot, image, depth)
+        return shot
+
+    def start(self, view: View, image: NDArray[np.uint8]) -> tuple[Shot, Future[None] | None]:
+        """Begin to render the world as it is now; do not touch the array before the result is there."""
+        shot = self.capture(view)
+        return shot, self.thread.start(shot, image, not self.threaded) if self.thread is not None else None
+
+    def depth(self, shot: Shot) -> NDArray[np.float32]:
+        """Distance ahead, along the camera's axis [m], shape (height, width)."""
+        depth = np.empty((shot.view.height, shot.view.width), dtype=np.float32)
+        if self.thread is not None:
+            self.thread.render(shot, None, depth)
+        return depth
+
+    def segment(self, shot: Shot) -> NDArray[np.int32]:
+        """The number of the model at each pixel, 0 for none; shape (height, width)."""
+        if self.thread is None:
+            return np.zeros((shot.view.height, shot.view.width), dtype=np.int32)
+        return self.thread.segment(shot)
 
     # From the world ----------------------------------------------------------------------------------------------
 
     def capture(self, view: View) -> Shot:
-        """The world as it is now, to be drawn at leisure."""
+        """The world as it is now, as plain data to render."""
         self._refresh()
         world, engine = self.world, self.world.engine
         share = None if self._dome is None else (self._dome, self._dome.day_share)
@@ -110,7 +150,7 @@ class Scene:
         return pose_matrices(states)
 
     def _refresh(self) -> None:
-        """Gather what there is to draw, if geoms came, went, or changed their looks."""
+        """Collect the content again, if geoms were added, removed, or changed their appearance."""
         engine = self.world.engine
         if engine.surface_edits != self._edits:
             self._edits = engine.surface_edits
@@ -121,9 +161,9 @@ class Scene:
         versions = [look.version for look in self._looks]
         if versions != self._versions:
             self._versions = versions
-            self._gather()
+            self._collect()
 
-    def _gather(self) -> None:
+    def _collect(self) -> None:
         shown = [geom for geom in self._geoms if geom.appearance.visible]
         of_kind: Callable[[type], list[Any]] = lambda kind: [g for g in shown if isinstance(g, kind)]  # noqa: E731
         lights = of_kind(LightGeom)
@@ -149,38 +189,6 @@ class Scene:
         self._rows = np.array([body.row for body in bodies], dtype=np.int64)
         self._dummies = [(i, body) for i, body in enumerate(bodies) if body.dummy]
 
-    # To arrays ---------------------------------------------------------------------------------------------------
-
-    def draw(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
-        """Draw a shot into arrays; see `Renderer.draw`."""
-        renderer = self._renderer
-        if self.context is not None and renderer is not None:
-            self.context.run(lambda: renderer.draw(shot, image, depth))
-
-    def start(self, shot: Shot, image: NDArray[np.uint8]) -> Future[None]:
-        """Begin to draw a shot; the array is not to be touched until the result is there.
-
-        With `beside`, physics goes on meanwhile; but what has changed since the last shot is drawn at once, for that
-        looks at the geoms.
-        """
-        renderer, done = self._renderer, Future[None]()
-        if self.context is None or renderer is None:
-            done.set_result(None)
-            return done
-        drawing = self.context.submit(lambda: renderer.draw(shot, image))
-        if not self.beside or shot.content is not self._drawn:
-            drawing.result()
-        self._drawn = shot.content
-        return drawing
-
-    def segment(self, shot: Shot) -> NDArray[np.int32]:
-        """The number of the model at each pixel, 0 for none; shape (height, width)."""
-        colors = np.zeros((shot.view.height, shot.view.width, 3), dtype=np.uint8)
-        renderer = self._renderer
-        if self.context is not None and renderer is not None:
-            self.context.run(lambda: renderer.segment(shot, colors))
-        return colors.astype(np.int32) @ np.array((1, 256, 65536), dtype=np.int32)
-
 
 def _light(geom: LightGeom) -> Light:
     look, pose = geom.appearance, geom.body.GetPose()
@@ -203,29 +211,3 @@ def _fog(world: SceneWorld) -> Fog:
     back = world.backdrop
     color = world.skyColor if back.fog_color is None else back.fog_color
     return Fog(back.fog_kind, color, world.fogDensity, back.fog_start, back.fog_end)
-
-
-_beside = False
-
-
-def draw_beside_physics(on: bool) -> None:
-    """Let the pictures of robots' cameras in all scenes made from now on be drawn while physics goes on.
-
-    They are the same pictures, of the same sim times; they are served up to one period later.
-    """
-    global _beside
-    _beside = on
-
-
-def join_scene(world: SceneWorld) -> Scene:
-    """The scene of a world, for one more camera; `Scene.leave` gives it back.
-
-    Raises:
-        LibraryError: the chosen OpenGL does not work here.
-    """
-    # Kept by the world itself: a table of scenes would hold the geoms, and with them the world, for ever.
-    scene: Scene | None = vars(world).get("_scene")
-    if scene is None or (scene.context is not None and scene.context.closed):
-        scene = vars(world)["_scene"] = Scene(world)
-    scene.cameras += 1
-    return scene

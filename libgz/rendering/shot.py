@@ -1,4 +1,4 @@
-"""What a picture is drawn from: plain data, taken from a world at one moment, that stays as it is while it is drawn."""
+"""Shot: what an image is rendered from. Plain data, taken from a world at one moment, that does not change later."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["Content", "Fog", "Item", "Light", "Lines", "RenderOptions", "Shot", 
 
 @dataclass
 class RenderOptions:
-    """What a picture shows, and how."""
+    """What an image shows, and how."""
 
     displayBBox: bool = False
     displayAxes: bool = False
@@ -71,11 +71,11 @@ class View:
 
 @dataclass(frozen=True)
 class Item:
-    """The geoms of one body that are drawn together."""
+    """The geoms of one body that are rendered together."""
 
     geoms: tuple[Geom, ...]
     model_id: int
-    key: tuple[int, ...]  # changes whenever a geom's looks do
+    key: tuple[int, ...]  # changes with the appearance of a geom
     transparent: bool = False
 
 
@@ -88,7 +88,7 @@ class Content:
 
 @dataclass(frozen=True)
 class Light:
-    """A light: place [m], colours, constant, linear and quadratic fading; the rest as of a `LightGeom`, but global."""
+    """A light: position [m], colours, constant, linear, quadratic attenuation; the rest as in `LightGeom`, global."""
 
     position: tuple[float, float, float]
     ambient: GzColor

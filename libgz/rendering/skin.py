@@ -1,4 +1,4 @@
-"""Skins: meshes from files, drawn in place of a geom's own shape."""
+"""Skins: meshes from files, rendered in place of a geom's own shape."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ FLOAT_COLORS, BYTE_COLORS, PERCENTS = (0x0010, 0x0013), (0x0011, 0x0012), (0x003
 
 
 def read_skin(path: Path) -> list[Mesh]:
-    """The meshes of a file: 3DS by a reader of our own, other formats by the package trimesh.
+    """The meshes of a file: 3DS by the reader below, other formats by the package trimesh.
 
-    A damaged 3DS file gives what could be read, with one warning.
+    A damaged 3DS file gives the parts that can be read, with one warning.
 
     Raises:
-        GazeboError: nothing can be read from it; the message says what would help.
+        GazeboError: nothing can be read from it.
     """
     if path.suffix.lower() == ".3ds":
         return _read_3ds(path)
@@ -73,18 +73,18 @@ class _Reader3DS:
     data: bytes
     materials: dict[str, Material] = field(default_factory=dict)
     objects: list[_Object] = field(default_factory=list)
-    damage: str = ""  # the first that was found
+    damage: str = ""  # the first found
 
     def chunks(self, start: int, end: int) -> Iterator[tuple[int, int, int]]:
         """(id, begin of data, end) of each chunk in a stretch of the file.
 
         Raises:
-            _Damaged: a length cannot be.
+            _Damaged: a length is impossible.
         """
         while start + 6 <= end:
             kind, length = struct.unpack_from("<HI", self.data, start)
             if length >= 6:
-                yield kind, start + 6, min(start + length, end)  # one cut short may still hold whole ones
+                yield kind, start + 6, min(start + length, end)  # a truncated one may contain complete ones
             if length < 6 or start + length > end:
                 raise _Damaged(f"chunk {kind:#06x} at byte {start} claims {length} bytes of {end - start}")
             start += length
@@ -97,7 +97,7 @@ class _Reader3DS:
         return self.data[start:stop].decode("latin-1"), stop + 1
 
     def array(self, kind: str, start: int, end: int, columns: int) -> NDArray[Any]:
-        """A count and so many rows."""
+        """A count and that number of rows."""
         if start + 2 > end:
             raise _Damaged(f"the count at byte {start} is missing")
         count = int(np.frombuffer(self.data, "<u2", 1, start)[0])
@@ -112,14 +112,14 @@ class _Reader3DS:
         self.damage = self.damage or str(damage)
 
     def read(self) -> None:
-        """Read the whole file; damage in one material or object costs that one, or what of it comes after.
+        """Read the whole file; damage in one material or object loses the rest of that one only.
 
         Raises:
             _Damaged: the rest of the file cannot be read; what came before is kept.
         """
         kind, length = struct.unpack_from("<HI", self.data) if len(self.data) >= 6 else (0, 0)
         if kind != MAIN:
-            raise _Damaged("it does not begin as a 3DS file does")
+            raise _Damaged("it does not start like a 3DS file")
         for kind, start, end in self.chunks(6, max(6, min(length, len(self.data)))):
             if kind == EDITOR:
                 for inner, first, last in self.chunks(start, end):
@@ -130,7 +130,7 @@ class _Reader3DS:
             raise _Damaged(f"{length - len(self.data)} bytes are missing at its end")
 
     def attempt(self, part: Callable[[int, int], None], start: int, end: int) -> None:
-        """Read one part; if it is damaged, note it and let the others go on."""
+        """Read one part; if it is damaged, note that and continue."""
         try:
             part(start, end)
         except _Damaged as error:
@@ -175,7 +175,7 @@ class _Reader3DS:
                         self.faces(found, inner_begin, inner_stop)
 
     def faces(self, found: _Object, start: int, end: int) -> None:
-        """Read the triangles of an object, and which material they have."""
+        """Read the triangles of an object and their materials."""
         rows = self.array("<u2", start, end, 4)
         found.faces = rows[:, :3]
         for kind, first, last in self.chunks(start + 2 + rows.nbytes, end):
@@ -202,7 +202,7 @@ def _read_3ds(path: Path) -> list[Mesh]:
 
 
 def _parts(item: _Object, materials: dict[str, Material]) -> Iterator[Mesh]:
-    """One mesh for each material of an object; triangles with impossible corners are left out."""
+    """One mesh for each material of an object; triangles with invalid corners are skipped."""
     rest = np.ones(len(item.faces), dtype=bool)
     groups = []
     for name, members in item.groups:

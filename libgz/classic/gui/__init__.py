@@ -1,4 +1,4 @@
-"""Gazebo classic's `gui` names: what GUI plugins get in the client, which has no window of its own."""
+"""Gazebo classic's `gui` names: the client for GUI plugins, which has no window of its own."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ def get_main_window() -> MainWindow | None:
 
 
 def set_main_window(window: MainWindow | None) -> None:
-    """Make this the main window: the client does it."""
+    """Set the main window; the client does that."""
     global _window
     _window = window
 
 
 def get_active_camera() -> UserCamera | None:
-    """The camera through which the user looks; None where there is no client."""
+    """The user's camera; None where there is no client."""
     return _window.camera if _window is not None else None
 
 
 def set_active_camera(camera: UserCamera) -> None:
-    """Let the user look through another camera."""
+    """Set the user's camera."""
     if _window is not None:
         _window.camera = camera
 
 
 def get_world() -> str:
-    """The name of the world that is shown; empty where there is no client."""
+    """The name of the shown world; empty where there is no client."""
     return _window.scene.Name() if _window is not None else ""

@@ -1,4 +1,4 @@
-"""Client: shows a server's world to GUI and Visual plugins, and takes pictures of it."""
+"""Client: shows a server's world to GUI and Visual plugins, and takes images of it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from types import TracebackType
 from libgz.classic.gui import Events, MainWindow, set_main_window
 from libgz.classic.gui.scene_link import SceneLink
 from libgz.classic.loading import LoadedPlugin, new_plugin
-from libgz.classic.rendering.camera import draw_frame
+from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.geometry import GzPose
@@ -41,11 +41,11 @@ def ini_plugins() -> list[str]:
 
 
 class Client:
-    """A client without a window: its main window is an object, its user camera draws into memory.
+    """A client without a window: its main window is an object, its user camera renders into memory.
 
     Args:
-        size: of what the user camera sees [px].
-        pose: of the user camera [m]; else the world's `<gui>` says it, or Gazebo's default holds.
+        size: of the user camera's image [px].
+        pose: of the user camera [m]; else from the world's `<gui>`, or Gazebo's default.
         filenames: GUI plugins of the command line.
 
     Raises:
@@ -109,15 +109,15 @@ class Client:
 
     # Frames ------------------------------------------------------------------------------------------------------
 
-    def frame(self, picture: bool = False) -> None:
-        """Take in the server's news, and draw: only if a picture is asked for or somebody waits for one."""
+    def frame(self, image: bool = False) -> None:
+        """Update the world from the server, and render if an image is requested here or by callbacks."""
         self.link.update()
         camera = self.window.camera
         camera.Update()
-        draw_frame(self.world, [camera] if picture or camera.wanted else [])
+        render_frame(self.world, [camera] if image or camera.wanted else [])
 
     def run(self, rate: float) -> Iterator[None]:
-        """Frames at a rate of wall-clock time [Hz], until the window is closed: one each time that it is asked."""
+        """Take frames at a rate of wall-clock time [Hz] until the window is closed, one per `next`."""
         due = time.monotonic()
         while self.window.open:
             self.frame()
@@ -126,7 +126,7 @@ class Client:
             time.sleep(max(due - time.monotonic(), 0.0))
 
     def close(self) -> None:
-        """End it. Can be called twice."""
+        """Close the client. Can be called twice."""
         for plugin in self.plugins:
             plugin.drop()
         self.plugins.clear()

@@ -1,4 +1,4 @@
-"""SceneLink: a client's copy of the server's world, to be looked at."""
+"""SceneLink: a client's copy of the server's world, for rendering."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ __all__ = ["SceneLink", "only_looks"]
 
 log = logging.getLogger("libgz.classic")
 
-PATIENCE = 30.0  # [s] for the server to answer
+TIMEOUT = 30.0  # [s] for the server to answer
 
 
 def only_looks(root: Element) -> None:
-    """Take out what acts in the server: sensors, and plugins that are not of visuals or of the client."""
+    """Remove what runs in the server: sensors, and plugins other than those of visuals and of the client."""
     for element in list(_all(root)):
         acts = element.name == "sensor" or (
             element.name == "plugin" and element.parent is not None and element.parent.name not in ("visual", "gui")
@@ -46,7 +46,7 @@ def _all(element: Element) -> Iterator[Element]:
 
 
 class SceneLink:
-    """A world that stands still but for what the server tells of it.
+    """A world without physics, updated from the server.
 
     Args:
         timeout: how long the server may take to answer [s].
@@ -59,7 +59,7 @@ class SceneLink:
         WorldFileError: the server's world cannot be read.
     """
 
-    def __init__(self, timeout: float = PATIENCE) -> None:
+    def __init__(self, timeout: float = TIMEOUT) -> None:
         self._timeout = timeout
         self._node = Node()
         self._node.Init()
@@ -75,7 +75,7 @@ class SceneLink:
         )
 
     def _ask(self) -> SdfFile:
-        """The server's world as it is now, without what acts in it."""
+        """The server's world as it is now, without sensors and plugins."""
         name = self._node.GetTopicNamespace()
         try:
             answer = request(name, "world_sdf", timeout=self._timeout)
@@ -99,17 +99,17 @@ class SceneLink:
         core.paused = True
         return server.world
 
-    # Keeping up --------------------------------------------------------------------------------------------------
+    # Updates -----------------------------------------------------------------------------------------------------
 
     def update(self) -> None:
-        """Take in what the server has told since the last time."""
+        """Apply the server's messages since the last call."""
         TopicManager.Instance().ProcessNodes()
         waiting, self._waiting[:] = list(self._waiting), []
         if waiting:
-            self._follow(waiting[-1])  # the newest has all that the ones before had
+            self._follow(waiting[-1])  # the newest message contains everything
 
     def _follow(self, message: Any) -> None:
-        """Bring time, models and lights to what a message of poses tells."""
+        """Set time, models and lights from a message of poses."""
         self._core.set_sim_time(message.time.sec + 1e-9 * message.time.nsec)
         here = {part.GetName() for part in self.world.children()}
         if here != {pose.name for pose in message.pose if "::" not in pose.name}:
@@ -125,7 +125,7 @@ class SceneLink:
         return self._entities[name]
 
     def _follow_changes(self) -> None:
-        """Models and lights that the server has now, and no others."""
+        """Add and remove models and lights as the server did."""
         holder = next(self._ask().root.named("world"))
         there = {e.Get(str, "name"): e for e in holder.children if e.name in ("model", "light")}
         here = {part.GetName() for part in self.world.children()}
@@ -140,6 +140,6 @@ class SceneLink:
             self.world.server.visuals.add()
 
     def close(self) -> None:
-        """Let the copy go."""
+        """Close the copy."""
         self._node.Fini()
         self._core.close()

@@ -1,4 +1,4 @@
-"""MainWindow: what a client has in place of a window, and the places that GUI plugins have in it."""
+"""MainWindow: stands for a client's window, with the overlays of its GUI plugins."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ __all__ = ["GUI", "MainWindow"]
 
 
 class GUI:
-    """A plugin's place in the client: a rectangle with a text and buttons, for whatever shows them.
+    """A plugin's overlay in the client: a rectangle with a text and buttons, for programs that show them.
 
     Attributes:
         name: the plugin's.
         position: of its upper left corner [px].
         size: width and height [px].
-        text: what it says.
+        text: shown in it.
     """
 
     def __init__(self, name: str) -> None:
@@ -34,7 +34,7 @@ class GUI:
         self._kept: list[object] = []
 
     def Move(self, x: int, y: int) -> None:
-        """Place its upper left corner [px]."""
+        """Move its upper left corner [px]."""
         self.position = (int(x), int(y))
 
     def Resize(self, width: int, height: int) -> None:
@@ -44,7 +44,7 @@ class GUI:
     move, resize = Move, Resize
 
     def SetText(self, text: str) -> None:
-        """Say something."""
+        """Set the text."""
         self.text = str(text)
 
     def SetVisible(self, visible: bool) -> None:
@@ -63,7 +63,7 @@ class GUI:
         """Press a button.
 
         Raises:
-            NotFoundError: there is none of this label.
+            NotFoundError: there is no such button.
         """
         if label not in self._buttons:
             raise NotFoundError(f"{self.name!r} has no button {label!r}{nearest(label, self._buttons)}")
@@ -71,14 +71,14 @@ class GUI:
 
 
 class MainWindow:
-    """The client as its plugins see it.
+    """The client's window, as plugins use it.
 
     Attributes:
         title: of the window.
-        scene: what is shown.
-        camera: through which it is seen.
-        places: of the plugins, by name.
-        open: until somebody closes it.
+        scene: the shown scene.
+        camera: the user's camera.
+        places: the overlays of the plugins, by name.
+        open: until it is closed.
     """
 
     def __init__(self, scene: Scene, camera: UserCamera) -> None:
@@ -100,11 +100,11 @@ class MainWindow:
         return self.camera.ImageHeight()
 
     def resize(self, width: int, height: int) -> None:
-        """Set the size of what is shown [px]."""
+        """Set the size of the image [px]."""
         self.camera.Resize(width, height)
 
     def AddPlace(self, name: str) -> GUI:
-        """A new place for a plugin."""
+        """A new overlay for a plugin."""
         self.places[name] = GUI(name)
         return self.places[name]
 

@@ -155,6 +155,7 @@ class Entity(Base):
     """An object with a pose."""
 
     entity_type = Base.ENTITY
+    visual: Any = None  # set by libgz.classic.rendering
 
     # Pose: subclasses read and write the engine's pose in these two methods.
 

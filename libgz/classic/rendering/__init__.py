@@ -1,6 +1,6 @@
-"""Gazebo classic's `rendering` names: scene, visuals, lights and cameras, as views on what is drawn."""
+"""Gazebo classic's `rendering` names: scene, visuals, lights and cameras, as views on the engine's."""
 
-from libgz.classic.rendering.camera import Camera, draw_frame
+from libgz.classic.rendering.camera import Camera, render_frame
 from libgz.classic.rendering.depth_camera import DepthCamera
 from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines
@@ -25,8 +25,8 @@ __all__ = [
     "UserCameraPtr",
     "Visual",
     "VisualPtr",
-    "draw_frame",
     "get_scene",
+    "render_frame",
 ]
 
 CameraPtr, DepthCameraPtr, UserCameraPtr = Camera, DepthCamera, UserCamera

@@ -1,4 +1,4 @@
-"""Camera: pictures of a world as Gazebo classic's plugins get them."""
+"""Camera: images of a world as Gazebo classic's plugins get them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +17,7 @@ from libgz.classic.common import Time
 from libgz.classic.math import Angle, Pose3d, Quaterniond, Vector2i, Vector3d
 from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
 from libgz.classic.rendering.mount import Mount
+from libgz.classic.rendering.visual import Visual
 from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import GzCoordPositionAdd, GzCoordPositionSub, GzPose, GzVector, QuaternLike, VectorLike, rotate
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
@@ -27,22 +27,14 @@ from libgz.simulation.event import Connection, Event
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
     from libgz.classic.rendering.scene import Scene
-    from libgz.classic.rendering.visual import Visual
 
-__all__ = ["Camera", "cameras_of", "draw_frame"]
+__all__ = ["Camera", "render_frame"]
 
 log = logging.getLogger("libgz.classic")
 
-_cameras: WeakKeyDictionary[Any, list[Camera]] = WeakKeyDictionary()  # of each world
 
-
-def cameras_of(world: World) -> list[Camera]:
-    """The cameras of a world, oldest first."""
-    return _cameras.setdefault(world.core, [])
-
-
-def draw_frame(world: World, cameras: Iterable[Camera]) -> None:
-    """Draw a picture with each camera: event PreRender, the pictures, Render, their callbacks, PostRender."""
+def render_frame(world: World, cameras: Iterable[Camera]) -> None:
+    """Render an image with each camera: event PreRender, the images, Render, their callbacks, PostRender."""
     events, cameras = world.core.events, list(cameras)
     events["PreRender"]()
     for camera in cameras:
@@ -60,21 +52,21 @@ class Camera:
 
         camera = Camera(world, "eye", 320, 240)
         camera.SetWorldPose(Pose3d(-3, 0, 1, 0, 0.2, 0))
-        draw_frame(world, [camera])
+        render_frame(world, [camera])
         camera.ImageData()
 
     Args:
         world: the classic world.
         name: of the camera.
-        width, height: of the picture [px].
+        width, height: of the image [px].
         hfov: horizontal field of view [rad].
-        near, far: nearest and farthest that is drawn [m].
+        near, far: clipping distances [m].
         image_format: layout of `ImageData`, one of SDF's `<image><format>`.
 
     Attributes:
-        pixels: the last picture, shape (height, width, 3), red, green, blue, top row first.
-        filters: functions that change `pixels` in place after each drawing, such as noise.
-        distortion: what `LensDistortion` gives.
+        core: the camera that renders.
+        filters: functions that change `pixels` in place after each image, such as noise.
+        distortion: the value of `LensDistortion`.
 
     Raises:
         ParameterError: an argument is out of range.
@@ -92,27 +84,29 @@ class Camera:
         far: float = 100.0,
         image_format: str = "R8G8B8",
     ) -> None:
+        from libgz.classic.rendering.scene import scene_of  # which makes cameras itself
+
         self._world, self._name = world, name
         self._format = check_format(image_format)
-        self.view = CoreCamera(world.core, width, height, float(hfov), near, far)
-        self.mount = Mount(self)
+        self.core = CoreCamera(world.core, width, height, float(hfov), near, far)
+        self.mount = Mount(self.core)
         self.filters: list[Callable[[NDArray[np.uint8]], object]] = []
         self.distortion: Any = None
         self._new_frame = Event("NewImageFrame")
         self._capture, self._saving, self._folder, self._saved = True, False, Path(), 0
         self._rate, self._fps, self._last = 30.0, 0.0, 0.0
         self._fresh = False
-        cameras_of(world).append(self)
+        self._scene = scene_of(world)
+        self._scene.add_camera(self)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._name!r}>"
 
     def close(self) -> None:
-        """Let the camera go. Can be called twice."""
-        if self in cameras_of(self._world):
-            cameras_of(self._world).remove(self)
+        """Close the camera. Can be called twice."""
+        self._scene.remove_camera(self)
         self._new_frame.clear()
-        self.view.close()
+        self.core.close()
 
     Fini = close
 
@@ -131,39 +125,37 @@ class Camera:
     GetName = Name
 
     def ScopedName(self) -> str:
-        """Its name after the world's, joined by ``::``."""
+        """``world::name``."""
         return f"{self._world.Name()}::{self._name}"
 
     GetScopedName = ScopedName
 
     def GetScene(self) -> Scene:
-        """The scene that it looks at."""
-        from libgz.classic.rendering.scene import scene_of
-
-        return scene_of(self._world)
+        """The scene of its world."""
+        return self._scene
 
     def Initialized(self) -> bool:
-        """Whether it can take pictures: OpenGL is not switched off."""
-        return not self.view.blind
+        """Whether it can take images: OpenGL is not switched off."""
+        return not self.core.blind
 
     GetInitialized = Initialized
 
-    # Drawing -----------------------------------------------------------------------------------------------------
+    # Rendering ---------------------------------------------------------------------------------------------------
 
     def Update(self) -> None:
-        """Go along with what it is attached to, looks after, or moves along."""
+        """Move with the visual that it is attached to, or along its path; turn to the visual that it tracks."""
         self.mount.update()
 
     def Render(self, force: bool = False) -> None:
-        """Take a picture of the world as it is now; `draw_frame` does it with the events around it."""
-        if not self.view.blind:
-            self._draw()
-            self._drawn()
+        """Take an image of the world as it is now; `render_frame` does so with the events around it."""
+        if not self.core.blind:
+            self._take_image()
+            self._finish_image()
 
-    def _draw(self) -> None:
-        self.view.Update()
+    def _take_image(self) -> None:
+        self.core.Update()
 
-    def _drawn(self) -> None:
+    def _finish_image(self) -> None:
         for change in self.filters:
             change(self.pixels)
         now = time.monotonic()
@@ -173,7 +165,7 @@ class Camera:
         self._last, self._fresh = now, True
 
     def PostRender(self) -> None:
-        """Hand the last picture to those who wait for it, and to a file if that is wanted; once for each picture."""
+        """Pass the last image to its callbacks, and to a file if enabled; once for each image."""
         if not self._fresh or not self._capture:
             return
         self._fresh = False
@@ -189,11 +181,11 @@ class Camera:
 
     @property
     def wanted(self) -> bool:
-        """Whether anybody waits for its pictures."""
+        """Whether its images have a callback, or are saved."""
         return self._capture and (self._saving or bool(self._new_frame))
 
     def ConnectNewImageFrame(self, callback: Callable[..., object]) -> Connection:
-        """Call ``callback(data, width, height, depth, format)`` with each picture, as long as the result is kept."""
+        """Call ``callback(data, width, height, depth, format)`` with each image, as long as the result is kept."""
         return self._new_frame.Connect(callback)
 
     def DisconnectNewImageFrame(self, connection: Connection) -> None:
@@ -201,71 +193,71 @@ class Camera:
         connection.Disconnect()
 
     def SetCaptureData(self, value: bool) -> None:
-        """Whether pictures are handed out; classic's user camera did so on request only, here all do at first."""
+        """Set whether images are passed to callbacks; by default they are, unlike those of classic's user camera."""
         self._capture = bool(value)
 
     def CaptureData(self) -> bool:
-        """Whether pictures are handed out."""
+        """Whether images are passed to callbacks."""
         return self._capture
 
     GetCaptureData = CaptureData
 
     def LastRenderWallTime(self) -> Time:
-        """Wall-clock time of the last picture."""
+        """Wall-clock time of the last image."""
         return Time(time.time() - (time.monotonic() - self._last)) if self._last else Time()
 
     GetLastRenderWallTime = LastRenderWallTime
 
     def AvgFPS(self) -> float:
-        """Pictures in a second of wall-clock time, on average."""
+        """Mean number of images per second of wall-clock time."""
         return self._fps
 
     GetAvgFPS = AvgFPS
 
     def RenderRate(self) -> float:
-        """Pictures in a second that it is to take [Hz]."""
+        """Requested number of images per second [Hz]."""
         return self._rate
 
     GetRenderRate = RenderRate
 
     def SetRenderRate(self, hz: float) -> None:
-        """Set how many pictures in a second it is to take [Hz]; whoever draws keeps to it."""
+        """Set the requested number of images per second [Hz]; the caller of `Render` has to observe it."""
         self._rate = float(hz)
 
-    # The picture -------------------------------------------------------------------------------------------------
+    # Image -------------------------------------------------------------------------------------------------------
 
     @property
     def pixels(self) -> NDArray[np.uint8]:
-        """The last picture, shape (height, width, 3), red, green, blue, top row first."""
-        return self.view.image
+        """The last image, shape (height, width, 3), red, green, blue, top row first."""
+        return self.core.image
 
     def ImageData(self, i: int = 0) -> bytes:
-        """The last picture, top row first, in the layout `ImageFormat`."""
+        """The last image, top row first, in the layout `ImageFormat`."""
         return pack(self.pixels, self._format)
 
     GetImageData = ImageData
 
     def ImageWidth(self, i: int = 0) -> int:
         """[px]."""
-        return self.view.width
+        return self.core.width
 
     def ImageHeight(self, i: int = 0) -> int:
         """[px]."""
-        return self.view.height
+        return self.core.height
 
     ViewportWidth = GetViewportWidth = GetImageWidth = ImageWidth
     ViewportHeight = GetViewportHeight = GetImageHeight = ImageHeight
 
     def SetImageSize(self, width: int, height: int) -> None:
-        """Change the picture's size [px].
+        """Change the image's size [px].
 
         Raises:
             ParameterError: one of them is below 1.
         """
         if width < 1 or height < 1:
             raise ParameterError(f"camera {self._name!r}: image has zero size: {width} x {height} px")
-        self.view.width, self.view.height = int(width), int(height)
-        self.view.image = np.zeros((self.view.height, self.view.width, 3), dtype=np.uint8)
+        self.core.width, self.core.height = int(width), int(height)
+        self.core.image = np.zeros((self.core.height, self.core.width, 3), dtype=np.uint8)
 
     def ImageDepth(self) -> int:
         """Bytes of a pixel."""
@@ -288,19 +280,19 @@ class Camera:
         self._format = check_format(name)
 
     def ImageByteSize(self) -> int:
-        """Bytes of a picture."""
-        return self.view.width * self.view.height * self.ImageDepth()
+        """Bytes of an image."""
+        return self.core.width * self.core.height * self.ImageDepth()
 
     GetImageByteSize = ImageByteSize
 
     def AspectRatio(self) -> float:
         """Width over height."""
-        return self.view.width / self.view.height
+        return self.core.width / self.core.height
 
     GetAspectRatio = AspectRatio
 
     def SaveFrame(self, filename: str) -> bool:
-        """Write the last picture to a file, in the format of its name; whether that worked."""
+        """Write the last image to a file, in the format of its suffix; whether that worked."""
         path = Path(filename)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -311,11 +303,11 @@ class Camera:
         return True
 
     def EnableSaveFrame(self, enable: bool) -> None:
-        """Whether each picture is written to a file: ``<pathname>/<name>-0000.jpg`` and so on."""
+        """Set whether each image is written to a file: ``<pathname>/<name>-0000.jpg`` and so on."""
         self._saving = bool(enable)
 
     def SetSaveFramePathname(self, pathname: str) -> None:
-        """The folder for the pictures; it is made when it is needed."""
+        """Set the folder for the images; it is made when needed."""
         self._folder, self._saved = Path(pathname), 0
 
     def _save_next(self) -> None:
@@ -326,42 +318,42 @@ class Camera:
 
     def HFOV(self) -> Angle:
         """Horizontal field of view [rad]."""
-        return Angle(self.view.hfov)
+        return Angle(self.core.hfov)
 
     GetHFOV = HFOV
 
     def SetHFOV(self, angle: float | Angle) -> None:
         """Set the horizontal field of view [rad]."""
-        self.view.SetFOV(float(angle))
+        self.core.SetFOV(float(angle))
 
     def VFOV(self) -> Angle:
         """Vertical field of view [rad]; pixels are square."""
-        return Angle(2.0 * math.atan(math.tan(self.view.hfov / 2.0) / self.AspectRatio()))
+        return Angle(2.0 * math.atan(math.tan(self.core.hfov / 2.0) / self.AspectRatio()))
 
     GetVFOV = VFOV
 
     def NearClip(self) -> float:
-        """Nearest that is drawn [m]."""
-        return self.view.near
+        """Near clipping distance [m]."""
+        return self.core.near
 
     GetNearClip = NearClip
 
     def FarClip(self) -> float:
-        """Farthest that is drawn [m]."""
-        return self.view.far
+        """Far clipping distance [m]."""
+        return self.core.far
 
     GetFarClip = FarClip
 
     def SetClipDist(self, near: float | None = None, far: float | None = None) -> None:
-        """Set the nearest and the farthest that is drawn [m].
+        """Set the clipping distances [m].
 
         Raises:
             ParameterError: they are not 0.01 m or more, the second beyond the first.
         """
-        near, far = self.view.near if near is None else float(near), self.view.far if far is None else float(far)
+        near, far = self.core.near if near is None else float(near), self.core.far if far is None else float(far)
         if not LEAST_NEAR <= near < far:
             raise ParameterError(f"clip distances are {near:g} and {far:g} m; allowed is {LEAST_NEAR} <= near < far")
-        self.view.near, self.view.far = near, far
+        self.core.near, self.core.far = near, far
 
     def LensDistortion(self) -> Any:
         """The distortion of its lens; None if it has none."""
@@ -369,11 +361,11 @@ class Camera:
 
     GetDistortion = LensDistortion
 
-    # Place -------------------------------------------------------------------------------------------------------
+    # Pose --------------------------------------------------------------------------------------------------------
 
     def WorldPose(self) -> Pose3d:
         """Global pose [m]."""
-        return Pose3d(self.view.GetPose())
+        return Pose3d(self.core.GetPose())
 
     GetWorldPose = WorldPose
 
@@ -391,86 +383,86 @@ class Camera:
 
     def SetWorldPose(self, pose: GzPose) -> None:
         """Move it to a global pose [m]."""
-        self.view.SetPose(GzPose(GzVector(*pose.pos), pose.rot))
+        self.core.SetPose(GzPose(GzVector(*pose.pos), pose.rot))
 
     def SetWorldPosition(self, pos: VectorLike) -> None:
         """Move it to a global position [m]; its rotation stays."""
-        self.SetWorldPose(GzPose(GzVector(*pos), self.view.pose.rot))
+        self.SetWorldPose(GzPose(GzVector(*pos), self.core.pose.rot))
 
     def SetWorldRotation(self, quat: QuaternLike) -> None:
-        """Turn it to a global rotation; its place stays."""
-        self.SetWorldPose(Pose3d(self.view.pose.pos, quat))
+        """Turn it to a global rotation; its position stays."""
+        self.SetWorldPose(Pose3d(self.core.pose.pos, quat))
 
     def Translate(self, direction: VectorLike) -> None:
         """Move it by a vector in its own frame [m]."""
-        pose = self.view.pose
+        pose = self.core.pose
         self.SetWorldPosition(GzCoordPositionAdd(direction, pose.pos, pose.rot))
 
     def _axis(self, x: float, y: float, z: float) -> Vector3d:
-        return Vector3d(*rotate(self.view.pose.rot, (x, y, z)))
+        return Vector3d(*rotate(self.core.pose.rot, (x, y, z)))
 
     def Direction(self) -> Vector3d:
-        """Where it looks, a global unit vector."""
+        """Its viewing direction, a global unit vector."""
         return self._axis(1.0, 0.0, 0.0)
 
     GetDirection = Direction
 
     def Up(self) -> Vector3d:
-        """Upwards in the picture, a global unit vector."""
+        """Up in the image, a global unit vector."""
         return self._axis(0.0, 0.0, 1.0)
 
     GetUp = Up
 
     def Right(self) -> Vector3d:
-        """To the right in the picture, a global unit vector."""
+        """Right in the image, a global unit vector."""
         return self._axis(0.0, -1.0, 0.0)
 
     GetRight = Right
 
     def Project(self, pt: VectorLike) -> Vector2i:
-        """The pixel at which a global point [m] is seen, from the upper left; (-1, -1) for one behind the camera."""
-        forward, left, up = GzCoordPositionSub(pt, self.view.pose.pos, self.view.pose.rot)
+        """The pixel of a global point [m], from the upper left; (-1, -1) for one behind the camera."""
+        forward, left, up = GzCoordPositionSub(pt, self.core.pose.pos, self.core.pose.rot)
         if forward <= 0.0:
             return Vector2i(-1, -1)
-        scale = self.view.view.focal / forward
-        x, y = self.view.width / 2.0 - scale * left, self.view.height / 2.0 - scale * up
+        scale = self.core.view.focal / forward
+        x, y = self.core.width / 2.0 - scale * left, self.core.height / 2.0 - scale * up
         return Vector2i(math.floor(x), math.floor(y))
 
     def CameraToViewportRay(self, screenx: float, screeny: float) -> tuple[Vector3d, Vector3d]:
-        """(start [m], global unit vector) of what is seen at a pixel."""
-        focal = self.view.view.focal
-        left, up = self.view.width / 2.0 - screenx, self.view.height / 2.0 - screeny
+        """(start [m], global unit vector) of the line of sight through a pixel."""
+        focal = self.core.view.focal
+        left, up = self.core.width / 2.0 - screenx, self.core.height / 2.0 - screeny
         return self.WorldPosition(), self._axis(focal, left, up).Normalize()
 
     def WorldPointOnPlane(
         self, x: float, y: float, normal: VectorLike = (0.0, 0.0, 1.0), offset: float = 0.0
     ) -> Vector3d | None:
-        """Where the plane normal . p = offset [m] is seen at a pixel; None where it is not."""
-        start, way = self.CameraToViewportRay(x, y)
+        """The point of the plane normal . p = offset [m] at a pixel; None if it is not visible there."""
+        start, direction = self.CameraToViewportRay(x, y)
         n = Vector3d(*normal)
-        slope = n.Dot(way)
+        slope = n.Dot(direction)
         distance = (offset - n.Dot(start)) / slope if slope else -1.0
-        return start + way * distance if distance >= 0.0 else None
+        return start + direction * distance if distance >= 0.0 else None
 
     # Motion ------------------------------------------------------------------------------------------------------
 
     def AttachToVisual(
         self, visual: Visual | str | int, inheritOrientation: bool = True, minDist: float = 0.0, maxDist: float = 0.0
     ) -> bool:
-        """Carry it along with a visual, at the place that it has to it now; whether there is such a visual."""
+        """Attach it to a visual, at its present relative pose; whether there is such a visual."""
         found = self._find(visual)
         if found is not None:
             self.mount.attach(found, inheritOrientation)
         return found is not None
 
     def TrackVisual(self, visual: Visual | str) -> bool:
-        """Let it look at a visual from now on, wherever it goes; an empty name ends it."""
+        """Keep looking at a visual from now on; an empty name ends that."""
         found = self._find(visual)
         self.mount.track(found)
         return found is not None
 
     def TrackedVisual(self) -> Visual | None:
-        """What it looks after."""
+        """The visual that it tracks."""
         return self.mount.tracked
 
     GetTrackedVisual = TrackedVisual
@@ -484,15 +476,15 @@ class Camera:
         return found
 
     def MoveToPosition(self, pose: GzPose, time: float) -> bool:
-        """Move it to a global pose [m] in so many seconds of wall-clock time; whether it does not move yet."""
+        """Move it to a global pose [m] in `time` seconds of wall-clock time; False if it is already moving."""
         return self.MoveToPositions([pose], time)
 
     def MoveToPositions(
         self, poses: Sequence[GzPose], time: float, onComplete: Callable[[], object] | None = None
     ) -> bool:
-        """Move it through global poses [m] in so many seconds of wall-clock time; whether it does not move yet."""
+        """Move it through global poses [m] in `time` seconds of wall-clock time; False if it is already moving."""
         return self.mount.move_through(poses, time, onComplete)
 
     def IsAnimating(self) -> bool:
-        """Whether it moves."""
+        """Whether it is moving."""
         return self.mount.moving

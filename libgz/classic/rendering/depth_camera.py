@@ -1,4 +1,4 @@
-"""DepthCamera: a camera that measures how far away things are."""
+"""DepthCamera: a camera that measures distances."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ Floats = NDArray[np.float32]
 
 
 class DepthCamera(Camera):
-    """A camera with depths: of each pixel how far ahead it is, along the camera's axis [m], +inf where nothing is seen.
+    """A camera with depths: the distance ahead, along the camera's axis [m], of each pixel; +inf where nothing is seen.
 
-    Things nearer than its near clip distance or beyond its far one are not seen. Arguments as for `Camera`.
+    Nothing closer than its near clip distance or beyond its far one is seen. Arguments as for `Camera`.
     """
 
     def __init__(self, *values: Any, **options: Any) -> None:
         super().__init__(*values, **options)
-        self._depths = np.full((self.view.height, self.view.width), np.inf, dtype=np.float32)
+        self._depths = np.full((self.core.height, self.core.width), np.inf, dtype=np.float32)
         self._new_depths, self._new_cloud = Event("NewDepthFrame"), Event("NewRGBPointCloud")
 
     def close(self) -> None:
-        """Let the camera go. Can be called twice."""
+        """Close the camera. Can be called twice."""
         self._new_depths.clear()
         self._new_cloud.clear()
         super().close()
@@ -36,32 +36,32 @@ class DepthCamera(Camera):
     Fini = close
 
     def SetImageSize(self, width: int, height: int) -> None:
-        """Change the picture's size [px]."""
+        """Change the image's size [px]."""
         super().SetImageSize(width, height)
-        self._depths = np.full((self.view.height, self.view.width), np.inf, dtype=np.float32)
+        self._depths = np.full((self.core.height, self.core.width), np.inf, dtype=np.float32)
 
-    def _draw(self) -> None:
-        self.view.Update(self._depths)
+    def _take_image(self) -> None:
+        self.core.Update(self._depths)
 
     @property
     def depths(self) -> Floats:
-        """Depths of the last picture [m], shape (height, width), top row first."""
+        """Depths of the last image [m], shape (height, width), top row first."""
         return self._depths
 
     def DepthData(self) -> Floats:
-        """The same row after row, shape (height * width,)."""
+        """The same, row after row, shape (height * width,)."""
         return self._depths.ravel()
 
     GetDepthData = DepthData
 
     def point_cloud(self) -> Floats:
-        """Of each pixel the point that is seen, shape (height, width, 4).
+        """The visible point at each pixel, shape (height, width, 4).
 
         x to the right, y down, z forward [m], in the camera's frame, +-inf where nothing is seen; then the colour: the
         bits of the float are 0x00RRGGBB.
         """
         height, width = self._depths.shape
-        focal = self.view.view.focal
+        focal = self.core.view.focal
         cloud = np.empty((height, width, 4), dtype=np.float32)
         right = (np.arange(width) + 0.5 - width / 2.0) / focal
         down = (np.arange(height) + 0.5 - height / 2.0) / focal
@@ -82,7 +82,7 @@ class DepthCamera(Camera):
             self._new_cloud(self.point_cloud().ravel(), width, height, 1, "RGBPOINTS")
 
     def ConnectNewDepthFrame(self, callback: Callable[..., object]) -> Connection:
-        """Call ``callback(depths, width, height, 1, "FLOAT32")`` with each picture, as long as the result is kept."""
+        """Call ``callback(depths, width, height, 1, "FLOAT32")`` with each image, as long as the result is kept."""
         return self._new_depths.Connect(callback)
 
     def DisconnectNewDepthFrame(self, connection: Connection) -> None:
@@ -90,7 +90,7 @@ class DepthCamera(Camera):
         connection.Disconnect()
 
     def ConnectNewRGBPointCloud(self, callback: Callable[..., object]) -> Connection:
-        """Call ``callback(points, width, height, 1, "RGBPOINTS")`` with each picture: `point_cloud`, row after row."""
+        """Call ``callback(points, width, height, 1, "RGBPOINTS")`` with each image: `point_cloud`, row after row."""
         return self._new_cloud.Connect(callback)
 
     def DisconnectNewRGBPointCloud(self, connection: Connection) -> None:

@@ -1,4 +1,4 @@
-"""The layouts in which cameras hand out their pictures."""
+"""Pixel layouts of camera images."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def _gray(pixels: Pixels) -> NDArray[np.float64]:
 
 
 def _bayer(order: str) -> Callable[[Pixels], NDArray[np.uint8]]:
-    """Of each pixel the one colour that its place in the 2 x 2 pattern lets through."""
+    """Keep one colour of each pixel, by its place in the 2 x 2 pattern."""
     channels = [{"R": RED, "G": GREEN, "B": BLUE}[letter] for letter in order]
 
     def convert(pixels: Pixels) -> NDArray[np.uint8]:
@@ -83,10 +83,10 @@ def check_format(name: str) -> str:
 
 
 def bytes_per_pixel(name: str) -> int:
-    """How many bytes a pixel takes."""
+    """The number of bytes of a pixel."""
     return FORMATS[name][0]
 
 
 def pack(pixels: Pixels, name: str) -> bytes:
-    """A picture in a layout, top row first; numbers of 16 bits have the machine's order of bytes."""
+    """An image in a layout, top row first; numbers of 16 bits have the machine's byte order."""
     return FORMATS[name][1](pixels).tobytes()

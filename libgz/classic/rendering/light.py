@@ -1,4 +1,4 @@
-"""Light: a lamp, as it is drawn."""
+"""Light: a light as it is rendered."""
 
 from __future__ import annotations
 
@@ -73,37 +73,37 @@ class Light:
         self.geom.SetSpecularColor(color)
 
     def Direction(self) -> Vector3d:
-        """Where it shines, in its own frame."""
+        """The direction of its light, in its own frame."""
         return Vector3d(*self.geom.direction)
 
     GetDirection = Direction
 
     def SetDirection(self, dir: VectorLike) -> None:
-        """Set where it shines, in its own frame."""
+        """Set the direction of its light, in its own frame."""
         self.geom.direction = GzVector(*dir)
 
     def SetAttenuation(self, constant: float, linear: float, quadratic: float) -> None:
-        """Set the constant, linear [1/m] and quadratic [1/m^2] part of how it fades with distance."""
+        """Set the constant, linear [1/m] and quadratic [1/m^2] attenuation with distance."""
         self.geom.SetAttenuation((constant, linear, quadratic))
 
     def Range(self) -> float:
-        """Nothing beyond is lit [m]."""
+        """The distance up to which it has an effect [m]."""
         return self.geom.range
 
     def SetRange(self, range: float) -> None:
-        """Set how far it shines [m]."""
+        """Set the distance up to which it has an effect [m]."""
         self.geom.range = float(range)
 
     def SetSpotInnerAngle(self, angle: float) -> None:
-        """Set the angle of the cone that is lit in full [rad]."""
+        """Set the angle of the fully lit cone [rad]."""
         self.geom.spot = (float(angle), *self.geom.spot[1:])
 
     def SetSpotOuterAngle(self, angle: float) -> None:
-        """Set the angle of the cone that is lit at all [rad]."""
+        """Set the angle of the whole lit cone [rad]."""
         self.geom.spot = (self.geom.spot[0], float(angle), self.geom.spot[2])
 
     def SetSpotFalloff(self, value: float) -> None:
-        """Set how fast light fades between both, as a power."""
+        """Set the exponent of the falloff between both angles."""
         self.geom.spot = (*self.geom.spot[:2], float(value))
 
     def WorldPose(self) -> Pose3d:
@@ -131,7 +131,7 @@ class Light:
         self.core.GetBody().SetPose(Pose3d(self.core.GetPose().pos, q))
 
     def Visible(self) -> bool:
-        """Whether it shines."""
+        """Whether it is switched on."""
         return self.geom.appearance.visible
 
     def SetVisible(self, visible: bool) -> None:

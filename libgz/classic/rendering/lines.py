@@ -1,8 +1,8 @@
-"""DynamicLines: lines and points that plugins draw."""
+"""DynamicLines: lines and points that plugins add to images."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,30 +13,41 @@ from libgz.geometry import GzColor, GzCoordPositionSub, GzPose, VectorLike
 from libgz.rendering.shot import Lines, pose_matrix
 from libgz.sdf.materials import find_material
 
-if TYPE_CHECKING:
-    from libgz.classic.rendering.visual import Visual
+__all__ = ["DynamicLines", "LineFrame", "placed"]
 
-__all__ = ["DynamicLines", "placed"]
-
-SPOT = 0.02  # [m] of the crosses that points are shown as
+SPOT = 0.02  # [m] size of the crosses that show points
 CROSS = SPOT / 2.0 * np.array(((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)), dtype=float)
 
 
-class DynamicLines:
-    """Lines through points in the frame of a visual, without light and shade.
+class LineFrame(Protocol):
+    """The visual in whose frame lines are, as they use it."""
 
-    `Visual.CreateDynamicLine` makes them. A stretch between two points has the colour of the first.
+    @property
+    def deleted(self) -> bool:
+        """Whether its body was deleted."""
+
+    def Visible(self) -> bool:
+        """Whether it is shown."""
+
+    def world_pose(self) -> GzPose:
+        """Global pose [m]."""
+
+
+class DynamicLines:
+    """Unlit lines through points in the frame of a visual.
+
+    `Visual.CreateDynamicLine` makes them. The line between two points has the colour of the first.
     """
 
     POINT_LIST: ClassVar[int] = 1  # each point by itself
-    LINE_LIST: ClassVar[int] = 2  # a line from each even point to the next
+    LINE_LIST: ClassVar[int] = 2  # a line from each even point to the next one
     LINE_STRIP: ClassVar[int] = 3  # one line through all points
 
-    def __init__(self, visual: Visual, type: int = LINE_STRIP) -> None:
+    def __init__(self, visual: LineFrame, type: int = LINE_STRIP) -> None:
         self.visual, self.type = visual, type
         self._points: list[Vector3d] = []
         self._colors: list[Color] = []
-        self._following: dict[int, Visual] = {}
+        self._attached: dict[int, LineFrame] = {}
         self._visible = True
 
     def AddPoint(self, point: VectorLike | float, *values: float | GzColor) -> None:
@@ -57,7 +68,7 @@ class DynamicLines:
         """Move a point [m].
 
         Raises:
-            NotFoundError: there is none of that number.
+            NotFoundError: there is no such point.
         """
         self._points[self._check(index)] = Vector3d(*value)
 
@@ -65,24 +76,24 @@ class DynamicLines:
         """A point [m].
 
         Raises:
-            NotFoundError: there is none of that number.
+            NotFoundError: there is no such point.
         """
         return self._points[self._check(index)]
 
     GetPoint = Point
 
     def PointCount(self) -> int:
-        """How many points there are."""
+        """The number of points."""
         return len(self._points)
 
     GetPointCount = PointCount
 
     def SetColor(self, index: int, color: GzColor) -> None:
-        """Colour a point, and the line from it."""
+        """Set the colour of a point and of the line from it."""
         self._colors[self._check(index)] = Color(*color)
 
     def setMaterial(self, name: str) -> None:
-        """Give all points there are the colour of a material."""
+        """Give all present points the colour of a material."""
         material = find_material(name)
         if material is not None:
             glow = material.emissive if any(material.emissive[:3]) else material.ambient
@@ -95,28 +106,28 @@ class DynamicLines:
         self._visible = bool(visible)
 
     def setVisibilityFlags(self, flags: int) -> None:
-        """Accepted: all cameras see them."""
+        """Accepted, and ignored: all cameras show them."""
 
     def Clear(self) -> None:
-        """Take all points out."""
+        """Remove all points."""
         self._points.clear()
         self._colors.clear()
-        self._following.clear()
+        self._attached.clear()
 
     def Update(self) -> None:
-        """Classic's request to draw them anew; they always are."""
+        """Accepted: every image shows the present points."""
 
-    def follow(self, index: int, visual: Visual) -> None:
-        """Let a point go along with a visual."""
-        self._following[index] = visual
+    def attach(self, index: int, visual: LineFrame) -> None:
+        """Attach a point to a visual: it moves with the visual."""
+        self._attached[index] = visual
 
     def segments(self) -> list[Lines]:
-        """What is to be drawn: lines of each colour."""
-        frame = self.visual._world()
-        self._following = {index: visual for index, visual in self._following.items() if not visual.gone}
-        for index, visual in self._following.items():
+        """The lines to render, by colour."""
+        frame = self.visual.world_pose()
+        self._attached = {index: visual for index, visual in self._attached.items() if not visual.deleted}
+        for index, visual in self._attached.items():
             if index < len(self._points):
-                self._points[index] = Vector3d(*GzCoordPositionSub(visual._world().pos, frame.pos, frame.rot))
+                self._points[index] = Vector3d(*GzCoordPositionSub(visual.world_pose().pos, frame.pos, frame.rot))
         if not self._visible or not self.visual.Visible():
             return []
         of_color: dict[tuple[float, float, float], list[NDArray[np.float64]]] = {}

@@ -1,4 +1,4 @@
-"""Shapes of visuals: how large they are, and those that plugins attach by name."""
+"""Shapes of visuals: their sizes, and the shapes that plugins attach by name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom, TriMeshGeom
 from libgz.physics.mesh_files import read_mesh
-from libgz.rendering.drawers import meshes_of
+from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.shot import pose_matrix
 from libgz.sdf.element import Element
 from libgz.sdf.materials import Material
@@ -43,14 +43,14 @@ def base_size(geom: Geom, sdf: Element | None) -> GzVector:
 
 
 def corners_of(geom: Geom, frame: GzPose) -> NDArray[np.float64]:
-    """The vertices of what is drawn for a geom, in a frame [m], shape (n, 3)."""
+    """The vertices of a geom's meshes, in a frame [m], shape (n, 3)."""
     place = pose_matrix(GzCoordPoseSub(geom.GetPose(), frame))
     found = [shape.scaled(*geom.appearance.scale).moved(place).vertices for shape in meshes_of(geom, 12)]
     return np.concatenate(found).astype(np.float64) if found else np.zeros((0, 3))
 
 
 def attach_mesh(body: Body, name: str) -> list[Geom]:
-    """New geoms that are only drawn: a unit shape, or the parts of a mesh file.
+    """New geoms that are only rendered: a unit shape, or the parts of a mesh file.
 
     Raises:
         NotFoundError: there is no such shape or file.

@@ -1,4 +1,4 @@
-"""VisualPlugins: the Visual plugins of a world, loaded where pictures are drawn."""
+"""VisualPlugins: the Visual plugins of a world, loaded where images are rendered."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ __all__ = ["VisualPlugins"]
 
 
 class VisualPlugins:
-    """Loads the `<plugin>` elements of visuals. Each visual holds its own plugins; this finds them."""
+    """Loads the `<plugin>` elements of visuals. Each visual owns its plugins."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._seen: set[Visual] = set()
 
     def add(self, _models: Iterable[CoreModel] = ()) -> None:
-        """Load the plugins of all visuals that have come since the last time: whole visuals, one after the other."""
+        """Load the plugins of all visuals added since the last call, one visual after the other."""
         for visual in list(scene_of(self._world).visuals()):
             if visual not in self._seen:
                 self._seen.add(visual)
@@ -38,13 +38,13 @@ class VisualPlugins:
         visual.init_plugins()
 
     def plugins(self) -> Iterator[LoadedPlugin]:
-        """All of them that run."""
+        """All running plugins."""
         for visual in scene_of(self._world).visuals():
             yield from visual.plugins
 
     def remove_of(self, model: Model) -> None:
-        """A model leaves: so do the plugins of its visuals."""
-        for visual in scene_of(self._world).model_visual(model.core).tree():
+        """Remove the plugins of the visuals of a model that is being deleted."""
+        for visual in scene_of(self._world).model_visual(model).tree():
             self._drop(visual)
 
     def _drop(self, visual: Visual) -> None:
@@ -54,6 +54,6 @@ class VisualPlugins:
         self._seen.discard(visual)
 
     def close(self) -> None:
-        """Let all go."""
+        """Remove all plugins."""
         for visual in list(scene_of(self._world).visuals()):
             self._drop(visual)

@@ -1,4 +1,4 @@
-"""Scene: all that is drawn of a world, and how."""
+"""Scene: the rendered part of a world."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import functools
 import logging
 import weakref
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from libgz.classic.common import Time
 from libgz.classic.math import Color
 from libgz.classic.physics import World, get_world
-from libgz.classic.rendering.camera import Camera, cameras_of
+from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
 from libgz.classic.rendering.user_camera import UserCamera
@@ -28,10 +28,9 @@ from libgz.rendering.shot import Lines, View
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.visual import set_sky
-from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.entity import Entity as CoreModel
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.light import Light as WorldLight
     from libgz.classic.physics.link import Link
     from libgz.classic.physics.model import Model
 
@@ -49,14 +48,13 @@ NOON = 10.0  # [h] time of day of a sky that is switched on
 
 def scene_of(world: World) -> Scene:
     """The scene of a world."""
-    found: Scene | None = world.__dict__.get("scene")
-    if found is None:
-        found = world.__dict__["scene"] = Scene(world)
-    return found
+    if not isinstance(world.scene, Scene):
+        world.scene = Scene(world)
+    return world.scene
 
 
 def get_scene(name: str = "") -> Scene:
-    """The scene of a world by its name; without one, of the plugin's that is running, or the first.
+    """The scene of a world by its name; without one, of the running plugin's world, or the first.
 
     Raises:
         NotFoundError: there is no such world.
@@ -65,26 +63,27 @@ def get_scene(name: str = "") -> Scene:
 
 
 @functools.cache
-def _say_once(what: str) -> None:
+def _log_once(what: str) -> None:
     log.info("%s", what)
 
 
 class Scene:
-    """A view on what is drawn of a world: visuals, lights, cameras, and what is behind them."""
+    """The rendered part of a world: visuals, lights, cameras, background."""
 
     def __init__(self, world: World) -> None:
         self.world = world
         self.lines: list[DynamicLines] = []
+        self._cameras: list[Camera] = []
         self._highlighted: list[Visual] = []
-        self._still: Body | None = None
-        self._root = Visual.of(self, "__world_node__", None, home=GzPose, members=self._model_visuals)
+        self._static: Body | None = None
+        self._root = Visual.of(self, "__world_node__", None, frame=GzPose, members=self._model_visuals)
         element = world.SDF()
         scene = element.child("scene") if element is not None and element.name == "world" else None
         self.grid = scene.Get(bool, "grid") if scene is not None and scene.HasElement("grid") else True
         self._shadows = scene.Get(bool, "shadows") if scene is not None else True
-        # The backdrop belongs to the engine's world and must not keep this scene alive.
+        # The backdrop belongs to the engine's world, which must not keep this scene alive.
         this = weakref.ref(self)
-        world.core.backdrop.lines.append(lambda view: () if (alive := this()) is None else alive._drawn(view))
+        world.core.backdrop.lines.append(lambda view: () if (alive := this()) is None else alive._lines_for(view))
 
     def Name(self) -> str:
         """The world's name."""
@@ -93,7 +92,7 @@ class Scene:
     GetName = Name
 
     def Initialized(self) -> bool:
-        """Whether it can be drawn: always."""
+        """Whether it can be rendered: always."""
         return True
 
     GetInitialized = Initialized
@@ -107,7 +106,7 @@ class Scene:
     # Visuals -----------------------------------------------------------------------------------------------------
 
     def WorldVisual(self) -> Visual:
-        """The visual that all others are in."""
+        """The visual that contains all others."""
         return self._root
 
     GetWorldVisual = WorldVisual
@@ -128,70 +127,64 @@ class Scene:
         return next((visual for visual in self.visuals() if visual.Name() == name), None)
 
     def VisualCount(self) -> int:
-        """How many visuals there are, groups counted."""
+        """The number of visuals, groups included."""
         return sum(1 for _ in self.visuals())
 
     GetVisualCount = VisualCount
 
     def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | None:
-        """The model that a camera saw at a pixel of its last picture; None for none."""
+        """The model at a pixel of a camera's last image; None for none."""
         x, y = int(mousePos[0]), int(mousePos[1])
         try:
-            number = int(camera.view.segmentation[y, x])
+            number = int(camera.core.segmentation[y, x])
         except (IndexError, LibraryError):
             return None
         core = next((core for core in self.world.core.entities if core.GetIntId() == number), None)
-        return self.model_visual(core) if core is not None and not isinstance(core, SdfLight) else None
+        return self.model_visual(self.world.view(core)) if core is not None and not isinstance(core, SdfLight) else None
 
     GetVisualAt = GetModelVisualAt
 
     def _model_visuals(self) -> list[Visual]:
-        return [self.model_visual(model.core) for model in self.world.Models()]
+        return [self.model_visual(model) for model in self.world.Models()]
 
-    def model_visual(self, core: CoreModel) -> Visual:
-        """The visual of a model of the engine."""
-        model = self.world.view(core)
-        return self._visual_of(core, lambda: self._of_model(model))
+    def model_visual(self, model: Model) -> Visual:
+        """The visual of a model."""
+        if model.visual is None:
+            above = model.GetParent()
+            parent = self.model_visual(above) if above is not None else self._root  # type: ignore[arg-type]
+            body = model.core.bodies[0] if model.core.bodies else None
+            made = Visual.of(self, model.GetScopedName(), parent, frame=model.pose, body=body)
+            made.members = lambda: [
+                *(self._link_visual(link, made) for link in model.GetLinks()),
+                *(self.model_visual(nested) for nested in model.NestedModels()),
+            ]
+            model.visual = made
+        visual: Visual = model.visual
+        return visual
 
-    @staticmethod
-    def _visual_of(core: Any, make: Any) -> Visual:
-        """The one visual of an object of the engine, made when it is first asked for."""
-        found: Visual | None = core.__dict__.get("classic_visual")
-        if found is None:
-            found = core.__dict__["classic_visual"] = make()
-        return found
-
-    def _of_model(self, model: Model) -> Visual:
-        above = model.GetParent()
-        parent = self.model_visual(above.core) if above is not None else self._root  # type: ignore[attr-defined]
-        body = model.core.bodies[0] if model.core.bodies else None
-        made = Visual.of(self, model.GetScopedName(), parent, home=model.pose, body=body, sdf=None)
-        made.members = lambda: [
-            *(self._visual_of(link.body, lambda link=link: self._of_link(link, made)) for link in model.GetLinks()),
-            *(self.model_visual(nested.core) for nested in model.NestedModels()),
-        ]
-        return made
-
-    def _of_link(self, link: Link, parent: Visual) -> Visual:
-        made = Visual.of(self, link.GetScopedName(), parent, home=link.body.GetPose, body=link.body)
-        made.members = lambda: self._shapes(link, made)
-        return made
+    def _link_visual(self, link: Link, parent: Visual) -> Visual:
+        if link.visual is None:
+            made = Visual.of(self, link.GetScopedName(), parent, frame=link.body.GetPose, body=link.body)
+            made.members = lambda: self._shapes(link, made)
+            link.visual = made
+        visual: Visual = link.visual
+        return visual
 
     def _shapes(self, link: Link, parent: Visual) -> list[Visual]:
         """The visuals of a link, each with all the geoms that were made for it."""
         core = link.model.core
         elements = core.visual_elements if isinstance(core, SdfModel) else {}
-        mine = {geom for part in parent.made for shape in part.tree() for geom in shape.geoms}
+        attached = {geom for part in parent.made for shape in part.tree() for geom in shape.geoms}
         groups: dict[int, list[Geom]] = {}
         for geom in link.body.geoms:
-            known = "classic_visual" in geom.__dict__
-            if geom not in mine and (known or geom in elements or (not elements and geom.appearance.visible)):
+            known = geom in parent.shapes
+            if geom not in attached and (known or geom in elements or (not elements and geom.appearance.visible)):
                 element = elements.get(geom)
                 groups.setdefault(id(geom) if element is None else id(element), []).append(geom)
-        return [
-            self._visual_of(geoms[0], lambda geoms=geoms: self._of_geoms(link, geoms, parent))
-            for geoms in groups.values()
-        ]
+        parent.shapes = {
+            geoms[0]: parent.shapes.get(geoms[0]) or self._of_geoms(link, geoms, parent) for geoms in groups.values()
+        }
+        return list(parent.shapes.values())
 
     def _of_geoms(self, link: Link, geoms: list[Geom], parent: Visual) -> Visual:
         core = link.model.core
@@ -199,21 +192,27 @@ class Scene:
         name = f"{link.GetScopedName()}::{link.model.geom_name(geoms[0])}"
         return Visual.of(self, name, parent, body=link.body, geoms=geoms, sdf=sdf)
 
-    def still_body(self) -> Body:
-        """A body at the origin, for what plugins draw in the world."""
-        if self._still is None:
-            self._still = Body(self.world.core, dummy=True)
-        return self._still
+    def static_body(self) -> Body:
+        """A body at the origin, for shapes that plugins attach to the world."""
+        if self._static is None:
+            self._static = Body(self.world.core, dummy=True)
+        return self._static
 
     # Lights and cameras ------------------------------------------------------------------------------------------
 
     def lights(self) -> list[Light]:
         """All lights."""
-        cores = self.world.core.extension(SdfWorld).lights
-        return [core.__dict__.setdefault("classic_visual", Light(core)) for core in cores]
+        return [self._light(light) for light in self.world.Lights()]
+
+    @staticmethod
+    def _light(light: WorldLight) -> Light:
+        if light.visual is None:
+            light.visual = Light(light.core)
+        visual: Light = light.visual
+        return visual
 
     def LightCount(self) -> int:
-        """How many lights there are."""
+        """The number of lights."""
         return len(self.lights())
 
     GetLightCount = LightCount
@@ -227,12 +226,21 @@ class Scene:
 
     LightByName = LightByIndex = GetLight
 
+    def add_camera(self, camera: Camera) -> None:
+        """Add a camera; its constructor does that."""
+        self._cameras.append(camera)
+
+    def remove_camera(self, camera: Camera) -> None:
+        """Remove a camera; its `close` does that. Can be called twice."""
+        if camera in self._cameras:
+            self._cameras.remove(camera)
+
     def cameras(self) -> list[Camera]:
-        """All cameras but the user's."""
-        return [camera for camera in cameras_of(self.world) if not isinstance(camera, UserCamera)]
+        """All cameras but the user's, oldest first."""
+        return [camera for camera in self._cameras if not isinstance(camera, UserCamera)]
 
     def CameraCount(self) -> int:
-        """How many cameras there are, the user's not counted."""
+        """The number of cameras, the user's not counted."""
         return len(self.cameras())
 
     GetCameraCount = CameraCount
@@ -242,11 +250,11 @@ class Scene:
         return _pick(self.cameras(), which)
 
     def user_cameras(self) -> list[UserCamera]:
-        """The cameras of users."""
-        return [camera for camera in cameras_of(self.world) if isinstance(camera, UserCamera)]
+        """The cameras of users, oldest first."""
+        return [camera for camera in self._cameras if isinstance(camera, UserCamera)]
 
     def UserCameraCount(self) -> int:
-        """How many cameras of users there are."""
+        """The number of cameras of users."""
         return len(self.user_cameras())
 
     GetUserCameraCount = UserCameraCount
@@ -258,7 +266,7 @@ class Scene:
     UserCamera = GetUserCamera
 
     def CreateCamera(self, name: str, autoRender: bool = True) -> Camera:
-        """A new camera; `draw_frame` takes its pictures."""
+        """A new camera; `render_frame` takes its images."""
         return Camera(self.world, name)
 
     def CreateUserCamera(self, name: str, width: int = 800, height: int = 600) -> UserCamera_:
@@ -266,11 +274,11 @@ class Scene:
         return UserCamera(self.world, name, width, height)
 
     def RemoveCamera(self, name: str) -> None:
-        """Let a camera go."""
-        for camera in [c for c in cameras_of(self.world) if name in (c.Name(), c.ScopedName())]:
+        """Close a camera."""
+        for camera in [c for c in self._cameras if name in (c.Name(), c.ScopedName())]:
             camera.close()
 
-    # What is behind ----------------------------------------------------------------------------------------------
+    # Background --------------------------------------------------------------------------------------------------
 
     def AmbientColor(self) -> Color:
         """Light from everywhere."""
@@ -283,17 +291,17 @@ class Scene:
         self.world.core.backdrop.ambient = GzColor(*color)
 
     def BackgroundColor(self) -> Color:
-        """What is seen where there is nothing."""
+        """The background colour."""
         return Color(*self.world.core.skyColor)
 
     GetBackgroundColor = BackgroundColor
 
     def SetBackgroundColor(self, color: GzColor) -> None:
-        """Set what is seen where there is nothing."""
+        """Set the background colour."""
         self.world.core.skyColor = GzColor(*color)
 
     def SetFog(self, type: str, color: GzColor, density: float, start: float, end: float) -> None:
-        """Let distance fade: type linear from `start` to `end` [m], exp or exp2 with a density [1/m], or none.
+        """Set the fog: type linear from `start` to `end` [m], exp or exp2 with a density [1/m], or none.
 
         Raises:
             ParameterError: there is no such type.
@@ -306,19 +314,19 @@ class Scene:
         back.fog_kind = type if core.fogEnable else back.fog_kind
 
     def SetGrid(self, enabled: bool) -> None:
-        """Whether users' cameras show a grid of metres on the ground."""
+        """Set whether users' cameras show a metre grid on the ground."""
         self.grid = bool(enabled)
 
     def SetSky(self, enabled: bool = True, time: float = NOON) -> None:
-        """Whether there is a sky, of a time of day [h]. It has no clouds."""
-        _say_once("the sky is drawn without clouds")
+        """Set whether there is a sky, and its time of day [h]. It has no clouds."""
+        _log_once("the sky is rendered without clouds")
         set_sky(self.world.core, time if enabled else None)
 
     SetSkyXMode = SetSky
 
     def SetShadowsEnabled(self, value: bool) -> None:
-        """Kept: there are no shadows."""
-        _say_once("pictures have no shadows")
+        """The value is kept, but there are no shadows."""
+        _log_once("images have no shadows")
         self._shadows = bool(value)
 
     def ShadowsEnabled(self) -> bool:
@@ -330,14 +338,14 @@ class Scene:
     # Lines -------------------------------------------------------------------------------------------------------
 
     def highlight(self, visual: Visual, on: bool) -> None:
-        """Draw a box around a visual, or no more."""
+        """Show a box around a visual, or hide it."""
         self._highlighted = [other for other in self._highlighted if other is not visual]
         if on:
             self._highlighted.append(visual)
 
-    def _drawn(self, view: View) -> Iterator[Lines]:
-        self.lines = [line for line in self.lines if not line.visual.gone]
-        self._highlighted = [visual for visual in self._highlighted if not visual.gone]
+    def _lines_for(self, view: View) -> Iterator[Lines]:
+        self.lines = [line for line in self.lines if not line.visual.deleted]
+        self._highlighted = [visual for visual in self._highlighted if not visual.deleted]
         if self.grid and view.options.displayGrid:
             yield _grid()
         for line in self.lines:
@@ -347,7 +355,7 @@ class Scene:
             if visual.Visible() and box.Size().Length() > 0.0:
                 low, size = np.array(box.Min()), np.array(box.Size())
                 ends = [low + CORNERS[end] * size for edge in EDGES for end in edge]
-                yield placed(np.array(ends), visual._world(), WHITE)
+                yield placed(np.array(ends), visual.world_pose(), WHITE)
 
 
 def _pick(cameras: Sequence[C], which: str | int) -> C | None:
@@ -358,7 +366,7 @@ def _pick(cameras: Sequence[C], which: str | int) -> C | None:
 
 @functools.cache
 def _grid() -> Lines:
-    """Metres on the ground around the origin."""
+    """A metre grid on the ground around the origin."""
     half = CELLS * CELL / 2.0
     at = np.linspace(-half, half, CELLS + 1)
     z = 0.01  # above a ground plane

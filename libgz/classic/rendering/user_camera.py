@@ -1,4 +1,4 @@
-"""UserCamera: the camera through which a client's user looks."""
+"""UserCamera: the camera of a client's user."""
 
 from __future__ import annotations
 
@@ -11,44 +11,43 @@ from libgz.geometry import GzCoordPositionAdd, GzPose, GzPosePointAt, GzVector, 
 
 __all__ = ["UserCamera"]
 
-FRAMES = 2.0  # from how many times its size away a visual is looked at
+FRAMES = 2.0  # distance from which a visual is viewed, in multiples of its size
 
 
 class UserCamera(Camera):
-    """A camera with a place to come back to. Arguments as for `Camera`."""
+    """A camera with a default pose. Arguments as for `Camera`."""
 
     START = Pose3d(GzPosePointAt(GzVector(5.0, -5.0, 2.0), GzVector(0.0, 0.0, 0.0), GzVector(0.0, 0.0, 1.0)))
 
     def __init__(self, *values: Any, **options: Any) -> None:
         super().__init__(*values, **options)
         self._controller = "orbit"
-        self.view.options.displayGrid = True
-        self.GetScene()  # which draws the grid
+        self.core.options.displayGrid = True
         self._initial = self.START
         self._focus = Vector3d()
         self.SetDefaultPose(self.START)
 
     def SetDefaultPose(self, pose: GzPose) -> None:
-        """Set the pose that it starts from [m], and go there."""
+        """Set the default pose [m], and move there."""
         self._initial = Pose3d(pose)
         self.SetWorldPose(pose)
 
     SetInitialPose = SetDefaultPose
 
     def DefaultPose(self) -> Pose3d:
-        """The pose that it starts from [m]."""
+        """The default pose [m]."""
         return Pose3d(self._initial)
 
     InitialPose = DefaultPose
 
     def SetViewController(self, type: str) -> None:
-        """Choose how a mouse would move it: orbit, fps, ortho. It is kept: there is no mouse here."""
+        """Set how a mouse moves it: orbit, fps, ortho. The value is kept, but there is no mouse."""
         self._controller = type
 
     SetViewMode = SetViewController
 
     def GetViewControllerTypeString(self) -> str:
-        """How a mouse would move it."""
+        """How a mouse moves it."""
         return self._controller
 
     ViewControllerTypeString = GetViewControllerTypeString
@@ -62,11 +61,11 @@ class UserCamera(Camera):
         return Vector3d(self._focus)
 
     def Resize(self, w: int, h: int) -> None:
-        """Change the picture's size [px]."""
+        """Change the image's size [px]."""
         self.SetImageSize(w, h)
 
     def MoveToVisual(self, visual: Any, time: float = 0.5, done: Callable[[], object] | None = None) -> bool:
-        """Move so that a visual, itself or by name, is seen whole; whether there is one and it does not move yet."""
+        """Move so that all of a visual is visible; False if there is no such visual, or the camera already moves."""
         found = self._find(visual)
         if found is None:
             return False
@@ -74,4 +73,4 @@ class UserCamera(Camera):
         middle, size = GzCoordPositionAdd(box.Center(), there.pos, there.rot), max(box.Size().Length(), self.NearClip())
         away = GzVectorMul(-FRAMES * size, self.Direction())
         place = GzVectorAdd(middle, away)
-        return self.MoveToPositions([GzPose(GzVector(*place), self.view.pose.rot)], time, done)
+        return self.MoveToPositions([GzPose(GzVector(*place), self.core.pose.rot)], time, done)

@@ -1,4 +1,4 @@
-"""Visual: something that is drawn, or a group of such things: a model, a link."""
+"""Visual: a rendered shape, or a group of visuals: a model, a link."""
 
 from __future__ import annotations
 
@@ -27,21 +27,19 @@ __all__ = ["Visual"]
 
 log = logging.getLogger("libgz.classic")
 
-NOTHING = 1e-9  # scale in place of 0, from which there would be no way back
+SMALLEST = 1e-9  # scale in place of 0, which could not be undone
 _ids = itertools.count(1)
 
 
 class Visual:
-    """A view on drawn geoms, or on a group of visuals.
+    """A view on rendered geoms, or on a group of visuals.
 
-    Moving, colouring or hiding it changes what pictures show, and nothing in physics. A plugin makes one of its own by
-    ``Visual("name", parent)``, with the scene's or any other visual as parent, and gives it a shape by `AttachMesh`.
+    Moving, colouring or hiding it changes images only, not physics. A plugin makes its own with
+    ``Visual("name", parent)``, where the parent is the scene or any visual, and gives it a shape with `AttachMesh`.
     """
 
     def __init__(self, name: str, parent: Visual | Scene) -> None:
-        from libgz.classic.rendering.scene import Scene
-
-        above = parent.WorldVisual() if isinstance(parent, Scene) else parent
+        above = parent if isinstance(parent, Visual) else parent.WorldVisual()
         self._begin(above.GetScene(), name, above)
         above.made.append(self)
 
@@ -50,11 +48,12 @@ class Visual:
         self._id = next(_ids)
         self.geoms: list[Geom] = []
         self.sdf: Element | None = None
-        self.made: list[Visual] = []  # by plugins, in this one
-        self.home: Callable[[], GzPose] | None = None  # where what it shows is; else it goes along with its parent
-        self.body: Body | None = None  # that its shapes are drawn on
-        self.members: Callable[[], Sequence[Visual]] = tuple  # what it groups
-        self._offset = GzPose()  # from home, of a group
+        self.made: list[Visual] = []  # children that plugins made
+        self.shapes: dict[Geom, Visual] = {}  # of a link: its visuals, by their first geom
+        self.frame: Callable[[], GzPose] | None = None  # pose of its model or link; else the parent's
+        self.body: Body | None = None  # that carries its shapes
+        self.members: Callable[[], Sequence[Visual]] = tuple  # children from the world's file
+        self._offset = GzPose()  # of a group, from its frame
         self._transparency, self._visible, self._shadows, self._highlighted = 0.0, True, True, False
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
@@ -68,16 +67,16 @@ class Visual:
         name: str,
         parent: Visual | None,
         *,
-        home: Callable[[], GzPose] | None = None,
+        frame: Callable[[], GzPose] | None = None,
         body: Body | None = None,
         members: Callable[[], Sequence[Visual]] = tuple,
         geoms: Sequence[Geom] = (),
         sdf: Element | None = None,
     ) -> Visual:
-        """The visual of something that is there."""
+        """The visual of a model, a link, or geoms."""
         made = cls.__new__(cls)
         made._begin(scene, name, parent)
-        made.home, made.body, made.members, made.geoms, made.sdf = home, body, members, list(geoms), sdf
+        made.frame, made.body, made.members, made.geoms, made.sdf = frame, body, members, list(geoms), sdf
         if geoms:
             made._transparency = geoms[0].appearance.transparency
             made._visible = geoms[0].appearance.visible
@@ -95,7 +94,7 @@ class Visual:
     GetName = Name
 
     def GetId(self) -> int:
-        """A number that no other visual has."""
+        """A unique number."""
         return self._id
 
     def GetScene(self) -> Scene:
@@ -107,7 +106,7 @@ class Visual:
         return self.sdf
 
     def GetParent(self) -> Visual | None:
-        """The visual around it; None at the top."""
+        """The visual that contains it; None at the top."""
         return self._parent
 
     def GetRootVisual(self) -> Visual:
@@ -118,11 +117,11 @@ class Visual:
         return found
 
     def children(self) -> list[Visual]:
-        """What is in it."""
+        """The visuals in it."""
         return [*self.members(), *self.made]
 
     def GetChildCount(self) -> int:
-        """How many visuals are in it."""
+        """The number of visuals in it."""
         return len(self.children())
 
     ChildCount = GetChildCount
@@ -133,7 +132,7 @@ class Visual:
         return children[index] if 0 <= index < len(children) else None
 
     def tree(self) -> Iterator[Visual]:
-        """Itself and all in it, parents first."""
+        """Itself and all visuals in it, parents first."""
         yield self
         for child in self.children():
             yield from child.tree()
@@ -144,12 +143,12 @@ class Visual:
             yield from part.geoms
 
     def Load(self, sdf: Element | None = None) -> None:
-        """Classic's second step of making a visual; there is nothing left to do."""
+        """Accepted: the constructor has done all of it."""
 
     Init = Load
 
     def Fini(self) -> None:
-        """Take it out, with all in it that a plugin made."""
+        """Remove it, with everything in it that a plugin made."""
         for part in list(self.made):
             part.Fini()
         for line in list(self._lines):
@@ -175,16 +174,16 @@ class Visual:
             plugin.init()
 
     def LoadPlugin(self, filename: str, name: str, sdf: Element | None = None) -> None:
-        """Load one more plugin; then all are Inited, those that were there a second time, as classic did."""
+        """Load one more plugin; then Init all of them, earlier ones a second time, as classic did."""
         self.begin_plugin(filename, name, sdf or Element("plugin"))
         self.init_plugins()
         self._scene.world.server.serve_visuals()
 
     def RemovePlugin(self, name: str) -> None:
-        """Let a plugin go, with all it is connected to.
+        """Remove a plugin and disconnect its callbacks.
 
         Raises:
-            NotFoundError: there is none of this name.
+            NotFoundError: there is no such plugin.
         """
         plugin = next((plugin for plugin in self.plugins if plugin.name == name), None)
         if plugin is None:
@@ -193,14 +192,15 @@ class Visual:
         self.plugins.remove(plugin)
         plugin.drop()
 
-    # Place -------------------------------------------------------------------------------------------------------
+    # Pose --------------------------------------------------------------------------------------------------------
 
     def _base(self) -> GzPose:
-        if self.home is not None:
-            return self.home()
-        return self._parent._world() if self._parent is not None else GzPose()
+        if self.frame is not None:
+            return self.frame()
+        return self._parent.world_pose() if self._parent is not None else GzPose()
 
-    def _world(self) -> GzPose:
+    def world_pose(self) -> GzPose:
+        """Global pose [m], as the engine has it."""
         return self.geoms[0].GetPose() if self.geoms else GzCoordPoseAdd(self._offset, self._base())
 
     def _put(self, pose: GzPose) -> None:
@@ -211,27 +211,27 @@ class Visual:
 
     def WorldPose(self) -> Pose3d:
         """Global pose [m]."""
-        return Pose3d(self._world())
+        return Pose3d(self.world_pose())
 
     GetWorldPose = WorldPose
 
     def SetWorldPose(self, pose: GzPose) -> None:
-        """Move it, with all in it, to a global pose [m]; it goes on from there with its link."""
-        before = self._world()
-        moved = [(part, GzCoordPoseSub(part._world(), before)) for part in self.tree()]
+        """Move it, with all in it, to a global pose [m]; from there it moves with its link."""
+        before = self.world_pose()
+        moved = [(part, GzCoordPoseSub(part.world_pose(), before)) for part in self.tree()]
         for part, relative in moved:
             part._put(GzCoordPoseAdd(relative, pose))
 
     def Pose(self) -> Pose3d:
         """Pose in its parent [m]."""
-        around = self._parent._world() if self._parent is not None else GzPose()
-        return Pose3d(GzCoordPoseSub(self._world(), around))
+        around = self._parent.world_pose() if self._parent is not None else GzPose()
+        return Pose3d(GzCoordPoseSub(self.world_pose(), around))
 
     GetPose = Pose
 
     def SetPose(self, pose: GzPose) -> None:
         """Move it to a pose in its parent [m]."""
-        around = self._parent._world() if self._parent is not None else GzPose()
+        around = self._parent.world_pose() if self._parent is not None else GzPose()
         self.SetWorldPose(GzCoordPoseAdd(pose, around))
 
     def Position(self) -> Vector3d:
@@ -256,16 +256,16 @@ class Visual:
 
     def SetWorldPosition(self, pos: VectorLike) -> None:
         """Move it to a global position [m]."""
-        self.SetWorldPose(GzPose(GzVector(*pos), self._world().rot))
+        self.SetWorldPose(GzPose(GzVector(*pos), self.world_pose().rot))
 
     def SetWorldRotation(self, rot: QuaternLike) -> None:
         """Turn it to a global rotation."""
-        self.SetWorldPose(Pose3d(self._world().pos, rot))
+        self.SetWorldPose(Pose3d(self.world_pose().pos, rot))
 
     # Size --------------------------------------------------------------------------------------------------------
 
     def Scale(self) -> Vector3d:
-        """Of a box, sphere, cylinder or plane its size [m], for these are stretched unit shapes; of others factors."""
+        """The size [m] of a box, sphere, cylinder or plane, which are scaled unit shapes; of others the factors."""
         if not self.geoms:
             return Vector3d(self._scale)
         factors = self.geoms[0].appearance.scale
@@ -274,22 +274,22 @@ class Visual:
     GetScale = Scale
 
     def SetScale(self, scale: VectorLike) -> None:
-        """Set that; a group stretches what is in it, with the distances between. At 0 it is too small to be seen."""
-        ratios = [(new or NOTHING) / (old or 1.0) for new, old in zip(scale, self.Scale(), strict=True)]
-        origin = self._world()
+        """Set the scale; a group scales its parts and their distances. At 0 it is too small to be seen."""
+        ratios = [(new or SMALLEST) / (old or 1.0) for new, old in zip(scale, self.Scale(), strict=True)]
+        origin = self.world_pose()
         for part in self.tree():
             if part is not self:
-                x, y, z = (p * k for p, k in zip(GzCoordPoseSub(part._world(), origin).pos, ratios, strict=True))
+                x, y, z = (p * k for p, k in zip(GzCoordPoseSub(part.world_pose(), origin).pos, ratios, strict=True))
                 place = GzCoordPoseAdd(GzPose(GzVector(x, y, z)), origin)
-                part._put(GzPose(place.pos, part._world().rot))
+                part._put(GzPose(place.pos, part.world_pose().rot))
             for geom in part.geoms:
                 look = geom.appearance
                 look.scale = GzVector(*(a * k for a, k in zip(look.scale, ratios, strict=True)))
                 look.version += 1
-        self._scale = Vector3d(*(factor or NOTHING for factor in scale))
+        self._scale = Vector3d(*(factor or SMALLEST for factor in scale))
 
     def DerivedScale(self) -> Vector3d:
-        """The same: stretching a group stretches what is in it."""
+        """The same, because a group scales its parts."""
         return self.Scale()
 
     def GetGeometryType(self) -> str:
@@ -298,12 +298,12 @@ class Visual:
         return shape.name if shape is not None else ""
 
     def GetGeometrySize(self) -> Vector3d:
-        """Size of its shape [m], as `Scale` has it."""
+        """Size of its shape [m], as in `Scale`."""
         return self.Scale()
 
     def BoundingBox(self) -> AxisAlignedBox:
-        """The smallest box along its own axes around all that it shows [m], in its own frame."""
-        corners = [corners_of(geom, self._world()) for geom in self.leaves()]
+        """The smallest box around its shapes along its own axes [m], in its own frame."""
+        corners = [corners_of(geom, self.world_pose()) for geom in self.leaves()]
         points = np.concatenate(corners) if corners else np.zeros((0, 3))
         if not len(points):
             return AxisAlignedBox()
@@ -311,9 +311,9 @@ class Visual:
 
     GetBoundingBox = BoundingBox
 
-    # Looks -------------------------------------------------------------------------------------------------------
+    # Appearance --------------------------------------------------------------------------------------------------
 
-    def _paint(self, name: str, color: GzColor, cascade: bool) -> None:
+    def _set_color(self, name: str, color: GzColor, cascade: bool) -> None:
         for geom in self.leaves() if cascade else iter(self.geoms):
             look = geom.appearance
             setattr(look, name, GzColor(*color))
@@ -329,15 +329,15 @@ class Visual:
 
     def SetAmbient(self, color: GzColor, cascade: bool = True) -> None:
         """Set the colour in light from everywhere."""
-        self._paint("ambient", color, cascade)
+        self._set_color("ambient", color, cascade)
 
     def Diffuse(self) -> Color:
         """Colour in direct light."""
         return self._color("diffuse")
 
     def SetDiffuse(self, color: GzColor, cascade: bool = True) -> None:
-        """Set the colour in direct light; with an alpha below 1 it can be seen through."""
-        self._paint("diffuse", color, cascade)
+        """Set the colour in direct light; with an alpha below 1 it is transparent."""
+        self._set_color("diffuse", color, cascade)
 
     def Specular(self) -> Color:
         """Colour of highlights."""
@@ -345,15 +345,15 @@ class Visual:
 
     def SetSpecular(self, color: GzColor, cascade: bool = True) -> None:
         """Set the colour of highlights; they show where shininess is above 0."""
-        self._paint("specular", color, cascade)
+        self._set_color("specular", color, cascade)
 
     def Emissive(self) -> Color:
-        """Colour that it gives off itself."""
+        """Emitted colour."""
         return self._color("emission")
 
     def SetEmissive(self, color: GzColor, cascade: bool = True) -> None:
-        """Set the colour that it gives off itself."""
-        self._paint("emission", color, cascade)
+        """Set the emitted colour."""
+        self._set_color("emission", color, cascade)
 
     GetAmbient, GetDiffuse, GetSpecular, GetEmissive = Ambient, Diffuse, Specular, Emissive
 
@@ -368,7 +368,7 @@ class Visual:
             geom.SetShininess(shininess)
 
     def SetMaterial(self, materialName: str, unique: bool = True, cascade: bool = True) -> None:
-        """Put on a material by name, ``Gazebo/Red``; one that is not known is told, and changes nothing."""
+        """Set a material by name, ``Gazebo/Red``; an unknown one is logged, and changes nothing."""
         if materialName in ("", "__default__"):
             return
         looks = next(self.sdf.named("material"), None) if self.sdf is not None else None
@@ -382,19 +382,19 @@ class Visual:
                 put_on(geom.appearance, material)
 
     def GetMaterialName(self) -> str:
-        """The material that was put on by name; empty for none."""
+        """The material that was set by name; empty for none."""
         return self._material
 
     MaterialName = GetMaterialName
 
     def Transparency(self) -> float:
-        """How much can be seen through it, 0 to 1."""
+        """Transparency, 0 to 1."""
         return self._transparency
 
     GetTransparency = Transparency
 
     def SetTransparency(self, trans: float) -> None:
-        """Set how much can be seen through it, 0 to 1; what is in a group has its own on top."""
+        """Set the transparency, 0 to 1; the parts of a group have their own on top."""
         self._transparency = min(max(float(trans), 0.0), 1.0)
         for part in self.tree():
             derived = part.DerivedTransparency()
@@ -402,7 +402,7 @@ class Visual:
                 set_transparency(geom.appearance, derived)
 
     def DerivedTransparency(self) -> float:
-        """How much can be seen through it, the groups around it included."""
+        """Transparency, including that of the groups around it."""
         above = self._parent.DerivedTransparency() if self._parent is not None else 0.0
         return 1.0 - (1.0 - above) * (1.0 - self._transparency)
 
@@ -425,7 +425,7 @@ class Visual:
         self.SetVisible(not self._visible)
 
     def SetCastShadows(self, shadows: bool) -> None:
-        """Kept: there are no shadows."""
+        """The value is kept, but there are no shadows."""
         self._shadows = bool(shadows)
 
     def GetCastShadows(self) -> bool:
@@ -435,7 +435,7 @@ class Visual:
     CastShadows = GetCastShadows
 
     def SetHighlighted(self, highlighted: bool) -> None:
-        """Draw a white box around it, or no more."""
+        """Show a white box around it, or hide it."""
         self._highlighted = bool(highlighted)
         self._scene.highlight(self, self._highlighted)
 
@@ -453,26 +453,26 @@ class Visual:
         Raises:
             GazeboError: there is no such shape, or the file cannot be read.
         """
-        pose = self._world()
-        geoms = attach_mesh(self._drawn_on(), meshName)
+        pose = self.world_pose()
+        geoms = attach_mesh(self._carrier(), meshName)
         for geom in geoms:
             geom.SetRelativePose(GzCoordPoseSub(pose, geom.body.GetPose()), updateCoM=False)
         self.geoms += geoms
         self.SetTransparency(self._transparency)
         return geoms[0]
 
-    def _drawn_on(self) -> Body:
+    def _carrier(self) -> Body:
         """The body of the nearest visual around it that has one."""
         part: Visual | None = self
         while part is not None:
             if part.body is not None:
                 return part.body
             part = part._parent
-        return self._scene.still_body()
+        return self._scene.static_body()
 
     @property
-    def gone(self) -> bool:
-        """Whether what it is drawn on left the world."""
+    def deleted(self) -> bool:
+        """Whether the body that carries it was deleted."""
         part: Visual | None = self
         while part is not None and part.body is None:
             part = part._parent
@@ -486,11 +486,11 @@ class Visual:
         return line
 
     def DeleteDynamicLine(self, line: DynamicLines) -> None:
-        """Take lines off."""
+        """Remove lines."""
         if line in self._lines:
             self._lines.remove(line)
             self._scene.lines = [other for other in self._scene.lines if other is not line]
 
     def AttachLineVertex(self, line: DynamicLines, index: int) -> None:
-        """Let a point of lines go along with this visual."""
-        line.follow(index, self)
+        """Attach a point of lines to this visual: it moves with the visual."""
+        line.attach(index, self)

@@ -1,6 +1,6 @@
 """Gazebo classic's `sensors` names: the sensors of SDF worlds.
 
-Each kind's module is imported when its name is first used.
+The module of each kind is imported at first use of its name.
 """
 
 from __future__ import annotations
@@ -33,6 +33,6 @@ globals().update(SensorNoiseType.__members__)
 
 def __getattr__(name: str) -> Any:
     if name in CLASSES:
-        globals()[name] = found = sensor_class(name)
+        globals()[name] = found = sensor_class(CLASSES[name])
         return found
     raise AttributeError(f"module 'libgz.classic.sensors' has no attribute {name!r}")

@@ -4,80 +4,70 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.common import Time
-from libgz.classic.rendering.camera import Camera as CameraView, draw_frame
+from libgz.classic import msgs
+from libgz.classic.rendering.camera import Camera as CameraView, render_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.sensor import Sensor, SensorCategory
-from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
+from libgz.geometry import GzCoordPoseAdd
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["CameraSensor"]
 
 
-class CameraSensor(Sensor):
-    """Takes pictures along +x of its pose.
+class CameraSensor(LinkSensor):
+    """Takes images along +x of its pose.
 
-    The camera itself is there when the world has begun; its callbacks get every picture, but do not make the sensor
+    The camera itself exists once the world has started. Its callbacks get every image, but do not make the sensor
     active.
     """
 
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "image"
-    message_type: ClassVar[str] = "ImageStamped"
-    draws: ClassVar[bool] = True
+    message_type: ClassVar[Any] = msgs.ImageStamped
+    renders: ClassVar[bool] = True
     camera_type: ClassVar[type[CameraView]] = CameraView
     measures_depth: ClassVar[bool] = False
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         camera = sdf.child("camera")
-        self._plan = CameraPlan(camera, self.measures_depth)
-        self._in_sensor = camera.Get(GzPose, "pose")
         self.add_noise(SensorNoiseType.CAMERA_NOISE, camera)
+        self._plan = CameraPlan(camera, self.noises.get(SensorNoiseType.CAMERA_NOISE), self.measures_depth)
         self._camera: CameraView | None = None
 
     def Init(self) -> None:
-        """Open the camera's eye."""
-        noise = self.noises.get(SensorNoiseType.CAMERA_NOISE)
+        """Open the camera."""
         name = f"{self.ParentName()}::{self.Name()}"
-        self._camera = self._plan.make(self.world, name, self.camera_type, noise)
+        self._camera = self._plan.make(self.world, name, self.camera_type)
         self._aim(self._camera)
 
     def Fini(self) -> None:
-        """Close it."""
+        """Close the camera."""
         if self._camera is not None:
             self._camera.close()
         super().Fini()
 
     def _aim(self, camera: CameraView) -> None:
-        in_link = GzCoordPoseAdd(self._in_sensor, self._pose)
+        in_link = GzCoordPoseAdd(self._plan.pose, self._pose)
         camera.SetWorldPose(GzCoordPoseAdd(in_link, self.link.pose()))
 
-    def measure(self, now: float) -> bool:
-        """Take a picture."""
+    def ready(self, elapsed: float) -> bool:
+        """Whether OpenGL is not switched off."""
+        return self.Camera().Initialized()
+
+    def measure(self, elapsed: float) -> None:
+        """Take an image."""
         camera = self.Camera()
-        if not camera.Initialized():
-            return False
-        self._measured = now
         self._aim(camera)
-        draw_frame(self.world, [camera])
-        if self.listened():
-            self.publish(self.image_message())
-        return True
+        render_frame(self.world, [camera])
 
-    def image_message(self) -> Any:
-        """The last picture as a msgs.ImageStamped."""
-        from libgz.classic import msgs
-
-        msg = self.new_message(image=image_message(self.Camera()))
-        msgs.Set(msg.time, Time(self._measured))
-        return msg
+    def message(self) -> Any:
+        """The last image as a msgs.ImageStamped."""
+        return self.stamped(image=image_message(self.Camera()))
 
     def Camera(self) -> CameraView:
         """The camera."""
@@ -94,11 +84,11 @@ class CameraSensor(Sensor):
         return self._plan.height if self._camera is None else self._camera.ImageHeight()
 
     def ImageData(self) -> bytes:
-        """The last picture, top row first, in the format of its file."""
+        """The last image, top row first, in the format of its file."""
         return self.Camera().ImageData()
 
     def SaveFrame(self, filename: str) -> bool:
-        """Write the last picture to a file, in the format of its name; whether that worked."""
+        """Write the last image to a file, in the format of its name; whether that worked."""
         return self.Camera().SaveFrame(filename)
 
     GetCamera, GetImageWidth, GetImageHeight, GetImageData = Camera, ImageWidth, ImageHeight, ImageData

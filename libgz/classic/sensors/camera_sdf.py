@@ -1,26 +1,31 @@
-"""Cameras as a `<camera>` element describes them."""
+"""CameraPlan: a camera as a `<camera>` element describes it."""
 
 from __future__ import annotations
 
 import logging
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic import msgs
+from libgz.classic.rendering.camera import Camera
+from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
-from libgz.classic.sensors.read import count, number, wrong
+from libgz.classic.sensors.read import clip, count, first, known_children, number, wrong
 from libgz.errors import ParameterError
+from libgz.geometry import GzPose
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World
-    from libgz.classic.rendering.camera import Camera
     from libgz.sdf.element import Element
 
 __all__ = ["CameraPlan", "image_message"]
 
 log = logging.getLogger("libgz.classic")
+
+C = TypeVar("C", bound=Camera)
 
 # Numbers of gazebo.common.Image's pixel formats.
 PIXEL_FORMATS = {
@@ -46,16 +51,20 @@ NEAREST = 0.01  # [m]
 
 
 class CameraPlan:
-    """What a `<camera>` says, checked.
+    """The checked values of a `<camera>`.
+
+    Args:
+        element: the `<camera>`.
+        noise: on its images; None for none.
+        depth: whether the clipping distances of `<depth_camera>` apply.
 
     Raises:
         ParameterError: a value is not allowed.
     """
 
-    def __init__(self, element: Element, depth: bool = False) -> None:
-        from libgz.classic.rendering.image_format import check_format
-
-        self.element = element
+    def __init__(self, element: Element, noise: Noise | None, depth: bool = False) -> None:
+        self.element, self.noise = element, noise
+        self.pose = element.Get(GzPose, "pose")  # in the sensor [m]
         self.hfov = number(element, "horizontal_fov", NARROWEST, WIDEST, "rad")
         image = element.child("image")
         self.width, self.height = count(image, "width"), count(image, "height")
@@ -63,27 +72,23 @@ class CameraPlan:
             self.format = check_format(image.Get(str, "format"))
         except ParameterError as error:
             raise wrong(image, "format", str(error)) from None
-        clip = element.child("clip")
-        described = element.description.children if element.description is not None else {}
-        if depth and "depth_camera" in described and element.HasElement("depth_camera"):
-            clip = next(element.child("depth_camera").named("clip"), clip)
-        self.near = number(clip, "near", 0.0, unit="m")
-        self.far = number(clip, "far", 0.0, unit="m")
-        if not self.far > self.near:
-            raise wrong(clip, "far", f"is {self.far:g} m; it must be beyond <near>, {self.near:g} m")
+        distances = element.child("clip")
+        if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
+            distances = first(element.child("depth_camera"), "clip") or distances
+        self.near, self.far = clip(distances, "near", "far")
         for key in ("distortion", "lens"):
             if element.HasElement(key) and self._matters(element.child(key)):
-                log.warning("%s: <%s>: pictures are drawn without it", element.child(key).where, key)
+                log.warning("%s: <%s>: images are rendered without it", element.child(key).where, key)
 
     @staticmethod
     def _matters(element: Element) -> bool:
         return element.name != "distortion" or any(element.Get(float, key) for key in ("k1", "k2", "k3", "p1", "p2"))
 
-    def make(self, world: World, name: str, kind: type[Camera], noise: Noise | None) -> Any:
-        """The camera, of a class of `libgz.classic.rendering`."""
+    def make(self, world: World, name: str, kind: type[C]) -> C:
+        """A camera of the given class."""
         near = max(self.near, NEAREST)
         camera = kind(world, name, self.width, self.height, self.hfov, near, self.far, self.format)
-        save = next(self.element.named("save"), None)
+        save, noise = first(self.element, "save"), self.noise
         if save is not None and save.Get(bool, "enabled"):
             camera.SetSaveFramePathname(save.Get(str, "path"))
             camera.EnableSaveFrame(True)
@@ -93,15 +98,13 @@ class CameraPlan:
 
 
 def add_noise(pixels: NDArray[np.uint8], noise: Noise) -> None:
-    """Add noise to a picture in place; noise is in shares of full brightness."""
+    """Add noise to an image in place, in shares of full brightness."""
     noisy = noise.apply_all(pixels / 255.0)
     pixels[:] = np.rint(np.clip(noisy, 0.0, 1.0) * 255.0).astype(np.uint8)
 
 
 def image_message(camera: Camera) -> Any:
-    """A camera's last picture as a msgs.Image."""
-    from libgz.classic import msgs
-
+    """A camera's last image as a msgs.Image."""
     msg = msgs.Image(width=camera.ImageWidth(), height=camera.ImageHeight())
     msg.pixel_format = PIXEL_FORMATS[camera.ImageFormat()]
     msg.step = camera.ImageWidth() * camera.ImageDepth()

@@ -1,4 +1,4 @@
-"""ContactSensor: what touches some collisions of its link."""
+"""ContactSensor: the contacts of collisions of its link."""
 
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.physics.contact import Contact, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
-from libgz.classic.sensors.read import custom_topic
-from libgz.classic.sensors.sensor import Sensor
+from libgz.classic.sensors.read import custom_topic, first
+from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["ContactSensor"]
@@ -26,16 +25,15 @@ log = logging.getLogger("libgz.classic")
 MOST_ITERATIONS = 100  # whose contacts are kept between two measurements
 
 
-class ContactSensor(Sensor):
-    """Tells of contacts, those of all iterations since its last measurement."""
+class ContactSensor(LinkSensor):
+    """Reports the contacts of all iterations since its last measurement."""
 
     topic_suffix: ClassVar[str | None] = ""
-    message_type: ClassVar[str] = "Contacts"
+    message_type: ClassVar[Any] = msgs.Contacts
     gathers: ClassVar[bool] = True
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         self._prefix = f"{parent.GetScopedName()}::"
         names = [element.Get(str) for element in sdf.child("contact").named("collision")]
         self._collisions = [self._prefix + name.removeprefix(self._prefix) for name in names]
@@ -44,7 +42,7 @@ class ContactSensor(Sensor):
         self._manager = self.world.Physics().GetContactManager()
 
     def Init(self) -> None:
-        """Look whether the collisions are there."""
+        """Check that the collisions exist."""
         for name in self._collisions:
             if self.link.GetCollision(name.removeprefix(self._prefix)) is None:
                 known = ", ".join(collision.GetName() for collision in self.link.GetCollisions()) or "none"
@@ -52,41 +50,41 @@ class ContactSensor(Sensor):
                     "%s: <contact>: there is no collision %r; %s has %s", self.sdf.where, name, self._prefix[:-2], known
                 )
 
-    def Topic(self) -> str:
-        """``~/model/link/sensor``, or what its file says."""
-        contact = next(self.sdf.named("contact"), None)
-        return (custom_topic(contact) if contact is not None else "") or super().Topic()
+    def custom_topic(self) -> str:
+        """The topic that its file names; an empty string for none."""
+        contact = first(self.sdf, "contact")
+        return (custom_topic(contact) if contact is not None else "") or super().custom_topic()
 
-    GetTopic = Topic
-
-    def went_active(self) -> None:
-        """Let contacts be recorded."""
+    def activated(self) -> None:
+        """Have contacts recorded."""
         self._manager.hold(self)
 
-    def went_idle(self) -> None:
-        """Contacts need not be recorded for this sensor."""
+    def deactivated(self) -> None:
+        """Contacts need not be recorded for this sensor any more."""
         self._manager.release(self)
         self._waiting.clear()
 
     # Measuring ---------------------------------------------------------------------------------------------------
 
     def gather(self) -> None:
-        """Note this iteration's contacts."""
+        """Collect this iteration's contacts."""
         points = self.world.core.engine.contacts
         rows = [c.geom.row for c in self.link.GetCollisions() if c.GetScopedName() in self._collisions]
         mine = points[np.isin(points["geom1"], rows) | np.isin(points["geom2"], rows)] if len(points) else points
         self._waiting.append(read_contacts(self.world, mine))
 
-    def measure(self, now: float) -> bool:
-        """Take over what was noted; nothing if there was no iteration since."""
-        if not self._waiting:
-            return False
-        self._measured = now
+    def ready(self, elapsed: float) -> bool:
+        """Whether there was an iteration since the last measurement."""
+        return bool(self._waiting)
+
+    def measure(self, elapsed: float) -> None:
+        """Take over the collected contacts."""
         self._contacts = [contact for found in self._waiting for contact in found]
         self._waiting.clear()
-        if self.listened():
-            self.publish(self.Contacts())
-        return True
+
+    def message(self) -> Any:
+        """The contacts of the last measurement as a msgs.Contacts."""
+        return contacts_message(self._contacts, self.LastMeasurementTime())
 
     def reset(self) -> None:
         """Forget all contacts."""
@@ -94,10 +92,10 @@ class ContactSensor(Sensor):
         self._contacts = []
         super().reset()
 
-    # Telling -----------------------------------------------------------------------------------------------------
+    # Contacts ----------------------------------------------------------------------------------------------------
 
     def GetCollisionCount(self) -> int:
-        """How many collisions it watches."""
+        """The number of its collisions."""
         return len(self._collisions)
 
     def GetCollisionName(self, index: int) -> str:
@@ -109,9 +107,9 @@ class ContactSensor(Sensor):
         return sum(contact.count for contact in self._contacts if collisionName in contact.names)
 
     def Contacts(self, collisionName: str | None = None) -> Any:
-        """The contacts of the last measurement: a msgs.Contacts; for one collision, {what it touches: Contact}."""
+        """The contacts of the last measurement: a msgs.Contacts; for one collision, {other collision: Contact}."""
         if collisionName is None:
-            return contacts_message(self._contacts, Time(self._measured))
+            return self.message()
         found: dict[str, Contact] = {}
         for contact in self._contacts:
             first, second = contact.names

@@ -1,4 +1,4 @@
-"""DepthCameraSensor: a camera that measures how far away things are."""
+"""DepthCameraSensor: a camera that measures distances."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["DepthCameraSensor"]
 
 
 class DepthCameraSensor(CameraSensor):
-    """Takes pictures with depths; on its topic are the depths [m] as a picture of floats."""
+    """Takes images with depths; its topic has the depths [m] as an image of floats."""
 
     camera_type: ClassVar[type[Camera]] = DepthCameraView
     measures_depth: ClassVar[bool] = True
@@ -26,14 +26,14 @@ class DepthCameraSensor(CameraSensor):
         return self.Camera()  # type: ignore[return-value]
 
     def DepthData(self) -> NDArray[np.float32]:
-        """Depths of the last picture [m], row after row from the top; +inf where nothing is seen."""
+        """Depths of the last image [m], row after row from the top; +inf where nothing is seen."""
         return self.DepthCamera().DepthData()
 
     GetDepthCamera, GetDepthData = DepthCamera, DepthData
 
-    def image_message(self) -> Any:
+    def message(self) -> Any:
         """The last depths as a msgs.ImageStamped."""
-        msg = super().image_message()
+        msg = super().message()
         msg.image.pixel_format = PIXEL_FORMATS["FLOAT32"]
         msg.image.step = 4 * self.ImageWidth()
         msg.image.data = self.DepthData().astype(np.float32).tobytes()

@@ -1,35 +1,34 @@
-"""ForceTorqueSensor: what a joint carries."""
+"""ForceTorqueSensor: force and torque in a joint."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Joint as JointView
 from libgz.classic.sensors.read import choice, wrong
-from libgz.classic.sensors.sensor import Sensor
+from libgz.classic.sensors.sensor import Sensor, SensorOwner
 from libgz.geometry import GzQuaternIdent, GzQuaternInverse, GzQuaternMul, GzVector, rotate
-from libgz.simulation.event import Connection, Event
+from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["ForceTorqueSensor"]
 
 
 class ForceTorqueSensor(Sensor):
-    """Measures the force, and the torque about the joint's anchor, that the child puts on the parent, or the other
-    way round, in the axes of the parent, of the child or of the sensor, which is placed in the joint's frame.
+    """Measures the force, and the torque about the joint's anchor, of the child on the parent or of the parent on the
+    child, along the axes of the parent, of the child, or of the sensor, whose pose is in the joint's frame.
     """
 
     topic_suffix: ClassVar[str | None] = "wrench"
-    message_type: ClassVar[str] = "WrenchStamped"
+    message_type: ClassVar[Any] = msgs.WrenchStamped
 
-    def __init__(self, sensors: WorldSensors, parent: Link | JointView, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link | JointView, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
         if not isinstance(parent, JointView):
             raise wrong(sdf, "sensor", f"parent of a force torque sensor[{self._name}] must be a joint")
@@ -41,35 +40,24 @@ class ForceTorqueSensor(Sensor):
             directions = ("child_to_parent", "parent_to_child")
             self._to_child = choice(wrench, "measure_direction", directions) == "parent_to_child"
         self._force, self._torque = Vector3d(), Vector3d()
-        self._heard = Event(f"Update of sensor {self.ScopedName()}")
 
     def Init(self) -> None:
-        """Let the joint tell what it carries."""
+        """Switch the joint's force feedback on."""
         self._joint.SetProvideFeedback(True)
         element = self._joint.GetSDF()
         in_child = element.Get(Pose3d, "pose").rot if element is not None else GzQuaternIdent()
         # SDF's rotations go from the inner frame to the outer one: child <- joint <- sensor.
         self._in_child = GzQuaternMul(in_child, self._pose.rot)
 
-    def connected(self) -> bool:
-        """Whether callbacks wait for its measurements."""
-        return super().connected() or bool(self._heard)
-
     def ConnectUpdate(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` with a msgs.WrenchStamped after each measurement, as long as the connection is kept."""
-        return self.listen(self._heard, callback)
+        return self.listen(self._message_event, callback)
 
-    def measure(self, now: float) -> bool:
-        """Read what the joint did in the last step."""
-        self._measured = now
+    def measure(self, elapsed: float) -> None:
+        """Read the joint's wrench in the last step."""
         on_parent, about_parent, on_child, about_child = self._joint.core.wrench
         force, torque = (on_child, about_child) if self._to_child else (on_parent, about_parent)
         self._force, self._torque = self._turned(force), self._turned(torque)
-        if self._heard or self.listened():
-            message = self.wrench_message()
-            self._heard(message)
-            self.publish(message)
-        return True
 
     def _turned(self, value: GzVector) -> Vector3d:
         """A global vector along the axes of the chosen frame."""
@@ -79,12 +67,9 @@ class ForceTorqueSensor(Sensor):
             turn = GzQuaternMul(turn, self._in_child)
         return Vector3d(*rotate(GzQuaternInverse(turn), value))
 
-    def wrench_message(self) -> Any:
+    def message(self) -> Any:
         """The last measurement as a msgs.WrenchStamped."""
-        from libgz.classic import msgs
-
-        msg = self.new_message()
-        msgs.Set(msg.time, Time(self._measured))
+        msg = self.stamped()
         msgs.Set(msg.wrench.force, self._force)
         msgs.Set(msg.wrench.torque, self._torque)
         return msg

@@ -1,19 +1,18 @@
-"""GpsSensor: where on Earth its link is, and how fast."""
+"""GpsSensor: position on Earth and velocity of its link."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.math import Angle, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.sensor import Sensor
-from libgz.geometry import GzCoordPoseAdd
+from libgz.classic.sensors.read import first
+from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["GpsSensor"]
@@ -31,47 +30,34 @@ VELOCITY_NOISE = (
 )
 
 
-class GpsSensor(Sensor):
+class GpsSensor(LinkSensor):
     """A satellite navigation receiver. Noise is on the local position [m] and on the velocity [m/s]."""
 
-    message_type: ClassVar[str] = "GPS"
-    topic_behind = True
+    message_type: ClassVar[Any] = msgs.GPS
+    topic_appended = True
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         gps = sdf.child("gps")
         for key, kinds in (("position_sensing", POSITION_NOISE), ("velocity_sensing", VELOCITY_NOISE)):
-            holder = next(gps.named(key), None)
-            for axis, kind in zip(("horizontal", "horizontal", "vertical"), kinds, strict=True):
-                self.add_noise(kind, next(holder.named(axis), None) if holder is not None else None)
+            self.add_axis_noise(kinds, first(gps, key), ("horizontal", "horizontal", "vertical"))
         self._place = Vector3d()  # latitude, longitude [deg], altitude [m]
         self._velocity = Vector3d()
 
     def Init(self) -> None:
-        """Take over where the world lies."""
+        """Take over the world's location."""
         self._globe = self.world.SphericalCoords()
 
-    def measure(self, now: float) -> bool:
+    def measure(self, elapsed: float) -> None:
         """Measure position and velocity."""
-        self._measured = now
-        position = GzCoordPoseAdd(self._pose, self.link.pose()).pos
-        local = [self.noisy(kind, value) for kind, value in zip(POSITION_NOISE, position, strict=True)]
-        self._place = self._globe.SphericalFromLocal(Vector3d(*local))
-        velocity = self._globe.GlobalFromLocal(self.link.WorldLinearVel(self._pose.pos))
-        self._velocity = Vector3d(
-            *(self.noisy(kind, value) for kind, value in zip(VELOCITY_NOISE, velocity, strict=True))
-        )
-        if self.listened():
-            self.publish(self.gps_message())
-        return True
+        local = self.noisy_vector(POSITION_NOISE, Vector3d(*self.world_pose().pos))
+        self._place = self._globe.SphericalFromLocal(local)
+        velocity = self._globe.GlobalFromLocal(self.world_velocity())
+        self._velocity = self.noisy_vector(VELOCITY_NOISE, velocity)
 
-    def gps_message(self) -> Any:
+    def message(self) -> Any:
         """The last measurement as a msgs.GPS."""
-        from libgz.classic import msgs
-
-        msg = self.new_message(link_name=self.ParentName())
-        msgs.Set(msg.time, Time(self._measured))
+        msg = self.stamped(link_name=self.ParentName())
         msg.latitude_deg, msg.longitude_deg, msg.altitude = self._place
         msg.velocity_east, msg.velocity_north, msg.velocity_up = self._velocity
         return msg

@@ -1,4 +1,4 @@
-"""GpuRaySensor: the laser that Gazebo drew; here its rays are cast as those of any laser."""
+"""GpuRaySensor: the laser that Gazebo rendered; here it casts rays like any laser."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ import numpy as np
 from libgz.classic.math import Angle
 from libgz.classic.sensors.noise import SensorNoiseType
 from libgz.classic.sensors.ray import RaySensor
+from libgz.classic.sensors.sensor import SensorOwner
 from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["GpuRaySensor"]
@@ -25,12 +25,12 @@ class GpuRaySensor(RaySensor):
 
     noise_type: ClassVar[SensorNoiseType] = SensorNoiseType.GPU_RAY_NOISE
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
         self._frames = Event(f"NewLaserFrame of sensor {self.ScopedName()}")
 
     def connected(self) -> bool:
-        """Whether callbacks wait for its measurements."""
+        """Whether there are callbacks for its measurements."""
         return super().connected() or bool(self._frames)
 
     def ConnectNewLaserFrame(self, callback: Callable[..., object]) -> Connection:
@@ -40,14 +40,13 @@ class GpuRaySensor(RaySensor):
         """
         return self.listen(self._frames, callback)
 
-    def measure(self, now: float) -> bool:
-        """Cast all rays."""
-        super().measure(now)
+    def deliver(self) -> None:
+        """Pass the scan to the topic's subscribers and to callbacks."""
+        super().deliver()
         if self._frames:
             data = np.zeros((len(self._ranges), 3), dtype=np.float32)
             data[:, 0], data[:, 1] = self._ranges, self._retros
             self._frames(data.ravel(), self.RangeCount(), self.VerticalRangeCount(), 3, "FLOAT32_RGB")
-        return True
 
     def HorzFOV(self) -> float:
         """From a row's first reading to its last [rad]."""

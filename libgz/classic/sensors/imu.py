@@ -6,17 +6,16 @@ import logging
 import math
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.math import Quaterniond, Vector3d
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import choice, custom_topic, wrong
-from libgz.classic.sensors.sensor import Sensor
+from libgz.classic.sensors.read import choice, custom_topic, first, known_children, wrong
+from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 from libgz.geometry import QuaternLike
 from libgz.sdf.element import Element
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
 
 __all__ = ["ImuSensor"]
 
@@ -37,35 +36,30 @@ ACCEL_NOISE = (
 FRAMES = {"ENU": (0.0, 0.0, 0.0), "NWU": (0.0, 0.0, math.pi / 2.0), "NED": (math.pi, 0.0, math.pi / 2.0)}
 
 
-class ImuSensor(Sensor):
+class ImuSensor(LinkSensor):
     """An inertial measurement unit: everything along its own axes.
 
     The acceleration is the change of its velocity since the last measurement, less gravity; at rest it is g upwards.
     """
 
     topic_suffix: ClassVar[str | None] = "imu"
-    message_type: ClassVar[str] = "IMU"
+    message_type: ClassVar[Any] = msgs.IMU
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         self._imu = sdf.child("imu")
         self._read_noise()
         self._reference = self._read_reference()
-        self._tells_orientation = "enable_orientation" not in self._known() or self._imu.Get(bool, "enable_orientation")
+        described = "enable_orientation" in known_children(self._imu)
+        self._has_orientation = not described or self._imu.Get(bool, "enable_orientation")
         self._velocity = Vector3d()
         self._true = self._noisy = Vector3d(), Vector3d()  # turning rate, acceleration
         self._orientation = Quaterniond(1.0, 0.0, 0.0, 0.0)
 
-    def _known(self) -> Any:
-        return self._imu.description.children if self._imu.description is not None else {}
-
     def _read_noise(self) -> None:
-        """Of each axis; in SDF 1.4 and 1.5 also one for all axes of a kind."""
+        """Add the noise of each axis; SDF 1.4 and 1.5 also have one for all axes of a kind."""
         for key, kinds in (("angular_velocity", RATE_NOISE), ("linear_acceleration", ACCEL_NOISE)):
-            holder = next(self._imu.named(key), None)
-            for axis, kind in zip("xyz", kinds, strict=True):
-                self.add_noise(kind, next(holder.named(axis), None) if holder is not None else None)
+            self.add_axis_noise(kinds, first(self._imu, key), "xyz")
         for old in self._imu.named("noise"):
             word = old.Get(str, "type")
             for key, kinds in (("rate", RATE_NOISE), ("accel", ACCEL_NOISE)):
@@ -78,7 +72,7 @@ class ImuSensor(Sensor):
                     self.add_noise(axis_kind, holder)
 
     def _read_reference(self) -> Quaterniond | None:
-        """The frame that the orientation is told in; None for the one it begins in."""
+        """The reference frame of orientations; None for the one at the start."""
         if not self._imu.HasElement("orientation_reference_frame"):
             return None
         frame = self._imu.child("orientation_reference_frame")
@@ -86,14 +80,14 @@ class ImuSensor(Sensor):
         if name in FRAMES:
             return Quaterniond(*FRAMES[name])
         key = "custom_rpy" if name == "CUSTOM" else "grav_dir_x"
-        given = next(frame.named(key), None)
+        given = first(frame, key)
         if given is not None and given.Get(str, "parent_frame"):
             log.warning("%s: <%s>: parent_frame is not used; the world's frame is", given.where, key)
         value = frame.Get(Vector3d, key)
         return Quaterniond(*value) if name == "CUSTOM" else self._along_gravity(frame, value, name == "GRAV_UP")
 
     def _along_gravity(self, frame: Element, ahead: Vector3d, up: bool) -> Quaterniond:
-        """A frame with z against gravity, or along it, and x as near as can be to a direction."""
+        """A frame with z against gravity, or along it, and x as close as possible to a direction."""
         z = Vector3d(*self.world.Gravity()) * (-1.0 if up else 1.0)
         x = ahead - z * (ahead.Dot(z) / z.Dot(z)) if z.Length() > 0.0 else Vector3d()
         if x.Length() < 1e-9:
@@ -102,62 +96,50 @@ class ImuSensor(Sensor):
         y = z.Cross(x)
         return _from_axes(x, y, z)
 
-    def Topic(self) -> str:
-        """``~/model/link/sensor/imu``, or what its file says."""
-        return custom_topic(self._imu) or super().Topic()
-
-    GetTopic = Topic
+    def custom_topic(self) -> str:
+        """The topic that its file names; an empty string for none."""
+        return custom_topic(self._imu) or super().custom_topic()
 
     def Init(self) -> None:
         """Take the present orientation as the reference, unless the file has one."""
         if self._reference is None:
             self.SetReferencePose()
-        self._velocity = self.link.WorldLinearVel(self._pose.pos)
+        self._velocity = self.world_velocity()
 
     def reset(self) -> None:
-        """Begin anew where the link stands now."""
-        self._velocity = self.link.WorldLinearVel(self._pose.pos)
+        """Start again with the present state of the link."""
+        self._velocity = self.world_velocity()
         super().reset()
 
     # Measuring ---------------------------------------------------------------------------------------------------
 
-    def measure(self, now: float) -> bool:
-        """Measure; nothing if no time has passed."""
-        passed = now - self._measured
-        self._measured = now
-        if passed <= 0.0:
-            return False
-        turn = self.link.WorldPose().rot * self._pose.rot
-        velocity = self.link.WorldLinearVel(self._pose.pos)
-        change = (velocity - self._velocity) / passed
+    def ready(self, elapsed: float) -> bool:
+        """Whether time has passed."""
+        return elapsed > 0.0
+
+    def measure(self, elapsed: float) -> None:
+        """Measure rates, acceleration and orientation."""
+        turn = self.world_rotation()
+        velocity = self.world_velocity()
+        change = (velocity - self._velocity) / elapsed
         self._velocity = velocity
         rate = turn.RotateVectorReverse(self.link.WorldAngularVel())
         acceleration = turn.RotateVectorReverse(change - self.world.Gravity())
         self._true = rate, acceleration
-        self._noisy = self._with_noise(rate, RATE_NOISE), self._with_noise(acceleration, ACCEL_NOISE)
-        if self._tells_orientation and self._reference is not None:
+        self._noisy = self.noisy_vector(RATE_NOISE, rate), self.noisy_vector(ACCEL_NOISE, acceleration)
+        if self._has_orientation and self._reference is not None:
             self._orientation = self._reference.Inverse() * turn
-        if self.listened():
-            self.publish(self.ImuMessage())
-        return True
 
-    def _with_noise(self, value: Vector3d, kinds: tuple[SensorNoiseType, ...]) -> Vector3d:
-        if not self.noises:
-            return value
-        return Vector3d(*(self.noisy(kind, part) for kind, part in zip(kinds, value, strict=True)))
-
-    def ImuMessage(self) -> Any:
+    def message(self) -> Any:
         """The last measurement as a msgs.IMU."""
-        from libgz.classic import msgs
-
-        msg = self.new_message(entity_name=self.ParentName())
-        msgs.Set(msg.stamp, Time(self._measured))
+        msg = msgs.IMU(entity_name=self.ParentName())
+        msgs.Set(msg.stamp, self.LastMeasurementTime())
         msgs.Set(msg.orientation, self._orientation)
         msgs.Set(msg.angular_velocity, self._noisy[0])
         msgs.Set(msg.linear_acceleration, self._noisy[1])
         return msg
 
-    GetImuMessage = ImuMessage
+    ImuMessage = GetImuMessage = message
 
     def AngularVelocity(self, noiseFree: bool = False) -> Vector3d:
         """Turning rate [rad/s]."""
@@ -172,8 +154,8 @@ class ImuSensor(Sensor):
         return Quaterniond(*self._orientation)
 
     def SetReferencePose(self) -> None:
-        """Tell orientations from now on from the present one."""
-        self._reference = self.link.WorldPose().rot * self._pose.rot
+        """Take the present orientation as the reference."""
+        self._reference = self.world_rotation()
 
     def SetWorldToReferenceOrientation(self, orientation: QuaternLike) -> None:
         """Set the orientation of the reference frame in the world."""

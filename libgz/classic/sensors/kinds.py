@@ -1,4 +1,7 @@
-"""Which class is which `<sensor type>`; a module is imported when its first sensor is made."""
+"""The class of each `<sensor type>`; a module is imported when its first sensor is made.
+
+A world without cameras must not load OpenGL.
+"""
 
 from __future__ import annotations
 
@@ -6,44 +9,31 @@ import importlib
 
 from libgz.classic.sensors.sensor import Sensor
 
-__all__ = ["CLASSES", "KINDS", "sensor_class"]
+__all__ = ["ABSENT", "CLASSES", "KINDS", "sensor_class"]
 
-# Class -> its module in this package.
-CLASSES = {
-    "AltimeterSensor": "altimeter",
-    "CameraSensor": "camera",
-    "ContactSensor": "contact",
-    "DepthCameraSensor": "depth_camera",
-    "ForceTorqueSensor": "force_torque",
-    "GpsSensor": "gps",
-    "GpuRaySensor": "gpu_ray",
-    "ImuSensor": "imu",
-    "LogicalCameraSensor": "logical_camera",
-    "MagnetometerSensor": "magnetometer",
-    "MultiCameraSensor": "multi_camera",
-    "RaySensor": "ray",
-    "SonarSensor": "sonar",
-}
+# Type -> module:class.
 KINDS = {
-    "altimeter": "AltimeterSensor",
-    "camera": "CameraSensor",
-    "contact": "ContactSensor",
-    "depth": "DepthCameraSensor",
-    "force_torque": "ForceTorqueSensor",
-    "gps": "GpsSensor",
-    "gpu_ray": "GpuRaySensor",
-    "imu": "ImuSensor",
-    "logical_camera": "LogicalCameraSensor",
-    "magnetometer": "MagnetometerSensor",
-    "multicamera": "MultiCameraSensor",
-    "ray": "RaySensor",
-    "sonar": "SonarSensor",
+    "altimeter": "libgz.classic.sensors.altimeter:AltimeterSensor",
+    "camera": "libgz.classic.sensors.camera:CameraSensor",
+    "contact": "libgz.classic.sensors.contact:ContactSensor",
+    "depth": "libgz.classic.sensors.depth_camera:DepthCameraSensor",
+    "force_torque": "libgz.classic.sensors.force_torque:ForceTorqueSensor",
+    "gps": "libgz.classic.sensors.gps:GpsSensor",
+    "gpu_ray": "libgz.classic.sensors.gpu_ray:GpuRaySensor",
+    "imu": "libgz.classic.sensors.imu:ImuSensor",
+    "logical_camera": "libgz.classic.sensors.logical_camera:LogicalCameraSensor",
+    "magnetometer": "libgz.classic.sensors.magnetometer:MagnetometerSensor",
+    "multicamera": "libgz.classic.sensors.multi_camera:MultiCameraSensor",
+    "ray": "libgz.classic.sensors.ray:RaySensor",
+    "sonar": "libgz.classic.sensors.sonar:SonarSensor",
 }
+CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
 # Known to Gazebo, and not simulated here.
 ABSENT = ("rfid", "rfidtag", "wideanglecamera", "wireless_receiver", "wireless_transmitter")
 
 
-def sensor_class(name: str) -> type[Sensor]:
-    """A class of `CLASSES` by name."""
-    found: type[Sensor] = getattr(importlib.import_module(f"libgz.classic.sensors.{CLASSES[name]}"), name)
+def sensor_class(kind: str) -> type[Sensor]:
+    """The class of a type of `KINDS`."""
+    module, _, name = KINDS[kind].partition(":")
+    found: type[Sensor] = getattr(importlib.import_module(module), name)
     return found

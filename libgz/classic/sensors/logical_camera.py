@@ -1,4 +1,4 @@
-"""LogicalCameraSensor: which models are in sight, without a picture."""
+"""LogicalCameraSensor: which models are in sight, without an image."""
 
 from __future__ import annotations
 
@@ -8,45 +8,41 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic import msgs
 from libgz.classic.math import Angle, Pose3d
-from libgz.classic.sensors.read import number, wrong
-from libgz.classic.sensors.sensor import Sensor
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, rotate
+from libgz.classic.sensors.read import clip, number
+from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
+from libgz.geometry import GzCoordPoseSub, rotate
 
 if TYPE_CHECKING:
     from libgz.classic.math import AxisAlignedBox
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["LogicalCameraSensor"]
 
 
-class LogicalCameraSensor(Sensor):
+class LogicalCameraSensor(LinkSensor):
     """Names the models whose bounding box reaches into its field of view, with their poses; it looks along +x.
 
-    A model without collisions counts as a point. Its own model is not told, and what stands in front hides nothing.
+    A model without collisions counts as a point. Its own model is left out, and models do not hide each other.
     """
 
     topic_suffix: ClassVar[str | None] = "models"
-    message_type: ClassVar[str] = "LogicalCameraImage"
+    message_type: ClassVar[Any] = msgs.LogicalCameraImage
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         camera = sdf.child("logical_camera")
-        self._near, self._far = number(camera, "near", 0.0, unit="m"), number(camera, "far", 0.0, unit="m")
-        if not self._far > self._near:
-            raise wrong(camera, "far", f"is {self._far:g} m; it must be beyond <near>, {self._near:g} m")
+        self._near, self._far = clip(camera, "near", "far")
         self._hfov = number(camera, "horizontal_fov", 1e-6, math.pi - 1e-6, "rad")
         self._aspect = number(camera, "aspect_ratio", 1e-6)
         self._camera_pose = Pose3d()
         self._seen: list[tuple[str, Pose3d]] = []
 
-    def measure(self, now: float) -> bool:
-        """Look which models are in sight."""
-        self._measured = now
-        self._camera_pose = pose = Pose3d(GzCoordPoseAdd(self._pose, self.link.pose()))
+    def measure(self, elapsed: float) -> None:
+        """Find the models in sight."""
+        self._camera_pose = pose = Pose3d(self.world_pose())
         planes = self._planes(pose)
         own = self.link.GetParentModel()
         while own is not None and own.GetParent() is not None:
@@ -56,9 +52,6 @@ class LogicalCameraSensor(Sensor):
             for model in self.world.Models()
             if model is not own and _reaches_in(_corners(model.BoundingBox(), model.pose().pos), planes)
         ]
-        if self.listened():
-            self.publish(self.Image())
-        return True
 
     def _planes(self, pose: Pose3d) -> NDArray[np.float64]:
         """The six sides as (inward normal, distance), shape (6, 4), global."""
@@ -75,11 +68,9 @@ class LogicalCameraSensor(Sensor):
             planes.append((*normal, distance - sum(n * p for n, p in zip(normal, pose.pos, strict=True))))
         return np.array(planes)
 
-    def Image(self) -> Any:
-        """What was in sight: a msgs.LogicalCameraImage."""
-        from libgz.classic import msgs
-
-        msg = self.new_message()
+    def message(self) -> Any:
+        """The models in sight: a msgs.LogicalCameraImage."""
+        msg = msgs.LogicalCameraImage()
         msgs.Set(msg.pose, self._camera_pose)
         model_type = msgs.message_type("LogicalCameraImage.Model")
         for name, pose in self._seen:
@@ -87,6 +78,8 @@ class LogicalCameraSensor(Sensor):
             msgs.Set(model.pose, pose)
             msg.model.append(model)
         return msg
+
+    Image = message
 
     def Near(self) -> float:
         """Nearest that is in sight [m]."""
@@ -115,6 +108,6 @@ def _corners(box: AxisAlignedBox, place: Any) -> NDArray[np.float64]:
 
 def _reaches_in(corners: NDArray[np.float64], planes: NDArray[np.float64]) -> bool:
     """Whether no side has all corners outside."""
-    finite = np.clip(corners, -1e9, 1e9)  # ground planes are boundless
+    finite = np.clip(corners, -1e9, 1e9)  # ground planes are infinite
     outside = finite @ planes[:, :3].T + planes[:, 3] < 0.0
     return not bool(np.any(np.all(outside, axis=0)))

@@ -1,15 +1,15 @@
-"""WorldSensors: the sensors of one world, their plugins, and when each measures."""
+"""WorldSensors: the sensors of one world, their plugins and their schedule."""
 
 from __future__ import annotations
 
 import logging
 import math
-import sys
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from libgz.classic.sensors.kinds import ABSENT, KINDS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
+from libgz.classic.transport import Node, TopicManager
 from libgz.errors import GazeboError, ParameterError, WorldFileError, nearest
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ log = logging.getLogger("libgz.classic")
 class WorldSensors:
     """Makes the sensors of a world, and lets them measure after each iteration, in the order of the file.
 
-    Sensors that nobody wants anything of cost nothing.
+    Inactive sensors cost nothing.
     """
 
     def __init__(self, world: World) -> None:
@@ -34,24 +34,24 @@ class WorldSensors:
         self.sensors: dict[str, Sensor] = {}  # by full name
         self._new: list[Sensor] = []
         self._plugins: dict[Sensor, list[LoadedPlugin]] = {}
-        self._awake: dict[Sensor, None] = {}
-        self._gathering: list[Sensor] = []  # awake, and want to see every iteration
-        self._watched: list[tuple[Topic, Sensor]] = []  # asleep, until somebody listens
+        self._active: dict[Sensor, None] = {}
+        self._gathering: list[Sensor] = []  # active, and need every iteration
+        self._idle: list[tuple[Topic, Sensor]] = []  # inactive until their topics have subscribers
         self._now = 0.0  # [s] of the last iteration
-        self._next = -math.inf  # [s] before this sim time nobody wants to measure
+        self._next = -math.inf  # [s] sim time of the next measurement
         self._diagnostics: list[str] = []
         self._started = False
-        self._served = False
+        self._node: Node | None = None
 
     @property
-    def draws(self) -> bool:
+    def renders(self) -> bool:
         """Whether there is a camera."""
-        return any(sensor.draws for sensor in self.sensors.values())
+        return any(sensor.renders for sensor in self.sensors.values())
 
     # Making ------------------------------------------------------------------------------------------------------
 
     def create(self, parent: Link | Joint, element: Element) -> Sensor | None:
-        """A sensor of a `<sensor>` element; None if there is none of its type, or it is wrong, which is told."""
+        """Make the sensor of a `<sensor>`; None if its type is not simulated, or after an error, which is kept."""
         kind = element.Get(str, "type")
         if kind in ABSENT:
             log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out", element.where, kind)
@@ -61,7 +61,7 @@ class WorldSensors:
                 raise ParameterError(
                     f"{element.where}: <sensor>: type is {kind!r}; allowed are {', '.join(KINDS)}{nearest(kind, KINDS)}"
                 )
-            sensor = sensor_class(KINDS[kind])(self, parent, element)
+            sensor = sensor_class(kind)(self, parent, element)
             if sensor.ScopedName() in self.sensors:
                 raise ParameterError(f"{element.where}: <sensor>: there is a {sensor.ScopedName()!r} already")
         except ParameterError as error:
@@ -72,10 +72,10 @@ class WorldSensors:
         return sensor
 
     def start_new(self) -> None:
-        """Begin with the sensors made since, then load their plugins.
+        """Start the sensors made since the last call, then load their plugins.
 
         Raises:
-            WorldFileError: a sensor of the world's own file is wrong; later such sensors are told of and left out.
+            WorldFileError: a sensor of the world's own file has an error; later such sensors are logged and left out.
         """
         diagnostics, self._diagnostics = self._diagnostics, []
         if diagnostics and not self._started:
@@ -86,8 +86,7 @@ class WorldSensors:
         added, self._new = self._new, []
         for sensor in added:
             self._init(sensor, later)
-        self._served = False
-        self.update_topics()
+        self._advertise()
         for sensor in (one for one in added if one.ScopedName() in self.sensors):
             for element in sensor.sdf.named("plugin"):
                 self.load_plugin(sensor, element)
@@ -100,7 +99,7 @@ class WorldSensors:
                 raise
             log.error("%s: <sensor>: %s", sensor.sdf.where, error)
             self.remove(sensor)
-        self.wake(sensor)
+        self.reschedule(sensor)
 
     def load_plugin(self, sensor: Sensor, element: Element) -> bool:
         """Load a plugin of a sensor; whether it runs."""
@@ -113,40 +112,33 @@ class WorldSensors:
 
     # Measuring ---------------------------------------------------------------------------------------------------
 
-    def wake(self, sensor: Sensor) -> None:
-        """Something about a sensor has changed: see whether it measures, and when."""
-        if sensor in self._awake:
+    def reschedule(self, sensor: Sensor) -> None:
+        """The activity or rate of a sensor may have changed: check whether it measures, and when."""
+        if sensor in self._active:
             self._next = -math.inf
         elif self.sensors.get(sensor.ScopedName()) is sensor and sensor.IsActive():
-            awake = sorted([*self._awake, sensor], key=lambda one: one.Id())
-            self._awake = dict.fromkeys(awake)
+            active = sorted([*self._active, sensor], key=lambda one: one.Id())
+            self._active = dict.fromkeys(active)
             self._next = -math.inf
-            sensor.went_active()
-            self._sort_out()
+            sensor.activated()
+            self._update_lists()
 
-    def _sleep(self, sensor: Sensor) -> None:
-        del self._awake[sensor]
-        sensor.went_idle()
-        self._sort_out()
+    def _deactivate(self, sensor: Sensor) -> None:
+        del self._active[sensor]
+        sensor.deactivated()
+        self._update_lists()
 
-    def _sort_out(self) -> None:
-        """List who is to be looked after in each iteration."""
-        self._gathering = [sensor for sensor in self._awake if sensor.gathers]
-        idle = [sensor for sensor in self.sensors.values() if sensor not in self._awake and sensor.publisher]
-        self._watched = []
-        if idle:
-            from libgz.classic.transport import TopicManager
-
-            topics = TopicManager.Instance()
-            self._watched = [(topics.topic(one.publisher.GetTopic()), one) for one in idle if one.publisher]
+    def _update_lists(self) -> None:
+        """List the sensors to check in each iteration."""
+        self._gathering = [sensor for sensor in self._active if sensor.gathers]
+        topics, inactive = TopicManager.Instance(), (s for s in self.sensors.values() if s not in self._active)
+        self._idle = [(topics.topic(one.publisher.GetTopic()), one) for one in inactive if one.publisher]
 
     def update(self) -> None:
-        """Let those measure whose time has come; an iteration is over."""
-        if not self._served:
-            self.update_topics()
-        for topic, sensor in self._watched:
+        """Let the sensors that are due measure, after an iteration."""
+        for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
-                self.wake(sensor)
+                self.reschedule(sensor)
         now = self.world.core.GetSimTime()
         if now < self._now:
             self._restart()
@@ -162,28 +154,24 @@ class WorldSensors:
             sensor.ResetLastUpdateTime()
 
     def _measure(self, now: float) -> None:
-        for sensor in list(self._awake):
-            if now < sensor.due or sensor not in self._awake:  # one sensor's listener may have removed another
+        for sensor in list(self._active):
+            if now < sensor.due or sensor not in self._active:  # a callback of one may have removed another
                 continue
             if not sensor.IsActive():
-                self._sleep(sensor)
+                self._deactivate(sensor)
                 continue
             try:
                 sensor.Update(False)
             except GazeboError as error:
-                log.error("sensor %s is taken out, for it cannot measure: %s", sensor.ScopedName(), error)
+                log.error("sensor %s is removed, because it cannot measure: %s", sensor.ScopedName(), error)
                 self.remove(sensor)
-        self._next = min((sensor.due for sensor in self._awake), default=math.inf)
+        self._next = min((sensor.due for sensor in self._active), default=math.inf)
 
-    def update_topics(self) -> None:
-        """Offer the topics of all sensors, once somebody in this process listens or speaks."""
-        if self._served or "libgz.classic.transport" not in sys.modules:
-            return
-        from libgz.classic.transport import Node
-
-        self._served = True
-        self._node = Node()
-        self._node.Init(self.world.Name())
+    def _advertise(self) -> None:
+        """Advertise the topics of new sensors."""
+        if self._node is None:
+            self._node = Node()
+            self._node.Init(self.world.Name())
         for sensor in self.sensors.values():
             topic = sensor.Topic()
             if sensor.publisher is None and topic and sensor.message_type:
@@ -191,9 +179,9 @@ class WorldSensors:
                     sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
                 except GazeboError as error:
                     log.error("%s: <sensor>: %s", sensor.sdf.where, error)
-        self._sort_out()
+        self._update_lists()
 
-    # Telling -----------------------------------------------------------------------------------------------------
+    # Look up -----------------------------------------------------------------------------------------------------
 
     def names(self) -> list[str]:
         """Full names of all sensors, ``world::model::link::sensor``."""
@@ -214,36 +202,36 @@ class WorldSensors:
     # Ends --------------------------------------------------------------------------------------------------------
 
     def remove(self, sensor: Sensor) -> None:
-        """Take a sensor out, with its plugins."""
+        """Remove a sensor and its plugins."""
         for plugin in self._plugins.pop(sensor, ()):
             plugin.drop()
-        if sensor in self._awake:
-            self._sleep(sensor)
+        if sensor in self._active:
+            self._deactivate(sensor)
         self.sensors = {name: kept for name, kept in self.sensors.items() if kept is not sensor}
         self._new = [new for new in self._new if new is not sensor]
         sensor.Fini()
-        self._sort_out()
+        self._update_lists()
         self.world.core.events["RemoveSensor"](sensor.ScopedName())
 
     def remove_of(self, model: Model) -> None:
-        """A model leaves, and so do its sensors."""
+        """Remove the sensors of a model that is being deleted."""
         for sensor in list(self.sensors.values()):
             if sensor.parent.GetParentModel() is model:
                 self.remove(sensor)
 
     def remove_on(self, joint: Joint) -> None:
-        """A joint is no more, and nor are its sensors."""
+        """Remove the sensors of a joint that was deleted."""
         for sensor in list(self.sensors.values()):
             if sensor.parent is joint:
                 self.remove(sensor)
 
     def reset(self) -> None:
-        """The clock was set back: sensors begin anew."""
+        """Start all sensors again, because the clock was reset."""
         self._next, self._now = -math.inf, 0.0
         for sensor in self.sensors.values():
             sensor.reset()
 
     def close(self) -> None:
-        """The world ends."""
+        """Remove all sensors."""
         for sensor in list(self.sensors.values()):
             self.remove(sensor)

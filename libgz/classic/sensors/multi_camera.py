@@ -1,94 +1,84 @@
-"""MultiCameraSensor: several cameras that take their pictures together, such as a stereo pair."""
+"""MultiCameraSensor: several cameras that take their images together, such as a stereo pair."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.common import Time
-from libgz.classic.rendering.camera import Camera as CameraView, draw_frame
+from libgz.classic import msgs
+from libgz.classic.rendering.camera import Camera as CameraView, render_frame
 from libgz.classic.sensors.camera_sdf import CameraPlan, image_message
 from libgz.classic.sensors.noise import Noise as NoiseModel, new_noise
-from libgz.classic.sensors.read import wrong
-from libgz.classic.sensors.sensor import Sensor, SensorCategory
+from libgz.classic.sensors.read import first, wrong
+from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
 from libgz.errors import NotFoundError
-from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.geometry import GzCoordPoseAdd
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["MultiCameraSensor"]
 
 
-class MultiCameraSensor(Sensor):
-    """Takes pictures with all its cameras at once; each looks along +x of its own pose in the sensor."""
+class MultiCameraSensor(LinkSensor):
+    """Takes images with all its cameras at once; each looks along +x of its own pose in the sensor."""
 
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "images"
-    message_type: ClassVar[str] = "ImagesStamped"
-    draws: ClassVar[bool] = True
+    message_type: ClassVar[Any] = msgs.ImagesStamped
+    renders: ClassVar[bool] = True
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         elements = list(sdf.named("camera"))
         if not elements:
             raise wrong(sdf, "sensor", "a multicamera needs at least one <camera>")
-        self._plans = [CameraPlan(element) for element in elements]
-        self._in_sensor = [element.Get(GzPose, "pose") for element in elements]
-        self._camera_noise = [self._noise(element, i) for i, element in enumerate(elements)]
+        self._plans = [CameraPlan(element, self._noise(element, i)) for i, element in enumerate(elements)]
         self._cameras: list[CameraView] = []
 
     def _noise(self, element: Element, index: int) -> NoiseModel | None:
-        noise = next(element.named("noise"), None)
+        noise = first(element, "noise")
         return new_noise(noise, self.world.core.seed, self.ScopedName(), index) if noise is not None else None
 
     def Init(self) -> None:
-        """Open all eyes."""
+        """Open all cameras."""
         base = f"{self.ParentName()}::{self.Name()}"
-        for i, (plan, noise) in enumerate(zip(self._plans, self._camera_noise, strict=True)):
+        for i, plan in enumerate(self._plans):
             name = plan.element.Get(str, "name").strip("_") if plan.element.HasAttribute("name") else str(i)
-            self._cameras.append(plan.make(self.world, f"{base}::{name}", CameraView, noise))
+            self._cameras.append(plan.make(self.world, f"{base}::{name}", CameraView))
         self._aim()
 
     def Fini(self) -> None:
-        """Close them."""
+        """Close all cameras."""
         for camera in self._cameras:
             camera.close()
         super().Fini()
 
     def reset(self) -> None:
-        """Clock and models were put back."""
-        for noise in self._camera_noise:
-            if noise is not None:
-                noise.restart()
+        """Start again, because clock and models were reset."""
+        for plan in self._plans:
+            if plan.noise is not None:
+                plan.noise.restart()
         super().reset()
 
     def _aim(self) -> None:
-        frame = GzCoordPoseAdd(self._pose, self.link.pose())
-        for camera, place in zip(self._cameras, self._in_sensor, strict=True):
-            camera.SetWorldPose(GzCoordPoseAdd(place, frame))
+        frame = self.world_pose()
+        for camera, plan in zip(self._cameras, self._plans, strict=True):
+            camera.SetWorldPose(GzCoordPoseAdd(plan.pose, frame))
 
-    def measure(self, now: float) -> bool:
-        """Take a picture with each camera."""
-        if not all(camera.Initialized() for camera in self._cameras):
-            return False
-        self._measured = now
+    def ready(self, elapsed: float) -> bool:
+        """Whether OpenGL is not switched off."""
+        return all(camera.Initialized() for camera in self._cameras)
+
+    def measure(self, elapsed: float) -> None:
+        """Take an image with each camera."""
         self._aim()
-        draw_frame(self.world, self._cameras)
-        if self.listened():
-            self.publish(self.images_message())
-        return True
+        render_frame(self.world, self._cameras)
 
-    def images_message(self) -> Any:
-        """The last pictures as a msgs.ImagesStamped."""
-        from libgz.classic import msgs
-
-        msg = self.new_message(image=[image_message(camera) for camera in self._cameras])
-        msgs.Set(msg.time, Time(self._measured))
-        return msg
+    def message(self) -> Any:
+        """The last images as a msgs.ImagesStamped."""
+        return self.stamped(image=[image_message(camera) for camera in self._cameras])
 
     def CameraCount(self) -> int:
         """How many cameras there are."""
@@ -113,11 +103,11 @@ class MultiCameraSensor(Sensor):
         return self.Camera(index).ImageHeight()
 
     def ImageData(self, index: int) -> bytes:
-        """The last picture of a camera, top row first."""
+        """The last image of a camera, top row first."""
         return self.Camera(index).ImageData()
 
     def SaveFrame(self, filenames: Sequence[str]) -> bool:
-        """Write the last pictures to files, one for each camera; whether that worked."""
+        """Write the last images to files, one for each camera; whether that worked."""
         if len(filenames) != len(self._cameras):
             return False
         saved = [camera.SaveFrame(name) for camera, name in zip(self._cameras, filenames, strict=True)]

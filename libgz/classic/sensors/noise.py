@@ -1,4 +1,4 @@
-"""Noise: what makes measurements differ from the truth, one model for each value that a sensor measures."""
+"""Noise of measurements: one model for each value that a sensor measures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["GaussianNoiseModel", "Noise", "NoiseFactory", "SensorNoiseType", "ne
 
 
 class SensorNoiseType(IntEnum):
-    """What a sensor has noise on."""
+    """The values of sensors that can have noise."""
 
     NO_NOISE = 0
     CAMERA_NOISE = 1
@@ -55,7 +55,7 @@ class NoiseType(IntEnum):
 
 
 class Noise:
-    """A model of noise; this one adds none until it is given a callback."""
+    """A model of noise; without a callback this one adds none."""
 
     NONE, CUSTOM, GAUSSIAN, GAUSSIAN_QUANTIZED = NoiseType
 
@@ -92,21 +92,21 @@ class Noise:
         return values
 
     def restart(self) -> None:
-        """Begin anew, with the random numbers of the start."""
+        """Start again, with the same random numbers."""
 
     def Fini(self) -> None:
-        """Let a callback go."""
+        """Release the callback."""
         self._custom = None
 
 
 class GaussianNoiseModel(Noise):
-    """Adds normally distributed numbers, and a bias that is drawn once.
+    """Adds normally distributed numbers, and a bias that is sampled once.
 
     Args:
         mean, stddev: of the noise, in units of the value.
-        bias_mean, bias_stddev: of the bias, whose sign is drawn, too.
-        precision: values are rounded to multiples of it; 0: they are not.
-        seed: where the random numbers begin.
+        bias_mean, bias_stddev: of the bias, whose sign is random.
+        precision: values are rounded to multiples of it; 0 for no rounding.
+        seed: of the random numbers.
     """
 
     def __init__(
@@ -126,12 +126,12 @@ class GaussianNoiseModel(Noise):
         self.restart()
 
     def restart(self) -> None:
-        """Begin anew, with the random numbers of the start."""
+        """Start again, with the same random numbers."""
         self._random = np.random.Generator(np.random.PCG64(self._seed))
         self.SampleBias()
 
     def SampleBias(self) -> None:
-        """Draw the bias again."""
+        """Sample the bias again."""
         bias = self._random.normal(self._bias_mean, self._bias_stddev)
         self._bias = float(bias if self._random.random() < 0.5 else -bias)
 
@@ -152,16 +152,16 @@ class GaussianNoiseModel(Noise):
         return self._stddev
 
     def GetBias(self) -> float:
-        """The bias that was drawn."""
+        """The sampled bias."""
         return self._bias
 
     def SetMean(self, mean: float) -> None:
-        """Set the mean, and draw the bias again."""
+        """Set the mean, and sample the bias again."""
         self._mean = finite(mean, "mean of the noise")
         self.SampleBias()
 
     def SetStdDev(self, stddev: float) -> None:
-        """Set the standard deviation, and draw the bias again."""
+        """Set the standard deviation, and sample the bias again."""
         if not (stddev >= 0.0 and math.isfinite(stddev)):
             raise ParameterError(f"stddev is {stddev:g}; it must be at least 0")
         self._stddev = float(stddev)
@@ -177,7 +177,7 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     Args:
         element: with `type` as an attribute, or as a child in older places.
         seed: of the world.
-        name, channel: of the sensor and of what it measures: each has random numbers of its own.
+        name, channel: of the sensor and of the measured value; each pair has its own random numbers.
 
     Raises:
         ParameterError: the kind is unknown, or a value is not allowed.

@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.math import Angle
 from libgz.classic.physics.ray_shape import MultiRayShape, ScanGrid
 from libgz.classic.sensors.noise import SensorNoiseType
-from libgz.classic.sensors.read import count, number, wrong
-from libgz.classic.sensors.sensor import Sensor, SensorCategory
-from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.classic.sensors.read import clip, count, number, wrong
+from libgz.classic.sensors.sensor import LinkSensor, SensorCategory, SensorOwner
+from libgz.geometry import GzPose
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["RaySensor"]
@@ -30,8 +29,8 @@ FULL_TURN = 2.0 * math.pi
 MOST_RAYS = 10_000_000
 
 
-class RaySensor(Sensor):
-    """A laser. What lies beyond its range is +inf, what lies closer than it measures -inf.
+class RaySensor(LinkSensor):
+    """A laser. Distances beyond its range are +inf, those below its minimum -inf.
 
     Rays are cast against collisions, those of the laser's own link included, from the minimum range on. Where
     `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.
@@ -39,21 +38,18 @@ class RaySensor(Sensor):
 
     category: ClassVar[SensorCategory] = SensorCategory.RAY
     topic_suffix: ClassVar[str | None] = "scan"
-    message_type: ClassVar[str] = "LaserScanStamped"
+    message_type: ClassVar[Any] = msgs.LaserScanStamped
     noise_type: ClassVar[SensorNoiseType] = SensorNoiseType.RAY_NOISE
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         ray = sdf.child("ray")
         scan, reach = ray.child("scan"), ray.child("range")
         horizontal = _row(scan.child("horizontal"))
         vertical = _row(scan.child("vertical")) if scan.HasElement("vertical") else (1, 1, (0.0, 0.0))
         if horizontal[0] * vertical[0] > MOST_RAYS or horizontal[1] * vertical[1] > MOST_RAYS:
             raise wrong(scan, "samples", f"there are more than {MOST_RAYS} rays or readings")
-        near, far = number(reach, "min", 0.0, unit="m"), number(reach, "max", 0.0, unit="m")
-        if not far > near:
-            raise wrong(reach, "max", f"is {far:g} m; it must be beyond <min>, {near:g} m")
+        near, far = clip(reach, "min", "max")
         self._resolution = number(reach, "resolution", 0.0, unit="m")
         self._readings = horizontal[1], vertical[1]
         grid = ScanGrid((horizontal[0], vertical[0]), (horizontal[2], vertical[2]), (near, far))
@@ -64,7 +60,7 @@ class RaySensor(Sensor):
         self.add_noise(self.noise_type, ray)
 
     def Init(self) -> None:
-        """Let viewers show the rays, if they are to."""
+        """Show the rays in viewers, if its file asks for that."""
         if self.Visualize():
             self.world.core.engine.ray_bundles.add(self._shape)
 
@@ -81,9 +77,8 @@ class RaySensor(Sensor):
 
     # Measuring ---------------------------------------------------------------------------------------------------
 
-    def measure(self, now: float) -> bool:
+    def measure(self, elapsed: float) -> None:
         """Cast all rays."""
-        self._measured = now
         self._shape.Update()
         ranges, self._retros = self._shape.ranges(), self._shape.retros()
         if self._mixing is not None:
@@ -93,19 +88,13 @@ class RaySensor(Sensor):
         noise = self.noises.get(self.noise_type)
         measured = ranges if noise is None else np.clip(noise.apply_all(ranges), near, far)
         self._ranges = np.where(ranges >= far, math.inf, np.where(ranges <= near, -math.inf, measured))
-        if self.listened():
-            self.publish(self.scan_message())
-        return True
 
-    def scan_message(self) -> Any:
+    def message(self) -> Any:
         """The last scan as a msgs.LaserScanStamped."""
-        from libgz.classic import msgs
-
-        msg = self.new_message()
-        msgs.Set(msg.time, Time(self._measured))
+        msg = self.stamped()
         scan = msg.scan
         scan.frame = self.ParentName()
-        msgs.Set(scan.world_pose, GzCoordPoseAdd(self._pose, self.link.pose()))
+        msgs.Set(scan.world_pose, self.world_pose())
         scan.angle_min, scan.angle_max = self.AngleMin().Radian(), self.AngleMax().Radian()
         scan.angle_step, scan.count = self.AngleResolution(), self.RangeCount()
         scan.vertical_angle_min, scan.vertical_angle_max = (
@@ -226,7 +215,7 @@ _Mixing = tuple[NDArray[np.int64], NDArray[np.float64]]
 
 
 def _mixing(samples: tuple[int, int], readings: tuple[int, int]) -> _Mixing:
-    """(indices, weights), shape (readings, 4): what readings between rays are made of, bilinearly."""
+    """(indices, weights), shape (readings, 4): how readings between rays are interpolated bilinearly."""
     lower, upper, share = [], [], []
     for rays, wanted in zip(samples, readings, strict=True):
         place = np.linspace(0.0, rays - 1.0, wanted) if wanted > 1 else np.zeros(1)

@@ -1,21 +1,31 @@
-"""Reading a `<sensor>`: values with their bounds; what is wrong is told with file and line."""
+"""Reading a `<sensor>`: values with their bounds; errors name file and line."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from libgz.errors import Diagnostic, ParameterError, nearest
 from libgz.sdf.element import Element
 
-__all__ = ["choice", "count", "custom_topic", "number", "wrong"]
+__all__ = ["choice", "clip", "count", "custom_topic", "first", "known_children", "number", "wrong"]
 
 UNSET = ("", "__default__", "__default_topic__")
 
 
+def first(element: Element | None, name: str) -> Element | None:
+    """The first child of that name; None if there is none, or no element."""
+    return next(element.named(name), None) if element is not None else None
+
+
+def known_children(element: Element) -> Collection[str]:
+    """The children that the element's SDF version describes."""
+    return element.description.children if element.description is not None else ()
+
+
 def wrong(element: Element, key: str, message: str) -> ParameterError:
     """The error of a value that is not allowed: ``file:line: <key>: message``; `key` is a child of the element."""
-    place = next(element.named(key), element)
+    place = first(element, key) or element
     return ParameterError(str(Diagnostic(place.file or "<string>", place.line, key, message, "error")))
 
 
@@ -35,6 +45,18 @@ def number(element: Element, key: str, least: float = -math.inf, most: float = m
     return value
 
 
+def clip(element: Element, low: str, high: str) -> tuple[float, float]:
+    """Two distances [m], the second beyond the first.
+
+    Raises:
+        ParameterError: they are not, or one is negative.
+    """
+    near, far = number(element, low, 0.0, unit="m"), number(element, high, 0.0, unit="m")
+    if not far > near:
+        raise wrong(element, high, f"is {far:g} m; it must be beyond <{low}>, {near:g} m")
+    return near, far
+
+
 def count(element: Element, key: str, least: int = 1) -> int:
     """A whole number with a lower bound.
 
@@ -48,7 +70,7 @@ def count(element: Element, key: str, least: int = 1) -> int:
 
 
 def choice(element: Element, key: str, allowed: Iterable[str]) -> str:
-    """One of some words.
+    """One of several words.
 
     Raises:
         ParameterError: it is none of them.

@@ -1,30 +1,29 @@
-"""Sensor: what all sensors have in common: names, rate, when they measure, whom they tell."""
+"""Sensor: the base of all sensors: names, rate, activity, noise, messages."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
+from libgz.classic import msgs
 from libgz.classic.common import Time
-from libgz.classic.math import Pose3d
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
-from libgz.classic.sensors.read import custom_topic, number
+from libgz.classic.sensors.read import custom_topic, first, number
 from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzPose
+from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
-    from libgz.classic.msgs import Message
-    from libgz.classic.physics import Joint, Link
-    from libgz.classic.sensors.manager import WorldSensors
+    from libgz.classic.physics import Joint, Link, World
     from libgz.classic.transport import Publisher
     from libgz.sdf.element import Element
 
-__all__ = ["Sensor", "SensorCategory"]
+__all__ = ["LinkSensor", "Sensor", "SensorCategory", "SensorOwner"]
 
-HAIR = 1e-9  # [s] sim times are sums of steps, and may miss a due time by less than this
+TOLERANCE = 1e-9  # [s] sim times are sums of steps, and may miss a due time by less than this
 
 _ids = itertools.count(1)
 
@@ -37,12 +36,24 @@ class SensorCategory(IntEnum):
     OTHER = 2
 
 
+class SensorOwner(Protocol):
+    """The sensors of a world, as each of them uses it."""
+
+    world: World
+
+    def reschedule(self, sensor: Sensor) -> None:
+        """The sensor's activity or rate may have changed."""
+
+    def remove(self, sensor: Sensor) -> None:
+        """Remove the sensor and its plugins."""
+
+
 class Sensor:
     """Base of all sensors.
 
-    A sensor measures while it is active: with `<always_on>`, after `SetActive(True)`, or while somebody listens to its
-    topic or, unless it was told to be quiet by `SetActive(False)`, to its callbacks. Its rate is one of sim time, and
-    does not drift; `update_rate` 0 is every iteration.
+    A sensor measures while it is active: with `<always_on>`, after `SetActive(True)`, or while its topic has
+    subscribers. Callbacks make it active, too, except after `SetActive(False)`. The rate is in sim time and does not
+    drift; `update_rate` 0 is every iteration.
 
     Args:
         sensors: the sensors of the world.
@@ -51,13 +62,13 @@ class Sensor:
     """
 
     category: ClassVar[SensorCategory] = SensorCategory.OTHER
-    topic_suffix: ClassVar[str | None] = None  # what follows the sensor's name in its topic's; None: it has no topic
-    topic_behind: ClassVar[bool] = False  # whether the topic of its file stands behind its own, not instead
-    message_type: ClassVar[str] = ""  # of its topic
-    draws: ClassVar[bool] = False  # whether it needs pictures
-    gathers: ClassVar[bool] = False  # whether `gather` is to be called after each iteration while it is active
+    topic_suffix: ClassVar[str | None] = None  # follows the sensor's name in its topic; None: it has no topic
+    topic_appended: ClassVar[bool] = False  # whether its file's topic is appended to its own instead of replacing it
+    message_type: ClassVar[Any] = None  # of its topic
+    renders: ClassVar[bool] = False  # whether it needs images
+    gathers: ClassVar[bool] = False  # whether `gather` is called after each iteration while it is active
 
-    def __init__(self, sensors: WorldSensors, parent: Link | Joint, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link | Joint, sdf: Element) -> None:
         self.sensors, self.world, self.parent, self.sdf = sensors, sensors.world, parent, sdf
         self._name = sdf.Get(str, "name")
         self._number = next(_ids)
@@ -67,6 +78,7 @@ class Sensor:
         self._updated = self._measured = self._delay = 0.0
         self.SetUpdateRate(number(sdf, "update_rate"))
         self._update_event = Event(f"Updated of sensor {self.ScopedName()}")
+        self._message_event = Event(f"Update of sensor {self.ScopedName()}")
         self.noises: dict[SensorNoiseType, NoiseModel] = {}
         self.publisher: Publisher | None = None
 
@@ -100,7 +112,7 @@ class Sensor:
         return self.category
 
     def Id(self) -> int:
-        """A number that no other sensor has."""
+        """A unique number."""
         return self._number
 
     def ParentId(self) -> int:
@@ -109,10 +121,14 @@ class Sensor:
 
     def Topic(self) -> str:
         """The topic that it publishes on; an empty string for none."""
-        given = custom_topic(self.sdf)
-        if self.topic_behind:
+        given = self.custom_topic()
+        if self.topic_appended:
             return self._own_topic(given)
         return given or (self._own_topic(self.topic_suffix) if self.topic_suffix is not None else "")
+
+    def custom_topic(self) -> str:
+        """The topic that its file names; an empty string for none."""
+        return custom_topic(self.sdf)
 
     def _own_topic(self, suffix: str) -> str:
         """``~/model/link/sensor/suffix``."""
@@ -120,7 +136,7 @@ class Sensor:
         return f"{path}/{suffix}" if suffix else path
 
     def Visualize(self) -> bool:
-        """Whether a viewer is to show what it measures."""
+        """Whether viewers show its measurements."""
         return self.sdf.Get(bool, "visualize")
 
     def GetSDF(self) -> Element:
@@ -147,16 +163,16 @@ class Sensor:
         return bool(self._active) or self.listened() or (self._active is None and self.connected())
 
     def SetActive(self, value: bool) -> None:
-        """Let it measure, or only as long as somebody listens to its topic."""
+        """Let it measure always, or only while its topic has subscribers."""
         self._active = bool(value)
-        self.sensors.wake(self)
+        self.sensors.reschedule(self)
 
     def connected(self) -> bool:
-        """Whether callbacks wait for its measurements."""
-        return bool(self._update_event)
+        """Whether there are callbacks for its measurements."""
+        return bool(self._update_event or self._message_event)
 
     def listened(self) -> bool:
-        """Whether somebody listens to its topic."""
+        """Whether its topic has subscribers."""
         return self.publisher is not None and self.publisher.HasConnections()
 
     def UpdateRate(self) -> float:
@@ -166,7 +182,7 @@ class Sensor:
     def SetUpdateRate(self, hz: float) -> None:
         """Set the rate [Hz]; 0 or less: every iteration."""
         self._period = 1.0 / hz if hz > 0.0 else 0.0
-        self.sensors.wake(self)
+        self.sensors.reschedule(self)
 
     def LastUpdateTime(self) -> Time:
         """Sim time of the last update."""
@@ -179,45 +195,72 @@ class Sensor:
     GetUpdateRate, GetLastUpdateTime, GetLastMeasurementTime = UpdateRate, LastUpdateTime, LastMeasurementTime
 
     def ResetLastUpdateTime(self) -> None:
-        """Forget when it measured; the clock was set back."""
+        """Forget the times of its measurements, because the clock was set back."""
         self._updated = self._measured = self._delay = 0.0
-        self.sensors.wake(self)
+        self.sensors.reschedule(self)
 
     def ConnectUpdated(self, callback: Callable[[], object]) -> Connection:
         """Call `callback` after each measurement, as long as the connection is kept."""
         return self.listen(self._update_event, callback)
 
     def DisconnectUpdated(self, connection: Connection) -> None:
-        """End such a connection."""
+        """End a connection."""
         connection.Disconnect()
 
     def listen(self, event: Event, callback: Callable[..., object]) -> Connection:
         """Connect to one of its events."""
         connection = event.Connect(callback)
-        self.sensors.wake(self)
+        self.sensors.reschedule(self)
         return connection
 
     @property
     def due(self) -> float:
-        """Sim time from which on it may measure again [s]."""
-        return self._updated + max(self._period - self._delay - HAIR, HAIR)
+        """Earliest sim time of the next measurement [s]."""
+        return self._updated + max(self._period - self._delay - TOLERANCE, TOLERANCE)
 
     def Update(self, force: bool = False) -> None:
-        """Measure, if it is active and it is time for it, or by force."""
+        """Measure, if it is active and due, or if forced."""
         now = self.world.core.GetSimTime()
         if not force and (now < self.due or not self.IsActive()):
             return
+        elapsed = now - self._measured
+        if not self.ready(elapsed):
+            return
         late = max(0.0, now - self._updated + self._delay - self._period)
-        if self.measure(now):
-            # Late by more than a period: it slept, or steps are longer than that. There is nothing to catch up with.
-            self._delay = late if HAIR < late < self._period else 0.0
-            self._updated = now
-            if self._update_event:
-                self._update_event()
+        self._measured = now
+        self.measure(elapsed)
+        self.deliver()
+        # Late by more than a period: it was idle, or steps are longer. There is nothing to catch up with.
+        self._delay = late if TOLERANCE < late < self._period else 0.0
+        self._updated = now
+        if self._update_event:
+            self._update_event()
 
-    def measure(self, now: float) -> bool:
-        """Take a measurement at a sim time [s], and publish it if somebody listens; whether there was one."""
+    def ready(self, elapsed: float) -> bool:
+        """Whether it can measure now, `elapsed` seconds of sim time after its last measurement."""
+        return True
+
+    def measure(self, elapsed: float) -> None:
+        """Take a measurement, `elapsed` seconds of sim time after the last one."""
         raise NotImplementedError(f"{type(self).__name__} cannot measure")
+
+    def deliver(self) -> None:
+        """Pass the measurement to callbacks and to the topic's subscribers."""
+        if self._message_event or self.listened():
+            message = self.message()
+            self._message_event(message)
+            if self.publisher is not None:
+                self.publisher.Publish(message)
+
+    def message(self) -> Any:
+        """The last measurement as a message of `message_type`."""
+        raise NotImplementedError(f"{type(self).__name__} has no messages")
+
+    def stamped(self, **fields: Any) -> Any:
+        """A message of `message_type` with the time of the last measurement."""
+        msg = self.message_type(**fields)
+        msgs.Set(msg.time, self.LastMeasurementTime())
+        return msg
 
     # Noise -------------------------------------------------------------------------------------------------------
 
@@ -236,8 +279,8 @@ class Sensor:
     GetNoise = Noise
 
     def add_noise(self, kind: SensorNoiseType, holder: Element | None) -> None:
-        """Take on the `<noise>` in an element, if there is one."""
-        element = next(holder.named("noise"), None) if holder is not None else None
+        """Add the `<noise>` of an element, if there is one."""
+        element = first(holder, "noise")
         if element is not None:
             self.noises[kind] = new_noise(element, self.world.core.seed, self.ScopedName(), int(kind))
 
@@ -246,13 +289,24 @@ class Sensor:
         noise = self.noises.get(kind)
         return noise.Apply(value) if noise is not None else value
 
+    def add_axis_noise(self, kinds: Sequence[SensorNoiseType], holder: Element | None, axes: Sequence[str]) -> None:
+        """Add the `<noise>` of each axis, a child of an element."""
+        for kind, axis in zip(kinds, axes, strict=True):
+            self.add_noise(kind, first(holder, axis))
+
+    def noisy_vector(self, kinds: Sequence[SensorNoiseType], value: Vector3d) -> Vector3d:
+        """A vector with the noise of each axis."""
+        if not self.noises:
+            return value
+        return Vector3d(*(self.noisy(kind, part) for kind, part in zip(kinds, value, strict=True)))
+
     # Life --------------------------------------------------------------------------------------------------------
 
     def Init(self) -> None:
-        """Begin; called when all of the world's models are there, before the sensor's plugins are loaded."""
+        """Start; called when all models of the world exist, before the sensor's plugins are loaded."""
 
     def Fini(self) -> None:
-        """End: no measurement from now on."""
+        """End; there are no more measurements."""
         self._active = False
         self._update_event.clear()
         for noise in self.noises.values():
@@ -262,32 +316,21 @@ class Sensor:
             self.publisher = None
 
     def gather(self) -> None:
-        """An iteration is over: note what will not be there any more when it measures."""
+        """Collect data of an iteration that will be lost when it measures."""
 
-    def went_active(self) -> None:
-        """It begins to measure."""
+    def activated(self) -> None:
+        """Called when it becomes active."""
 
-    def went_idle(self) -> None:
-        """Nobody wants its measurements any more."""
+    def deactivated(self) -> None:
+        """Called when it is no longer active."""
 
     def reset(self) -> None:
-        """Clock and models were put back."""
+        """Start again, because clock and models were reset."""
         for noise in self.noises.values():
             noise.restart()
         self.ResetLastUpdateTime()
 
     # Messages ----------------------------------------------------------------------------------------------------
-
-    def new_message(self, **fields: Any) -> Any:
-        """A message of the sensor's type."""
-        from libgz.classic import msgs
-
-        return getattr(msgs, self.message_type)(**fields)
-
-    def publish(self, message: Message) -> None:
-        """Send a message on the sensor's topic."""
-        if self.publisher is not None:
-            self.publisher.Publish(message)
 
     def FillMsg(self, msg: Any) -> None:
         """Describe the sensor in a msgs.Sensor.
@@ -295,8 +338,6 @@ class Sensor:
         Raises:
             ParameterError: the message is of another type.
         """
-        from libgz.classic import msgs
-
         if not isinstance(msg, msgs.Sensor):
             raise ParameterError(f"FillMsg of a sensor takes a msgs.Sensor, not {type(msg).__name__}")
         msg.name, msg.id, msg.type = self._name, self._number, self.Type()
@@ -304,3 +345,23 @@ class Sensor:
         msgs.Set(msg.pose, self._pose)
         msg.always_on, msg.update_rate = self.IsActive(), self.UpdateRate()
         msg.topic, msg.visualize = self.Topic(), self.Visualize()
+
+
+class LinkSensor(Sensor):
+    """A sensor that a link carries."""
+
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
+        super().__init__(sensors, parent, sdf)
+        self.link = parent
+
+    def world_pose(self) -> GzPose:
+        """Global pose [m]."""
+        return GzCoordPoseAdd(self._pose, self.link.pose())
+
+    def world_rotation(self) -> Quaterniond:
+        """Global rotation."""
+        return self.link.WorldPose().rot * self._pose.rot
+
+    def world_velocity(self) -> Vector3d:
+        """Global velocity of the sensor's position [m/s]."""
+        return self.link.WorldLinearVel(self._pose.pos)

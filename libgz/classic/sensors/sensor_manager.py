@@ -23,16 +23,16 @@ log = logging.getLogger("libgz.classic")
 
 
 class SensorManager:
-    """All sensors; there is one: `SensorManager.Instance()`.
+    """All sensors; the only instance is `SensorManager.Instance()`.
 
-    Sensors measure by themselves after each iteration of their world, in its thread; there are no threads to run.
+    Sensors measure after each iteration of their world, in its thread; there are no threads to run.
     """
 
     _instance: ClassVar[SensorManager | None] = None
 
     @classmethod
     def Instance(cls) -> SensorManager:
-        """The one of this process."""
+        """The instance of this process."""
         if cls._instance is None:
             cls._instance = cls()
         return cls._instance
@@ -43,7 +43,7 @@ class SensorManager:
     def GetSensor(self, name: str) -> Sensor | None:
         """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None.
 
-        A plugin gets that of its own world, where there is one of this name.
+        A plugin gets the sensor of its own world, if there is one of this name.
         """
         own = own_world()
         found = own.server.sensors.find(name) if own is not None and own.server.sensors is not None else []
@@ -58,19 +58,19 @@ class SensorManager:
         return [sensor for sensors in self._all() for sensor in sensors.sensors.values()]
 
     def GetSensorTypes(self) -> list[str]:
-        """What a `<sensor>` can be."""
+        """The allowed types of a `<sensor>`."""
         return list(KINDS)
 
     def SensorsInitialized(self) -> bool:
-        """Whether all sensors are ready: always, for they are made with their models."""
+        """Whether all sensors are ready: always, because they are made with their models."""
         return True
 
     def CreateSensor(self, sdf: Element, worldName: str, parentName: str, parentId: int = 0) -> str:
-        """Give a link or joint a sensor; its full name.
+        """Add a sensor to a link or joint; returns its full name.
 
         Raises:
             NotFoundError: there is no such world, link or joint.
-            ParameterError: the element is wrong.
+            ParameterError: the element has an error.
         """
         world = get_world(worldName)
         parent = world.BaseByName(parentName)
@@ -85,7 +85,7 @@ class SensorManager:
         return sensor.ScopedName()
 
     def RemoveSensor(self, name: str) -> None:
-        """Take a sensor out, with its plugins; the name is as for GetSensor.
+        """Remove a sensor and its plugins; the name is as for GetSensor.
 
         Raises:
             NotFoundError: there is none of this name.
@@ -97,24 +97,24 @@ class SensorManager:
         sensor.sensors.remove(sensor)
 
     def RemoveSensors(self) -> None:
-        """Take all sensors out."""
+        """Remove all sensors."""
         for sensor in self.GetSensors():
             sensor.sensors.remove(sensor)
 
     def Update(self, force: bool = False) -> None:
-        """Let all sensors measure whose time has come, or all by force."""
+        """Let the sensors that are due measure, or all of them if forced."""
         for sensors in self._all():
             sensors.update()
             for sensor in list(sensors.sensors.values()) if force else ():
                 sensor.Update(True)
 
     def ResetLastUpdateTimes(self) -> None:
-        """Forget when sensors have measured."""
+        """Forget the times of all measurements."""
         for sensor in self.GetSensors():
             sensor.ResetLastUpdateTime()
 
     def Init(self) -> None:
-        """Nothing to do: sensors begin with their models."""
+        """Nothing to do: sensors start with their models."""
 
     def RunThreads(self) -> None:
         """Nothing to do: sensors measure after each iteration."""
@@ -132,7 +132,7 @@ def get_sensor(name: str) -> Sensor | None:
 
 
 def remove_sensors() -> None:
-    """Take all sensors of all worlds out."""
+    """Remove all sensors of all worlds."""
     SensorManager.Instance().RemoveSensors()
 
 

@@ -1,4 +1,4 @@
-"""SonarSensor: the distance of the nearest thing in a cone, or in a sphere."""
+"""SonarSensor: the distance of the nearest collision in a cone or a sphere."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.classic.common import Time
+from libgz.classic import msgs
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.ray_shape import ray_table
-from libgz.classic.sensors.read import choice, number, wrong
-from libgz.classic.sensors.sensor import Sensor
+from libgz.classic.sensors.read import choice, clip, known_children, number
+from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
 from libgz.geometry import GzCoordPoseAdd, GzPose
-from libgz.simulation.event import Connection, Event
+from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Link
-    from libgz.classic.sensors.manager import WorldSensors
     from libgz.sdf.element import Element
 
 __all__ = ["SonarSensor"]
@@ -28,33 +27,28 @@ RINGS = 10  # of rays in the cone, 6, 12, 18 ... around the middle one: gaps are
 SPHERE = 2000  # rays, 4 degrees apart
 
 
-class SonarSensor(Sensor):
+class SonarSensor(LinkSensor):
     """A sonar. Its cone begins at the sensor and opens downwards, along -z; a sphere is around it.
 
-    The space is filled with rays; the nearest hit counts. What is thinner than the gaps between them, a tenth of the
-    cone's radius at its base, may be missed.
+    Rays fill the space, and the nearest hit counts. Objects thinner than the gaps between rays, a tenth of the cone's
+    radius at its base, may be missed.
     """
 
     topic_suffix: ClassVar[str | None] = "sonar"
-    message_type: ClassVar[str] = "SonarStamped"
+    message_type: ClassVar[Any] = msgs.SonarStamped
 
-    def __init__(self, sensors: WorldSensors, parent: Link, sdf: Element) -> None:
+    def __init__(self, sensors: SensorOwner, parent: Link, sdf: Element) -> None:
         super().__init__(sensors, parent, sdf)
-        self.link = parent
         sonar = sdf.child("sonar")
-        self._min, self._max = number(sonar, "min", 0.0, unit="m"), number(sonar, "max", 0.0, unit="m")
-        if not self._max > self._min:
-            raise wrong(sonar, "max", f"is {self._max:g} m; it must be beyond <min>, {self._min:g} m")
+        self._min, self._max = clip(sonar, "min", "max")
         self._radius = number(sonar, "radius", 0.0, unit="m") if sonar.HasElement("radius") else 0.5
-        described = sonar.description.children if sonar.description is not None else {}
-        known = sonar.HasElement("geometry") or "geometry" in described
+        known = sonar.HasElement("geometry") or "geometry" in known_children(sonar)
         self._geometry = choice(sonar, "geometry", ("cone", "sphere")) if known else "cone"
         self._place()
         self._reached: NDArray[np.float64] = np.zeros(len(self._rays))
         self._rows: NDArray[np.int64] = np.zeros(len(self._rays), dtype=np.int64)
         self._range = self._max
         self._contact = Vector3d()
-        self._heard = Event(f"Update of sensor {self.ScopedName()}")
 
     def _place(self) -> None:
         ways = sphere_rays() if self._geometry == "sphere" else cone_rays(self._radius / (self._max - self._min))
@@ -65,17 +59,12 @@ class SonarSensor(Sensor):
         super().SetPose(pose)
         self._place()
 
-    def connected(self) -> bool:
-        """Whether callbacks wait for its measurements."""
-        return super().connected() or bool(self._heard)
-
     def ConnectUpdate(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` with a msgs.SonarStamped after each measurement, as long as the connection is kept."""
-        return self.listen(self._heard, callback)
+        return self.listen(self._message_event, callback)
 
-    def measure(self, now: float) -> bool:
-        """Look for the nearest thing; the sonar's own link is not seen."""
-        self._measured = now
+    def measure(self, elapsed: float) -> None:
+        """Find the nearest collision; the sonar's own link is left out."""
         pose = self.link.pose()
         frame = np.array((*pose.pos, *pose.rot))
         self.world.core.engine.scan(frame, self._rays, self.link.body.number, self._reached, self._rows)
@@ -84,28 +73,20 @@ class SonarSensor(Sensor):
         self._range = float(self._reached[nearest]) if hit else self._max
         along = self._rays[nearest, :3] + self._rays[nearest, 3:6] * self._range
         self._contact = pose_point(pose, along) if hit else Vector3d()
-        if self._heard or self.listened():
-            message = self.sonar_message()
-            self._heard(message)
-            self.publish(message)
-        return True
 
-    def sonar_message(self) -> Any:
+    def message(self) -> Any:
         """The last measurement as a msgs.SonarStamped."""
-        from libgz.classic import msgs
-
-        msg = self.new_message()
-        msgs.Set(msg.time, Time(self._measured))
+        msg = self.stamped()
         sonar = msg.sonar
         sonar.frame, sonar.geometry = self.ParentName(), self._geometry
-        msgs.Set(sonar.world_pose, GzCoordPoseAdd(self._pose, self.link.pose()))
+        msgs.Set(sonar.world_pose, self.world_pose())
         sonar.range_min, sonar.range_max, sonar.radius = self._min, self._max, self._radius
         sonar.range = self._range
         msgs.Set(sonar.contact, self._contact)
         return msg
 
     def Range(self) -> float:
-        """Distance of the nearest thing [m]; the maximum for none."""
+        """Distance of the nearest collision [m]; the maximum for none."""
         return self._range
 
     def RangeMin(self) -> float:

@@ -1,10 +1,10 @@
-"""Rendering of Gazebo classic: pictures, depths, visuals, materials."""
+"""Rendering of Gazebo classic: images, depths, visuals, materials."""
 
 import math
 
 import numpy as np
 import pytest
-from classic_scenes import BEHIND, keep_to, material, middle, model, red, script, see, visual, worlds_in
+from classic_scenes import BEHIND, material, middle, model, red, script, see, visual
 from PIL import Image
 
 from libgz.classic import rendering
@@ -12,17 +12,6 @@ from libgz.classic.event import Events
 from libgz.classic.math import Color, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.sdf.materials import find_material
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def world_of(tmp_path):
-    yield from worlds_in(tmp_path)
-
 
 # Cameras ---------------------------------------------------------------------------------------------------------
 
@@ -40,19 +29,19 @@ def test_frames_come_to_callbacks_and_files(world_of, tmp_path):
     world, got = world_of(model(inside=red())), []
     with rendering.Camera(world, "eye", 32, 24) as camera:
         connection = camera.ConnectNewImageFrame(lambda *values: got.append(values))
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         data, *rest = got[0]
         assert rest == [32, 24, 3, "R8G8B8"]
         assert np.array_equal(np.frombuffer(data, np.uint8).reshape(24, 32, 3), camera.pixels)
         camera.SetCaptureData(False)
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         assert len(got) == 1
         camera.SetCaptureData(True)
         camera.DisconnectNewImageFrame(connection)
         camera.EnableSaveFrame(True)
         camera.SetSaveFramePathname(str(tmp_path / "frames"))
         for _ in range(2):
-            rendering.draw_frame(world, [camera])
+            rendering.render_frame(world, [camera])
         assert len(got) == 1
         assert camera.SaveFrame(str(tmp_path / "one.png"))
         assert not camera.SaveFrame(str(tmp_path / "one.nothing"))
@@ -74,7 +63,7 @@ def test_frames_come_to_callbacks_and_files(world_of, tmp_path):
 def test_image_formats(world_of, name, depth, value):
     world = world_of(model(inside=red()))
     with rendering.Camera(world, "eye", 32, 24, image_format=name) as camera:
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         assert camera.ImageDepth() == depth
         assert len(camera.ImageData()) == camera.ImageByteSize() == 32 * 24 * depth
         at = (12 * 32 + 16) * depth  # an even row and column
@@ -115,7 +104,7 @@ def test_depths_are_those_of_the_geometry(world_of):
             camera.ConnectNewDepthFrame(lambda *values: got.update(depth=values)),
             camera.ConnectNewRGBPointCloud(lambda *values: got.update(cloud=values)),
         ]
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         depths = got["depth"][0].reshape(240, 320)
         assert got["depth"][1:] == (320, 240, 1, "FLOAT32")
         assert depths[120, 160] == pytest.approx(2.5, abs=1e-4)
@@ -128,7 +117,7 @@ def test_depths_are_those_of_the_geometry(world_of):
             assert (x > 0, y > 0) == (column > 160, row > 120)
         assert x == pytest.approx(2.5 * 20.5 / (160 / math.tan(0.5235)), abs=1e-4)
         camera.SetClipDist(0.1, 2.0)
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         assert np.isinf(camera.DepthData()).all()
         del kept
 
@@ -173,11 +162,11 @@ def test_events_around_a_frame_come_in_order_and_once(world_of):
     kept = [getattr(Events, f"Connect{name}")(lambda name=name: heard.append(name)) for name in names]
     with rendering.Camera(world, "a", 8, 8) as a, rendering.Camera(world, "b", 8, 8) as b:
         kept.append(b.ConnectNewImageFrame(lambda data: heard.append("frame")))
-        rendering.draw_frame(world, [a, b])
+        rendering.render_frame(world, [a, b])
     assert heard == ["PreRender", "Render", "frame", "PostRender"]
 
 
-def test_a_callback_that_raises_is_told_and_pictures_go_on(world_of, caplog):
+def test_a_callback_that_raises_is_logged_and_images_continue(world_of, caplog):
     world = world_of(model(inside=red()))
 
     def spoil():
@@ -329,7 +318,7 @@ def test_a_highlighted_visual_has_a_box_around_it(world_of):
 def test_a_pixel_tells_its_model(world_of):
     world = world_of(model())
     with rendering.Camera(world, "eye", 32, 24) as camera:
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         scene = camera.GetScene()
         assert scene.GetModelVisualAt(camera, (16, 12)) is scene.GetVisual("m")
         assert scene.GetModelVisualAt(camera, (0, 0)) is None
@@ -379,7 +368,7 @@ def test_a_material_named_in_plain_text_and_one_that_is_not_known(world_of, capl
 
 
 SCRIPT = """
-// a material with a parent, and one with a picture
+// a material with a parent, and one with an image
 material My/Base { technique { pass { ambient 0 0.5 0 1
     diffuse 0 0.5 0 1
     specular 0.1 0.2 0.3 1 20 } } }

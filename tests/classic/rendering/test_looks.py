@@ -3,17 +3,10 @@
 import math
 
 import pytest
-from classic_scenes import BEHIND, FLAT, keep_to, material, middle, model, red, script, see, visual, worlds_in
+from classic_scenes import BEHIND, FLAT, material, middle, model, red, script, see, visual
 
 from libgz.classic import rendering
 from libgz.errors import ParameterError
-
-
-@pytest.fixture
-def world_of(tmp_path, monkeypatch):
-    """Makes a classic world of some elements."""
-    keep_to(tmp_path, monkeypatch)
-    yield from worlds_in(tmp_path)
 
 
 def glass(name, color, x):
@@ -61,7 +54,7 @@ def test_what_comes_in_the_place_of_something_looks_like_itself(world_of):
             made = rendering.Visual("made", place)
             made.AttachMesh(shape)
             made.SetMaterial(f"Gazebo/{name}")
-            rendering.draw_frame(world, [camera])
+            rendering.render_frame(world, [camera])
             found.append((middle(camera.pixels), int((camera.pixels != BEHIND).any(axis=2).sum())))
             made.Fini()
     (box, ball, blue), (large, small, same) = zip(*found, strict=True)
@@ -117,13 +110,13 @@ def test_a_camera_stays_where_its_carrier_left_it(world_of):
     with rendering.Camera(world, "eye", 16, 12) as camera:
         assert camera.AttachToVisual("car")
         assert camera.TrackVisual("m")
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         before = camera.WorldPose()
         for name in ("car", "m"):
             world.RemoveModel(name)
         world.InsertModelString(f"<sdf version='1.6'>{model('late', pose='9 9 9 0 0 0', static=False)}</sdf>")
         world.Step(1)
-        rendering.draw_frame(world, [camera])
+        rendering.render_frame(world, [camera])
         assert camera.WorldPose() == before
         assert camera.TrackedVisual() is None
 
@@ -133,9 +126,9 @@ def test_buffers_of_sizes_long_ago_are_let_go(world_of):
     with rendering.Camera(world, "eye", 64, 48) as camera:
         for width in (*range(64, 104), 64):
             camera.SetImageSize(width, 48)
-            rendering.draw_frame(world, [camera])
+            rendering.render_frame(world, [camera])
             assert middle(camera.pixels) == (255, 0, 0)
-        assert len(camera.view._scene._renderer._buffers) <= 16
+        assert len(camera.core._scene.thread.renderer._buffers) <= 16
 
 
 # Materials -----------------------------------------------------------------------------------------------------------

@@ -54,7 +54,7 @@ def test_picture_of_a_later_time(tmp_path):
     [
         (("--camera", "cam2"), "no camera has the id 'cam2'; there are cam1, observer; did you mean 'cam1'?"),
         (("--gl", "none"), "took no picture: OpenGL is switched off"),
-        (("-o", "picture.nonsense"), "picture picture.nonsense cannot be written"),
+        (("-o", "picture.nonsense"), "image picture.nonsense cannot be written"),
         (("--time", "-1"), "it must not be negative"),
     ],
 )

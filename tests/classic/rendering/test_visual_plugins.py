@@ -4,19 +4,9 @@ import logging
 import textwrap
 
 import pytest
-from classic_scenes import BEHIND, keep_to, middle, model, red, see, worlds_in
+from classic_scenes import BEHIND, middle, model, red, see
 
 from libgz.classic import physics, rendering
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def world_of(tmp_path):
-    yield from worlds_in(tmp_path)
 
 
 @pytest.fixture
@@ -54,7 +44,7 @@ def with_plugin(name="blinker"):
 def test_a_visual_plugin_blinks(world_of, plugin, capsys):
     plugin("blinker", BLINKER)
     world = world_of(model(inside=with_plugin()))
-    assert capsys.readouterr().out == ""  # nothing is drawn yet
+    assert capsys.readouterr().out == ""  # nothing is rendered yet
     world.server.serve_visuals().add(world.core.models)
     assert capsys.readouterr().out == "Load m::link::v red\nInit\n"
     seen = [middle(see(world)) for _ in range(4)]

@@ -1,4 +1,4 @@
-"""Pictures are read natively and by Mesa's own conversion, with the same result."""
+"""Images are read natively and by Mesa's own conversion, with the same result."""
 
 import numpy as np
 import pytest
@@ -21,11 +21,11 @@ def test_the_fourth_bytes_are_dropped_and_nothing_else_is_touched(count):
 
 
 @pytest.mark.parametrize("size", [(64, 48), (37, 23), (1, 1)])
-def test_both_ways_give_the_same_picture(size):
+def test_both_ways_give_the_same_image(size):
     with world_of(LIGHT + solid("3 0 0", "1 1 1")) as world, Camera(world, *size) as camera:
         camera.SetPose(GzPosePointAt(GzVector(0, 1, 1), GzVector(3, 0, 0), GzVector(0, 0, 1)))
         native = camera.Update().copy()
-        reader = camera._scene._renderer._pixels
+        reader = camera._scene.thread.renderer._pixels
         assert reader._drop_alpha is not None
         reader._drop_alpha = None
         assert (camera.Update() == native).all()

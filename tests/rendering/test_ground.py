@@ -1,4 +1,4 @@
-"""The ground: rings, and which picture of its texture each of them is drawn with."""
+"""The ground: rings, and the level of its texture on each of them."""
 
 import math
 
@@ -26,7 +26,7 @@ def at(height):
 @pytest.mark.parametrize("height", [0.2, 1.0, 7.0])
 @pytest.mark.parametrize("hfov", [10.0, 60.0])
 def test_each_ring_has_the_level_that_opengl_would_choose(height, hfov):
-    """Along the line through the picture's middle, from how far apart on the plane neighbouring pixels look."""
+    """Along the line through the image's middle, from how far apart on the plane neighbouring pixels look."""
     texel, view = 2.0 / 128, view_of(height, hfov)
     found = rings(Sight.of(view, height), texel, 8, (2.0, 2.0))
     reach = np.array([(level, np.hypot(*shape.vertices[:, :2].T).max()) for level, shape in found])
@@ -57,7 +57,7 @@ def test_rings_leave_no_gap_and_reach_as_far_as_the_view(height, count):
 
 
 def checkered(tmp_path):
-    """Ground of black and white squares of 1/16 m; in the picture's smaller forms all is grey."""
+    """Ground of black and white squares of 1/16 m; in the image's smaller forms all is grey."""
     squares = np.kron(
         (np.add.outer(np.arange(32), np.arange(32)) % 2 * 255).astype(np.uint8), np.ones((4, 4), np.uint8)
     )
@@ -80,7 +80,7 @@ def test_what_is_finer_than_a_pixel_is_mixed_and_does_not_flicker(tmp_path):
 
 def test_a_camera_that_rises_and_zooms_needs_few_lists(tmp_path):
     with world_of(checkered(tmp_path)) as world, Camera(world, 32, 24) as camera:
-        library = camera._scene._renderer.library
+        library = camera._scene.thread.renderer.library
         for i in range(300):
             camera.SetPose(at(1.0 + 0.003 * i))
             camera.SetFOV(math.radians(60.0 - 0.1 * i))

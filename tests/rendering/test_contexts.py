@@ -1,4 +1,4 @@
-"""Which OpenGL draws: its choice, what is told when it is not there, what it leaves behind."""
+"""OpenGL contexts: their choice, messages when one is missing, and what remains after them."""
 
 import gc
 import logging
@@ -51,10 +51,10 @@ def test_what_does_not_work_says_why_and_auto_goes_on(monkeypatch, caplog):
     with caplog.at_level(logging.INFO), world_of("<model:MonoCam><id>c</id></model:MonoCam>") as world:
         world.step()
         assert world.interface("camera", "c").image.size
-    assert "no pictures by osmesa: libOSMesa.so.8 cannot be loaded" in caplog.text
-    assert "pictures by egl" in caplog.text
+    assert "osmesa does not render: libOSMesa.so.8 cannot be loaded" in caplog.text
+    assert "rendering with egl" in caplog.text
     monkeypatch.setattr(context, "_library", absent)
-    with pytest.raises(libgz.PluginError, match=r"osmesa: .* egl: .* without pictures: --gl none"):
+    with pytest.raises(libgz.PluginError, match=r"osmesa: .* egl: .* --gl none disables rendering"):
         world_of("<model:MonoCam/>")
 
 
@@ -67,7 +67,7 @@ def test_the_context_goes_with_its_world():
         assert world.model("b").camera.eye._scene is scene  # one context a world
         assert threading.active_count() == before + 1
         world.step()
-    assert scene.context.closed
+    assert scene.thread.closed
     assert threading.active_count() == before
 
 

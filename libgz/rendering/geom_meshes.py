@@ -1,6 +1,6 @@
-"""How each kind of geom is drawn: a table from its class to a function that makes its meshes.
+"""The meshes of each kind of geom: a table from its class to a function that builds them.
 
-A new kind gets a row in `DRAWERS`; one that derives from a kind that is there already needs none.
+A new kind gets a row in `GEOM_MESHES`, unless it is derived from a kind that has one.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from libgz.physics.geoms import (
 from libgz.rendering import mesh
 from libgz.rendering.mesh import Mesh
 
-__all__ = ["DRAWERS", "Drawer", "meshes_of"]
+__all__ = ["GEOM_MESHES", "MeshBuilder", "meshes_of"]
 
-PATCH = 0.5  # [m] longest side of the parts that floors and walls are drawn in where there are lamps
+PATCH = 0.5  # [m] longest side of the patches of floors and walls near local lights
 HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
 
 # (geom, segments of a full turn) -> meshes in the frame of the geom's centre
-Drawer = Callable[[Any, int], list[Mesh]]
+MeshBuilder = Callable[[Any, int], list[Mesh]]
 
 
 def _wheel(geom: WheelGeom, segments: int) -> list[Mesh]:
@@ -57,8 +57,8 @@ def _texture_size(geom: Geom) -> tuple[float, float]:
     return geom.appearance.texture_size.x, geom.appearance.texture_size.y
 
 
-# A kind that is not here is drawn as the nearest of its base classes is; kinds without a drawer are not seen.
-DRAWERS: dict[type[Geom], Drawer] = {
+# A kind without a row is rendered like its nearest base class with one; without any it is invisible.
+GEOM_MESHES: dict[type[Geom], MeshBuilder] = {
     BoxGeom: lambda geom, segments: [mesh.box(*geom.size)],
     SphereGeom: lambda geom, segments: [mesh.sphere(geom.radius, segments)],
     CylinderGeom: lambda geom, segments: mesh.cylinder(geom.radius, geom.length, segments),
@@ -69,23 +69,24 @@ DRAWERS: dict[type[Geom], Drawer] = {
 }
 
 
-def meshes_of(geom: Geom, segments: int, lamps: bool = False) -> list[Mesh]:
-    """The meshes of a geom in the frame of its centre; none if its kind has no drawer.
+def meshes_of(geom: Geom, segments: int, local_lights: bool = False) -> list[Mesh]:
+    """The meshes of a geom in the frame of its centre; none if its kind is invisible.
 
-    With `lamps` near by, light is reckoned all over large boxes and planes of classic worlds; the old server had the
-    corners of its boxes.
+    With `local_lights`, large boxes and planes of classic worlds are split into patches, because OpenGL computes light
+    at vertices only. The old server used the corners of its boxes.
     """
-    if lamps and geom.body.engine.classic:
+    if local_lights and geom.body.engine.classic:
         if type(geom) is BoxGeom:
             x, y, z = geom.size
             return [mesh.box(x, y, z, PATCH)]
         if isinstance(geom, TriMeshGeom) and geom.columns:
             first, last, above = (geom.vertices[i] for i in (0, geom.columns - 1, -geom.columns))
             across, up = last - first, above - first
-            least = float(min(np.linalg.norm(across), np.linalg.norm(up))) / (geom.columns - 1)  # as fine as ever
+            # At least as fine as the geom's own grid.
+            least = float(min(np.linalg.norm(across), np.linalg.norm(up))) / (geom.columns - 1)
             return [mesh.rectangle(first, across, up, min(PATCH, least) or PATCH)]
     for kind in type(geom).__mro__:
-        drawer = DRAWERS.get(kind)
-        if drawer is not None:
-            return drawer(geom, segments)
+        build = GEOM_MESHES.get(kind)
+        if build is not None:
+            return build(geom, segments)
     return []

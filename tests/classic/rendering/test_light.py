@@ -4,21 +4,10 @@ import math
 
 import numpy as np
 import pytest
-from classic_scenes import AMBIENT, BEHIND, keep_to, middle, model, red, see, visual, worlds_in
+from classic_scenes import AMBIENT, BEHIND, middle, model, red, see, visual
 
 from libgz.classic import rendering
 from libgz.classic.math import Color
-
-
-@pytest.fixture(autouse=True)
-def own_places(monkeypatch, tmp_path):
-    keep_to(tmp_path, monkeypatch)
-
-
-@pytest.fixture
-def world_of(tmp_path):
-    yield from worlds_in(tmp_path)
-
 
 DARK = "<scene><ambient>0 0 0 1</ambient><background>0 0 0 1</background></scene>"
 

@@ -60,9 +60,9 @@ def test_row_19_a_depth_camera_before_a_box():
         world.step(1)
         data, width, height, depth, layout = depths[0]
         assert (width, height, depth, layout) == (320, 240, 1, "FLOAT32")
-        picture = np.array(data).reshape(240, 320)
-        assert picture[120, 160] == pytest.approx(2.5, abs=1e-4)
-        assert picture[0, 0] == picture[120, 0] == picture[120, 319] == picture[239, 319] == math.inf
+        image = np.array(data).reshape(240, 320)
+        assert image[120, 160] == pytest.approx(2.5, abs=1e-4)
+        assert image[0, 0] == image[120, 0] == image[120, 319] == image[239, 319] == math.inf
         points = np.array(clouds[0][0]).reshape(240, 320, 4)
         for row, column in ((110, 150), (110, 170), (130, 150), (130, 170)):
             x, y, z = points[row, column, :3]
@@ -76,17 +76,17 @@ def test_row_19_a_depth_camera_before_a_box():
         assert len(kept) == 2
 
 
-def test_row_20_ten_pictures_a_second_also_after_a_reset():
+def test_row_20_ten_images_a_second_also_after_a_reset():
     with world_of(camera(rate=10, size=(16, 12))) as world:
-        pictures = []
-        kept = get().Camera().ConnectNewImageFrame(lambda *values: pictures.append(values))
+        images = []
+        kept = get().Camera().ConnectNewImageFrame(lambda *values: images.append(values))
         world.step(1000)
-        assert len(pictures) == 10
-        data, width, height, depth, layout = pictures[-1]
+        assert len(images) == 10
+        data, width, height, depth, layout = images[-1]
         assert (len(data), width, height, depth, layout) == (16 * 12 * 3, 16, 12, 3, "R8G8B8")
         physics.get_world().Reset()
         world.step(1000)
-        assert len(pictures) == 20
+        assert len(images) == 20
         assert get().LastUpdateTime().Double() == pytest.approx(1.0)
         assert kept.connected
 
@@ -94,11 +94,11 @@ def test_row_20_ten_pictures_a_second_also_after_a_reset():
 def test_row_20_a_box_is_darker_than_the_background():
     with world_of(camera(size=(64, 48))) as world:
         world.step(1)
-        picture = pixels(get())
-        background = picture[2, 2].mean()
+        image = pixels(get())
+        background = image[2, 2].mean()
         assert background == pytest.approx(0.5 * 255, abs=1.0)
-        assert np.ptp(picture[:4, :4]) == 0.0
-        assert picture[24, 32].mean() < 0.75 * background
+        assert np.ptp(image[:4, :4]) == 0.0
+        assert image[24, 32].mean() < 0.75 * background
 
 
 def test_row_20_noise_moves_the_mean_by_its_own():
@@ -112,7 +112,7 @@ def test_row_20_noise_moves_the_mean_by_its_own():
         assert get("noisy").Noise(sensors.CAMERA_NOISE).GetMean() == 0.1
 
 
-def test_row_20_pictures_of_sixteen_bits():
+def test_row_20_images_of_sixteen_bits():
     one = camera(name="gray", size=(8, 6), image="<format>L_INT16</format>")
     with world_of(one + camera(name="color", size=(8, 6), image="<format>RGB_INT16</format>"), scene="") as world:
         world.step(1)
@@ -147,7 +147,7 @@ def test_row_20_a_light_that_turns_green_by_its_topic():
         assert green > 50
 
 
-def test_a_stereo_pair_takes_its_pictures_together():
+def test_a_stereo_pair_takes_its_images_together():
     def eye(name, y):
         return (
             f"<camera name='{name}'><pose>0 {y} 0 0 0 0</pose><horizontal_fov>1</horizontal_fov>"
@@ -171,7 +171,7 @@ def test_a_stereo_pair_takes_its_pictures_together():
         assert middles[0] - middles[1] == pytest.approx(focal * 0.4 / 2.5, abs=1.5)
 
 
-def test_pictures_go_to_files_and_to_listeners(tmp_path):
+def test_images_go_to_files_and_to_listeners(tmp_path):
     from libgz.classic import transport
 
     save = f"<save enabled='true'><path>{tmp_path}</path></save>"
@@ -190,8 +190,8 @@ def test_pictures_go_to_files_and_to_listeners(tmp_path):
         assert len(got[0].image.data) == 16 * 12 * 3
         assert len(list(tmp_path.iterdir())) == 3
         assert get().SaveFrame(str(tmp_path / "one.png"))
-        with Image.open(tmp_path / "one.png") as picture:
-            assert picture.size == (16, 12)
+        with Image.open(tmp_path / "one.png") as image:
+            assert image.size == (16, 12)
         kept.Unsubscribe()
 
 
@@ -224,4 +224,4 @@ def test_wrong_values_are_told_with_file_and_line(text, message):
 
 def test_a_lens_that_is_not_drawn_is_told(caplog):
     with world_of(camera(size=(8, 6), content="<distortion><k1>-0.2</k1></distortion>")):
-        assert "<distortion>: pictures are drawn without it" in caplog.text
+        assert "<distortion>: images are rendered without it" in caplog.text

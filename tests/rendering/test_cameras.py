@@ -17,7 +17,7 @@ from libgz.models.observercam import SWITCHES
 
 
 @pytest.mark.parametrize(("size", "fits"), [("320 240", True), ("640 480", False)])
-def test_pictures_of_0x050_are_small(size, fits):
+def test_images_of_0x050_are_small(size, fits):
     cam = f"<model:MonoCam><id>cam</id><imageSize>{size}</imageSize></model:MonoCam>"
     if fits:
         with world_of(cam, wire_version=0x050) as world:
@@ -45,7 +45,7 @@ def assert_corners_match(eye, center, size, turn):
         projected.append((eye.width / 2 - focal * y / x, eye.height / 2 - focal * z / x))
     for angle in np.arange(32) * math.pi / 16:
         way = np.array((math.cos(angle), math.sin(angle)))
-        # A pixel is drawn if its middle is inside: the edge lies up to one pixel beyond the outermost middle.
+        # A pixel is rendered if its middle is inside: the edge lies up to one pixel beyond the outermost middle.
         seen = (np.stack([columns + 0.5, rows + 0.5], axis=1) @ way).max() + 0.5 * np.abs(way).sum()
         assert seen == pytest.approx((np.array(projected) @ way).max(), abs=1.0), f"towards {way}"
 
@@ -176,7 +176,7 @@ def test_disparity_of_a_textured_wall(distance):
         inner = stereo.left_disparity[60:180, 80:240]
         assert np.abs(inner - expected).max() < 0.5
         assert np.abs(stereo.right_disparity[60:180, 80:240] - expected).max() < 0.5
-        # The pictures say the same: shifted by it, they fit best.
+        # The images agree: shifted by it, they fit best.
         left, right = stereo.left_image[60:180].astype(int), stereo.right_image[60:180].astype(int)
         misfits = [np.abs(left[:, 120:200] - right[:, 120 - d : 200 - d]).mean() for d in range(60)]
         assert np.argmin(misfits) == pytest.approx(expected, abs=1.0)
@@ -198,7 +198,7 @@ def test_what_one_eye_does_not_see_has_no_disparity():
         # The left eye sees, left of the box, a strip of wall that the box hides from the right eye.
         hidden = np.flatnonzero(row[60:] == 0) + 60
         assert len(hidden) == pytest.approx(near - far, abs=2.5)
-        assert (row[:8] == 0).all()  # outside the right eye's picture
+        assert (row[:8] == 0).all()  # outside the right camera's image
         assert stereo.right_disparity.size == 0
 
 
@@ -221,7 +221,7 @@ def test_a_stereo_head_on_a_moving_head_pans_with_it():
 # Interfaces and files --------------------------------------------------------------------------------------------
 
 
-def test_pictures_come_at_the_update_rate_and_over_the_wire(gazebo):
+def test_images_come_at_the_update_rate_and_over_the_wire(gazebo):
     process = gazebo(installed_worlds() / "ptz.world", "--rate", "4")
     with Client(process.id) as client:
         camera, ptz = client.camera("cam1"), client.ptz("cam1")
@@ -233,7 +233,7 @@ def test_pictures_come_at_the_update_rate_and_over_the_wire(gazebo):
                 if data.image_size and (not times or times[-1] != data.time):
                     times.append(data.time)
                     image = camera.image.copy()
-        # A busy machine may make this client miss a picture; the server never draws one out of time.
+        # A busy machine may make this client miss an image; the server never renders one out of time.
         steps = np.diff(times) / 0.1
         assert len(steps) == 7
         assert steps == pytest.approx(np.round(steps), abs=1e-5)
@@ -272,35 +272,30 @@ def test_impossible_optics_are_refused(attributes, complaint):
         world_of(f"<model:MonoCam><id>c</id>{attributes}</model:MonoCam>")
 
 
-def saved_frames(folder, beside):
-    """What two cameras on a driving, panning robot save; also when served."""
-    from libgz.rendering.scene import draw_beside_physics
-
+def saved_frames(folder, threaded):
+    """The frames that two cameras save on a driving, panning robot; they are also served."""
     save = f"<savePath>{folder}/{{}}</savePath><saveFrames>1</saveFrames>"
     body = (
         LIGHT + solid("3 0.4 0", "0.5 0.6 0.7") + ROBOT_WITH_CAMERA.format(save.format("c"))
         + f"<model:MonoCam><id>m</id><xyz>-3 0 1</xyz><updateRate>5</updateRate>{save.format('m')}</model:MonoCam>"
     )  # fmt: skip
-    draw_beside_physics(beside)
-    try:
-        with world_of(body) as world:
-            world.interface("ptz", "c").command(pan=0.5, zoom=0.5)
-            world.interface("position", "r").command(vx=0.3)
-            for step in range(60):
-                if step == 33:
-                    world.body("s").geoms[0].SetColor(libgz.GzColor(0, 1, 0))
-                world.step()
-                assert world.interface("camera", "c").time >= world.GetSimTime() - (0.22 if beside else 0.12)
-    finally:
-        draw_beside_physics(False)
+    with world_of(body) as world:
+        world.backdrop.threaded = threaded
+        world.interface("ptz", "c").command(pan=0.5, zoom=0.5)
+        world.interface("position", "r").command(vx=0.3)
+        for step in range(60):
+            if step == 33:
+                world.body("s").geoms[0].SetColor(libgz.GzColor(0, 1, 0))
+            world.step()
+            assert world.interface("camera", "c").time >= world.GetSimTime() - (0.22 if threaded else 0.12)
     return {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*.pnm")}
 
 
-def test_pictures_drawn_beside_physics_are_the_same_bit_for_bit(tmp_path):
-    alone, beside = saved_frames(tmp_path / "alone", False), saved_frames(tmp_path / "beside", True)
+def test_images_of_a_separate_thread_are_the_same_bit_for_bit(tmp_path):
+    alone, threaded = saved_frames(tmp_path / "alone", False), saved_frames(tmp_path / "threaded", True)
     assert len(alone) == 12 + 6
     assert len(set(alone.values())) == len(alone)
-    assert beside == alone
+    assert threaded == alone
 
 
 # Observer --------------------------------------------------------------------------------------------------------
@@ -378,7 +373,7 @@ def test_observers_watch_while_the_world_is_paused():
         assert guicam.image.size
 
 
-def test_every_display_switch_changes_the_picture():
+def test_every_display_switch_changes_the_image():
     laser = "<model:SickLMS200><id>l</id><xyz>1.5 0 -.6</xyz></model:SickLMS200>"
     camera = "<model:MonoCam><xyz>1.6 -.4 0</xyz></model:MonoCam>"
     wood = f"<textureFile>{installed_worlds()}/wood.png</textureFile>"

@@ -1,6 +1,6 @@
-"""Rendering: meshes, materials, textures, skins, lights, sky; and pictures against golden ones.
+"""Rendering: meshes, materials, textures, skins, lights, sky; and images against golden ones.
 
-Golden pictures are made anew, after looking at them, by:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pytest tests/test_rendering.py
+To write new golden images, then check them:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pytest tests/rendering/test_images.py
 """
 
 import math
@@ -21,7 +21,7 @@ from libgz.physics.engine import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context
-from libgz.rendering.drawers import DRAWERS, meshes_of
+from libgz.rendering.geom_meshes import GEOM_MESHES, meshes_of
 from libgz.rendering.skin import read_skin
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -34,13 +34,13 @@ def world_of(body="", settings=""):
 
 
 def look(world, place=(0, 0, 0), at=(1, 0, 0), size=(160, 120), **options):
-    """One picture."""
+    """One image."""
     with Camera(world, *size, **options) as camera:
         camera.SetPose(GzPosePointAt(GzVector(*place), GzVector(*at), GzVector(0, 0, 1)))
         return camera.Update().copy()
 
 
-# Golden pictures -------------------------------------------------------------------------------------------------
+# Golden images -------------------------------------------------------------------------------------------------
 
 SHAPES = HEAD.format("<skyColor>.6 .7 .8</skyColor>") + LIGHT + (
     "<model:GroundPlane><color>1 1 1</color><textureFile>grid.png</textureFile><textureSize>1 1</textureSize>"
@@ -101,7 +101,7 @@ CASES = {
 
 @pytest.mark.parametrize("context", CONTEXTS)
 @pytest.mark.parametrize("case", CASES)
-def test_golden_pictures(case, context, monkeypatch):
+def test_golden_images(case, context, monkeypatch):
     monkeypatch.setenv("LIBGZ_GL", context)
     build, place, at = CASES[case]
     with build() as world:
@@ -114,7 +114,7 @@ def test_golden_pictures(case, context, monkeypatch):
         expected = np.asarray(golden.convert("RGB"))
     difference = np.abs(actual.astype(int) - expected).max(axis=2)
     if difference.mean() > 0.5 or (difference > 16).mean() > 0.01:
-        folder = Path(__file__).parent.parent / "build" / "golden"
+        folder = Path(__file__).parents[2] / "build" / "golden"
         folder.mkdir(parents=True, exist_ok=True)
         amplified = np.minimum(4 * difference, 255).astype(np.uint8)
         for name, pixels in (("expected", expected), ("actual", actual), ("difference", amplified)):
@@ -129,7 +129,7 @@ if sys.argv[1] == "alone":
     ctypesloader.loadLibrary = lambda *words, **more: None
 import libgz, numpy as np
 from libgz.rendering.camera import Camera
-pictures, cameras = [], []
+images, cameras = [], []
 for choice in ("osmesa", "egl"):
     os.environ["LIBGZ_GL"] = choice
     world = libgz.World.from_string(
@@ -137,9 +137,9 @@ for choice in ("osmesa", "egl"):
         "<model:SimpleSolid><xyz>3 0 0</xyz></model:SimpleSolid></gz:world>")
     cameras.append(Camera(world, 160, 120))
 for _ in range(2):
-    pictures = [camera.Update().astype(int) for camera in cameras]
-print([camera._scene.context.name for camera in cameras], np.ptp(pictures[0]) > 30,
-      np.abs(pictures[0] - pictures[1]).max() <= 16)
+    images = [camera.Update().astype(int) for camera in cameras]
+print([camera._scene.thread.context.name for camera in cameras], np.ptp(images[0]) > 30,
+      np.abs(images[0] - images[1]).max() <= 16)
 """
 
 
@@ -189,9 +189,9 @@ def test_a_kind_of_ones_own_is_drawn_as_its_base_or_by_its_own_drawer(monkeypatc
         geom = Crate(libgz.Body(world), Space(world.engine), 1, 1, 1)
         geom.body.SetPosition((3, 0, 0))
         assert look(world)[60, 80].tolist() != look(world)[0, 0].tolist()
-        geom.SetRelativePosition((0, 0, 5))  # a geom that moves on its body is drawn anew
+        geom.SetRelativePosition((0, 0, 5))  # a geom that moves on its body is compiled again
         assert look(world)[60, 80].tolist() == look(world)[0, 0].tolist()
-        monkeypatch.setitem(DRAWERS, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
+        monkeypatch.setitem(GEOM_MESHES, Crate, lambda geom, segments: [mesh.box(20, 20, 20)])
         geom.SetColor(GzColor(1, 0, 0))
         assert look(world, place=(-20, 0, 0))[60, 80].tolist() != look(world)[0, 0].tolist()
 
@@ -206,11 +206,11 @@ def test_a_tires_missing_inner_side_is_not_missed(monkeypatch):
             wheel = libgz.WheelGeom(libgz.Body(world), Space(world.engine), 0.4, tire)
             wheel.body.SetPose(GzPose(GzVector(1.5, 0, 0), GzQuaternFromEuler(0.3, 1.0, 0.2)))
             wheel.SetColor(GzColor(0.9, 0.5, 0.2))
-            drawn = look(world).astype(int)
+            rendered = look(world).astype(int)
             with monkeypatch.context() as patch:
-                patch.setitem(DRAWERS, libgz.WheelGeom, whole)
+                patch.setitem(GEOM_MESHES, libgz.WheelGeom, whole)
                 wheel.SetColor(GzColor(0.9, 0.5, 0.2))
-                difference = np.abs(look(world) - drawn).max(axis=2)
+                difference = np.abs(look(world) - rendered).max(axis=2)
         parts = meshes_of(wheel, 32)[0].vertices
         assert (len(parts) < len(whole(wheel, 32)[0].vertices)) == (tire > 0.05)
         assert (difference > 24).mean() < 0.015  # where edges lie a pixel beside
@@ -221,7 +221,7 @@ def test_what_has_no_normals_is_drawn_unlit(monkeypatch):
         pass
 
     points = np.array([(3.0, y / 50.0, 0.0) for y in range(-20, 21)], dtype=np.float32)
-    monkeypatch.setitem(DRAWERS, Dots, lambda geom, segments: [mesh.Mesh(points, mode=0)])
+    monkeypatch.setitem(GEOM_MESHES, Dots, lambda geom, segments: [mesh.Mesh(points, mode=0)])
     with world_of(LIGHT) as world:
         Dots(libgz.Body(world), None).SetColor(GzColor(1, 0.5, 0))
         solid = libgz.BoxGeom(libgz.Body(world), Space(world.engine), 1, 1, 1)
@@ -306,7 +306,7 @@ def test_what_is_transparent_is_mixed_with_what_lies_behind():
     panes = "".join(
         f"<model:SimpleSolid><xyz>{x} 0 -1</xyz><size>.1 2 2</size><color>{c} 0.25</color><transparent>1</transparent>"
         "</model:SimpleSolid>"
-        for x, c in ((2, "1 0 0"), (3, "0 0 1"))  # the nearer one comes first in the file, and is drawn last
+        for x, c in ((2, "1 0 0"), (3, "0 0 1"))  # the nearer one comes first in the file, and is rendered last
     )
     with world_of(panes, "<skyColor>1 1 1</skyColor>") as world:
         behind = np.array((255, 255, 255))
@@ -336,11 +336,11 @@ def test_the_sky_dome_shows_the_hour(tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["png", "ppm", "jpg"])
-def test_textures_lie_upright_on_every_kind_of_picture(tmp_path, kind):
-    picture = np.zeros((64, 64, 3), dtype=np.uint8)
-    picture[:32, :32] = (255, 0, 0)  # top left as it is looked at
-    picture[32:, 32:] = (0, 0, 255)
-    Image.fromarray(picture).save(tmp_path / f"t.{kind}")
+def test_textures_lie_upright_on_every_kind_of_image(tmp_path, kind):
+    image = np.zeros((64, 64, 3), dtype=np.uint8)
+    image[:32, :32] = (255, 0, 0)  # top left as it is looked at
+    image[32:, 32:] = (0, 0, 255)
+    Image.fromarray(image).save(tmp_path / f"t.{kind}")
     glow = "<model:LightSource><ambientColor>4 4 4</ambientColor></model:LightSource>"
     texture = f"<textureFile>{tmp_path}/t.{kind}</textureFile>"
     box = f"<model:SimpleSolid><xyz>3 0 -1</xyz><size>2 2 2</size>{texture}</model:SimpleSolid>"
@@ -352,9 +352,9 @@ def test_textures_lie_upright_on_every_kind_of_picture(tmp_path, kind):
 
 
 def test_the_grounds_texture_stays_where_it_is(tmp_path):
-    picture = np.full((64, 64, 3), 255, dtype=np.uint8)
-    picture[:32] = 0  # the half of larger y
-    Image.fromarray(picture).save(tmp_path / "t.png")
+    image = np.full((64, 64, 3), 255, dtype=np.uint8)
+    image[:32] = 0  # the half of larger y
+    Image.fromarray(image).save(tmp_path / "t.png")
     texture = f"<textureFile>{tmp_path}/t.png</textureFile><textureSize>3 3</textureSize>"
     ground = f"<model:GroundPlane><color>1 1 1</color>{texture}</model:GroundPlane>"
     with world_of("<model:LightSource><ambientColor>4 4 4</ambientColor></model:LightSource>" + ground) as world:
@@ -367,7 +367,7 @@ def test_textures_are_made_once_and_not_as_part_of_a_list():
     texture = f"<textureFile>{installed_worlds()}/grid.png</textureFile>"
     bodies = f"<model:GroundPlane>{texture}</model:GroundPlane><model:SimpleSolid>{texture}</model:SimpleSolid>"
     with world_of(LIGHT + bodies) as world, Camera(world, 160, 120) as camera:
-        gl, calls = camera._scene._renderer.gl, []
+        gl, calls = camera._scene.thread.renderer.gl, []
         for name in ("glNewList", "glEndList", "glTexImage2D"):
             real = getattr(gl, name)
             setattr(gl, name, lambda *words, name=name, real=real: (calls.append(name), real(*words))[1])
@@ -379,7 +379,7 @@ def test_textures_are_made_once_and_not_as_part_of_a_list():
             assert calls[:i].count("glNewList") == calls[:i].count("glEndList")
 
 
-def test_a_damaged_picture_is_one_warning(tmp_path, caplog):
+def test_a_damaged_image_is_one_warning(tmp_path, caplog):
     path = tmp_path / "bad.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\nrubbish")
     solid = f"<model:SimpleSolid><xyz>{{}} 0 0</xyz><textureFile>{path}</textureFile></model:SimpleSolid>"
@@ -388,7 +388,7 @@ def test_a_damaged_picture_is_one_warning(tmp_path, caplog):
         LIGHT + ground + solid.format(2) + solid.format(4) + "<model:MonoCam><xyz>0 0 1</xyz></model:MonoCam>"
     ) as world:
         world.step(12)
-    assert caplog.text.count(f"picture {path} cannot be read") == 1
+    assert caplog.text.count(f"image {path} cannot be read") == 1
 
 
 def chunk(kind, *parts):
@@ -461,8 +461,8 @@ def test_a_skin_that_cannot_be_read_is_one_warning(tmp_path, caplog):
 
 def test_a_model_whose_skin_cannot_be_read_is_drawn_whole(tmp_path):
     (tmp_path / "s.3ds").write_bytes(b"no mesh")
-    pictures = []
+    images = []
     for skin in (f"<skinFile>{tmp_path}/s.3ds</skinFile>", ""):
         with world_of(f"{LIGHT}<model:CarChassis><xyz>5 0 -.4</xyz>{skin}</model:CarChassis>") as world:
-            pictures.append(look(world))
-    assert (pictures[0] == pictures[1]).all()
+            images.append(look(world))
+    assert (images[0] == images[1]).all()

@@ -3,10 +3,17 @@
 import math
 
 import libgz
+from libgz.ode.types import ContactRule
 from libgz.physics.engine import Space
 
 G = 9.8
 INF = math.inf
+
+
+def use_classic(engine):
+    """Set the engine as SDF worlds do."""
+    engine.contact_rule = ContactRule.CLASSIC
+    engine.count_turns = engine.check_divergence = True
 
 
 def ground(engine, friction=1.0):

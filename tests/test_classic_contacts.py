@@ -3,6 +3,7 @@
 import math
 
 import pytest
+from engine_parts import use_classic
 
 import libgz
 from libgz.ode.native_step import native_path
@@ -16,7 +17,7 @@ FORMS = ["python"] + (["native"] if native_path() is not None else [])
 def engine(request, monkeypatch):
     monkeypatch.setenv("LIBGZ_STEP", request.param)
     made = Engine(step_time=0.001, gravity=(0, 0, -9.8))
-    made.classic = True
+    use_classic(made)
     return made
 
 
@@ -151,7 +152,7 @@ def test_both_forms_agree_to_the_bit(monkeypatch):
     for form in FORMS:
         monkeypatch.setenv("LIBGZ_STEP", form)
         engine = Engine(step_time=0.001, solver="quick", seed=3)
-        engine.classic = True
+        use_classic(engine)
         ground(engine, mu=0.8, BOUNCE=0.3, BOUNCE_VEL=0.1)
         for i in range(6):
             spin = {
@@ -172,7 +173,7 @@ def test_the_halves_of_a_step_are_a_step(engine):
     ground(engine)
     body = box(engine, (0, 0, 0.5))
     twin = Engine(step_time=0.001)
-    twin.classic = True
+    use_classic(twin)
     ground(twin)
     other = box(twin, (0, 0, 0.5))
     for _ in range(50):

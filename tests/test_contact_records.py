@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from engine_parts import use_classic
 
 import libgz
 from libgz.ode.native_step import native_path
-from libgz.ode.types import Surface
+from libgz.ode.types import ContactRule, Surface
 from libgz.physics.engine import Engine, Space
 
 FORMS = ["python"] + (["native"] if native_path() is not None else [])
@@ -15,7 +16,7 @@ FORMS = ["python"] + (["native"] if native_path() is not None else [])
 def engine(request, monkeypatch):
     monkeypatch.setenv("LIBGZ_STEP", request.param)
     made = Engine(step_time=0.001, gravity=(0, 0, -10))
-    made.classic = True
+    use_classic(made)
     made.record_contacts = True
     return made
 
@@ -115,7 +116,7 @@ def test_records_are_off_at_first_and_change_nothing(engine):
     for record in (False, True):
         for solver in ("world", "quick"):
             twin = Engine(step_time=0.001, solver=solver, seed=7)
-            twin.classic = True
+            use_classic(twin)
             assert not twin.record_contacts
             twin.record_contacts = record
             ground(twin)
@@ -128,7 +129,7 @@ def test_records_are_off_at_first_and_change_nothing(engine):
 
 
 def test_legacy_worlds_are_recorded_too(engine):
-    engine.classic = False
+    engine.contact_rule = ContactRule.LEGACY
     ground(engine)
     box(engine, (0, 0, 0.5), mass=2.0)
     steps(engine, 200)
@@ -142,7 +143,8 @@ def test_both_forms_record_the_same_bits(monkeypatch):
     for form in FORMS:
         monkeypatch.setenv("LIBGZ_STEP", form)
         twin = Engine(step_time=0.001, solver="quick", seed=3)
-        twin.classic = twin.record_contacts = twin.cone = twin.watch_motion = True
+        use_classic(twin)
+        twin.record_contacts = twin.cone = twin.watch_motion = True
         ground(twin, mu=0.8, TORSION=0.5)
         for i in range(40):
             place, spin = (0.4 * (i % 7), 0.3 * (i // 7), 0.6 + 1.1 * (i // 7)), {"MAX_CONTACTS": 3 + i % 5}

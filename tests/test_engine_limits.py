@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from engine_parts import INF, box, solid
+from engine_parts import INF, box, solid, use_classic
 
 import libgz
 from libgz.errors import ParameterError
@@ -67,7 +67,8 @@ def test_small_bodies_on_their_way_out(form):
 def run_away(classic):
     """Three bodies of four that run away in one world; the states of all in the end."""
     engine = Engine(step_time=0.1)
-    engine.classic = classic
+    if classic:
+        use_classic(engine)
     names = ("flung", "pushed", "spun", "calm")
     bodies = [solid(engine, box(0.1, 0.1, 0.1), position=(3.0 * i, 0, 1)) for i in range(4)]
     for body, name in zip(bodies, names, strict=True):

@@ -193,7 +193,7 @@ class Server:
             core.LoadFile(path)
             if options.pause:
                 core.settings = dataclasses.replace(core.settings, pause=True)
-            if core.engine.classic:
+            if core.sdf is not None:
                 self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:

@@ -18,6 +18,7 @@ from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import (
     Contact,
     ContactMode,
+    ContactRule,
     GeomClass,
     JointFeedback,
     JointType,
@@ -41,7 +42,7 @@ def make_surface(context: StepContext, a: list[float], b: list[float]) -> Surfac
         erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
     mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
     bounce, bounce_vel, mu2 = max(a[Surface.BOUNCE], b[Surface.BOUNCE]), 0.0, 0.0
-    if context.classic:
+    if context.contact_rule == ContactRule.CLASSIC:
         bounce = min(a[Surface.BOUNCE], b[Surface.BOUNCE])
         bounce_vel = min(a[Surface.BOUNCE_VEL], b[Surface.BOUNCE_VEL])
         mu2 = min(a[Surface.MU2], b[Surface.MU2])
@@ -134,18 +135,19 @@ class CarefulContacts:
         if body1 and body2 and ode_.dAreConnectedExcluding(body1, body2, JointType.CONTACT):
             return
         a, b = self.rows(geom1, geom2)
-        if context.classic and not self._may_touch(a, b, body1, body2):
+        classic = context.contact_rule == ContactRule.CLASSIC
+        if classic and not self._may_touch(a, b, body1, body2):
             return
         address, size = ctypes.addressof(points) + Contact.geom.offset, ctypes.sizeof(Contact)
         if self.round_pair(geom1, geom2):
             count = self._collide_cylinder(geom1, geom2, address)
         else:
-            most = MOST_CONTACTS if context.classic else MAX_CONTACTS
+            most = MOST_CONTACTS if classic else MAX_CONTACTS
             count = ode_.dCollide(geom1, geom2, most, address, size)
         if not count:
             return
         surface, ghost = make_surface(context, a, b), False
-        if context.classic:
+        if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
@@ -153,7 +155,7 @@ class CarefulContacts:
             point, joint = points[i], 0
             depth = point.geom.depth
             point.surface = surface
-            if context.classic:
+            if classic:
                 self._refine(a, b, geom1, geom2, count, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))

@@ -27,7 +27,7 @@ from libgz.ode.context import (
 )
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_contacts import CarefulContacts, make_surface
-from libgz.ode.types import Contact, ContactGeom, JointType
+from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
 
 __all__ = ["PythonStep"]
 
@@ -125,7 +125,7 @@ class PythonStep:
 
     def _look_up_pair(self, geom1: int, geom2: int) -> _Pair:
         """What a pair of geoms or spaces is, and what it collides with; remembered until a geom goes or changes."""
-        lib, one, two = self._ode, c_void_p(geom1), c_void_p(geom2)
+        lib, context, one, two = self._ode, self._context, c_void_p(geom1), c_void_p(geom2)
         if len(self._pairs) > MOST_PAIRS:
             self._pairs.clear()
         if lib.dGeomIsSpace(geom1) or lib.dGeomIsSpace(geom2):
@@ -133,7 +133,9 @@ class PythonStep:
         else:
             body1, body2 = (lib.dGeomGetBody(geom) or 0 for geom in (geom1, geom2))
             kind = _BODIES if body1 and body2 else _PLAIN if body1 or body2 else _STATIC
-            careful = self._context.classic or self._context.record or self._careful.round_pair(geom1, geom2)
+            careful = (
+                context.contact_rule == ContactRule.CLASSIC or context.record or self._careful.round_pair(geom1, geom2)
+            )
             if kind != _STATIC and careful:
                 kind = _CAREFUL
             first, contacts = self._contacts(*self._careful.rows(geom1, geom2))
@@ -185,10 +187,10 @@ class PythonStep:
             self._careful.log.ask(ode_)
         for row in sorted(self._tables.pushing):
             if self._tables.joint_ids[row]:
-                push_joint(ode_, self._tables, row, unwind=bool(context.classic))
+                push_joint(ode_, self._tables, row, unwind=bool(context.count_turns))
         context.halted = 0
-        bodies = self._bodies() if context.classic or context.watch else []
-        if context.classic:  # in legacy worlds it would take as long as the step itself
+        bodies = self._bodies() if context.check_divergence or context.watch else []
+        if context.check_divergence:
             for row, body in bodies:
                 if self._motions.halt(body):
                     context.halted = row + 1
@@ -201,8 +203,9 @@ class PythonStep:
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
         context.steps += 1
-        if context.classic:
-            self._read_joints()  # their turns must be counted
+        if context.count_turns:
+            self._read_joints()
+        if context.check_divergence:
             context.lost = sum(self._motions.is_lost(body, context.farthest) for _, body in bodies)
         return NOT_ALL_WELL if done and (context.halted or context.lost) else int(done != 0)
 
@@ -227,7 +230,7 @@ class PythonStep:
     def _read_joints(self) -> None:
         context, tables = self._context, self._tables
         for row in tables.joint_ids[: context.joint_count].nonzero()[0].tolist():
-            read_joint(self._ode, tables, row, unwind=bool(context.classic))
+            read_joint(self._ode, tables, row, unwind=bool(context.count_turns))
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A scan ready to be made."""

@@ -175,7 +175,9 @@ typedef struct {
     int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */
     double step;
     int64_t quick;         /* 1: dWorldQuickStep */
-    int64_t classic;       /* 1: the contact rule of Gazebo classic; 0: of the legacy server */
+    int64_t contact_rule;  /* LEGACY_RULE or CLASSIC_RULE */
+    int64_t count_turns;   /* 1: angles of joints go on beyond pi; 0: they stay in -pi to pi */
+    int64_t check_divergence; /* read by the Python form only; this one always looks for diverged bodies */
     uint64_t seed;         /* ODE's random state, one per world */
     int64_t steps;         /* so far */
     int64_t contact_count; /* of the last step */
@@ -207,6 +209,8 @@ typedef struct {
     int64_t baffled;       /* 1: an assertion ended the search for the contacts of a pair, or for what a ray hits */
     int64_t baffled_by[2]; /* rows of the geoms of the last such pair; -1: a ray */
 } context;
+
+enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
 
 size_t gz_step_context_size(void) { return sizeof(context); }
 
@@ -264,7 +268,7 @@ static void make_surface(const context *c, const double *a, const double *b, sur
     }
     s->bounce = larger(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
     s->bounce_vel = 0.0;
-    if (c->classic) {
+    if (c->contact_rule == CLASSIC_RULE) {
         s->bounce = smaller(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
         s->bounce_vel = smaller(a[SURFACE_BOUNCE_VEL], b[SURFACE_BOUNCE_VEL]);
         s->mu2 = smaller(a[SURFACE_MU2], b[SURFACE_MU2]);
@@ -553,7 +557,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     surface_parameters surface;
     const double *a, *b;
     void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
-    int count, i, class1, class2, ghost = 0;
+    int most = c->contact_rule == CLASSIC_RULE ? MOST_CONTACTS : MAX_CONTACTS, count, i, class1, class2, ghost = 0;
 
     if (!body1 && !body2)
         return;
@@ -561,7 +565,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
         return;
     a = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom1);
     b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
-    if (c->classic && !may_touch(c, a, b, body1, body2, &ghost))
+    if (c->contact_rule == CLASSIC_RULE && !may_touch(c, a, b, body1, body2, &ghost))
         return;
     class1 = dGeomGetClass(geom1);
     class2 = dGeomGetClass(geom2);
@@ -569,17 +573,17 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
                                  (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
         count = collide_cylinder(c, geom1, geom2, class2, points);
     else
-        count = collide_pair(c, geom1, geom2, c->classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
+        count = collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
     if (!count)
         return;
     make_surface(c, a, b, &surface);
-    if (c->classic)
+    if (c->contact_rule == CLASSIC_RULE)
         count = deepest(points, count,
                         (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]), (double)c->max_contacts));
     for (i = 0; i < count; i++) {
         double depth = points[i].geom.depth;
         points[i].surface = surface;
-        if (c->classic)
+        if (c->contact_rule == CLASSIC_RULE)
             refine_point(c, a, b, geom1, geom2, count, &points[i]);
         if (!ghost) {
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
@@ -665,11 +669,11 @@ static void watch_bodies(context *c)
     }
 }
 
-/* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
+/* The angle that is nearest to the one before, so that joints count their turns. ODE's lies in -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
     double turns = (before - angle) / TURN;
-    return c->classic && isfinite(turns) ? angle + TURN * rint(turns) : angle;
+    return c->count_turns && isfinite(turns) ? angle + TURN * rint(turns) : angle;
 }
 
 /* Springs and dampers of hinges and sliders push for the coming step. */

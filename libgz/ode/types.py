@@ -10,6 +10,7 @@ __all__ = [
     "Contact",
     "ContactGeom",
     "ContactMode",
+    "ContactRule",
     "GeomClass",
     "JointFeedback",
     "JointType",
@@ -107,8 +108,20 @@ class GeomClass(enum.IntEnum):
     CYLINDER = 3
 
 
+class ContactRule(enum.IntEnum):
+    """How contact points become contact joints.
+
+    Both make a spring and damper of kp and kd. LEGACY, the rule of Gazebo 0.5 to 0.7, uses the smaller mu in both
+    directions and bounces with the larger coefficient. CLASSIC, that of Gazebo 1 to 11, has mu2, a friction direction,
+    slip, torsion, a limited push-out velocity, a minimum depth and bits, and bounces with the smaller coefficient.
+    """
+
+    LEGACY = 0
+    CLASSIC = 1
+
+
 class Surface(enum.IntEnum):
-    """Columns of the surface table; those from MU2 on count in worlds of Gazebo classic only."""
+    """Columns of the surface table; those from MU2 on count under the classic contact rule only."""
 
     KP = 0  # [N/m]
     KD = 1  # [N s/m]

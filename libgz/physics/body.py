@@ -54,6 +54,9 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
+    view: Any = None  # the object by which a layer above shows this body; set by that layer
+    visual: Any = None  # likewise, the object by which it shows how the body looks
+
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
         self.engine: Engine = world.engine
         self.bodyName = name

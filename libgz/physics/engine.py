@@ -122,6 +122,8 @@ class Engine(EngineSettings):
         ParameterError: an argument is out of range.
     """
 
+    view: Any = None  # the object by which a layer above shows this engine; set by that layer
+
     def __init__(
         self, *, gravity: VectorLike = (0.0, 0.0, -9.8), step_time: float = 0.02, solver: str = "world", seed: int = 0
     ) -> None:
@@ -299,7 +301,7 @@ class Engine(EngineSettings):
 
     def read_joint(self, row: int) -> None:
         """Bring one joint's row up to date."""
-        read_joint(self._ode, self._tables, row, unwind=self.classic)
+        read_joint(self._ode, self._tables, row, unwind=self.count_turns)
         self.joint_fresh[row] = 1
 
     def body_moved(self, row: int) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternMul, GzQuaternNormal, GzVector
@@ -38,6 +38,8 @@ class Geom:
         placeable: whether it goes where its body goes; a plane does not.
     """
 
+    view: Any = None  # the object by which a layer above shows this geom; set by that layer
+    visual: Any = None  # likewise, the object by which it shows how the geom looks
     extra_rotation: GzQuatern | None = None  # between ODE's shape and ours
 
     def __init__(

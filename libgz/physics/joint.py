@@ -12,7 +12,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import math
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzVector
@@ -71,6 +71,7 @@ class Joint:
         name: for look-up.
     """
 
+    view: Any = None  # the object by which a layer above shows this joint; set by that layer
     kind: ClassVar[JointType]
     ode_name: ClassVar[str]  # as in dJointCreateHinge, dJointSetHingeParam
     motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from libgz.errors import ClosedError, ParameterError
 from libgz.ode.context import Step, StepContext
 from libgz.ode.lib import OdeLibrary
+from libgz.ode.types import ContactRule
 from libgz.physics.check import finite, finite_tuple, not_negative, positive
 
 if TYPE_CHECKING:
@@ -119,14 +120,35 @@ class EngineSettings:
         self._ode.dWorldSetContactMaxCorrectingVel(self.world, self.correcting_velocity)
 
     @property
-    def classic(self) -> bool:
-        """Whether contacts follow the rule of Gazebo classic, not that of the legacy server."""
-        return bool(self._context.classic)
+    def contact_rule(self) -> ContactRule:
+        """How contact points become contact joints: as in the legacy server (default) or in Gazebo classic."""
+        return ContactRule(self._context.contact_rule)
 
-    @classic.setter
-    def classic(self, value: bool) -> None:
-        self._context.classic = int(value)
+    @contact_rule.setter
+    def contact_rule(self, rule: ContactRule) -> None:
+        self._context.contact_rule = ContactRule(rule)
         self.surface_edits += 1
+
+    @property
+    def count_turns(self) -> bool:
+        """Whether angles of joints count full turns; without it (default) they stay within -pi and pi [rad]."""
+        return bool(self._context.count_turns)
+
+    @count_turns.setter
+    def count_turns(self, value: bool) -> None:
+        self._context.count_turns = int(value)
+
+    @property
+    def check_divergence(self) -> bool:
+        """Whether the Python form of the step looks for diverged bodies; off by default.
+
+        It takes as long as a legacy world's whole step. The native form always looks for them.
+        """
+        return bool(self._context.check_divergence)
+
+    @check_divergence.setter
+    def check_divergence(self, value: bool) -> None:
+        self._context.check_divergence = int(value)
 
     @property
     def steps(self) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from libgz.ode.types import ContactRule
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import (
     BoxGeom,
@@ -75,7 +76,7 @@ def meshes_of(geom: Geom, segments: int, lamps: bool = False) -> list[Mesh]:
     With `lamps` near by, light is reckoned all over large boxes and planes of classic worlds; the old server had the
     corners of its boxes.
     """
-    if lamps and geom.body.engine.classic:
+    if lamps and geom.body.engine.contact_rule is ContactRule.CLASSIC:
         if type(geom) is BoxGeom:
             x, y, z = geom.size
             return [mesh.box(x, y, z, PATCH)]

@@ -18,6 +18,7 @@ from libgz.interfaces.sim import Sim
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import Loader
 from libgz.legacy.settings import GlobalAttributes, read_global, read_quirks
+from libgz.ode.types import ContactRule
 from libgz.physics.appearance import Backdrop
 from libgz.physics.check import finite, not_negative
 from libgz.physics.engine import Engine
@@ -201,7 +202,8 @@ class World(Lookup, Loader, Clock, Agenda):
         """
         from libgz.sdfworld.loader import load_sdf
 
-        self.engine.classic = True
+        self.engine.contact_rule = ContactRule.CLASSIC
+        self.engine.count_turns = self.engine.check_divergence = True
         self.sdf = file
         named = next(file.root.named("world"), None)
         self.name = named.Get(str, "name") if named is not None else self.name
@@ -251,7 +253,7 @@ class World(Lookup, Loader, Clock, Agenda):
         self.init_models(self.models, file)
         self.sim.create(self.gz_server, "default")
         self.sim.data.pause = int(self.settings.pause)
-        if self.engine.classic:
+        if self.sdf is not None:
             self.engine.sort_geoms()
         for companion in self.companions:
             companion.start()
@@ -374,7 +376,7 @@ class World(Lookup, Loader, Clock, Agenda):
         engine, step = self.engine, self.engine.step_time
         self.iterations += 1
         # Classic counts a step when it begins, the legacy server when its models have been updated.
-        early = engine.classic
+        early = self.sdf is not None
         self._simTime += step if early else 0.0
         if self._begin:
             self._begin(self.update_info())
@@ -449,7 +451,7 @@ class World(Lookup, Loader, Clock, Agenda):
 
         During a step, after it.
         """
-        self.after_step(self._reset if self.engine.classic else self.ResetModelPoses)
+        self.after_step(self._reset if self.sdf is not None else self.ResetModelPoses)
 
     def _reset(self) -> None:
         self.engine.seed = self.seed

@@ -13,6 +13,7 @@ from libgz.classic.physics.base import Entity
 from libgz.classic.server import WorldServer
 from libgz.classic.transport import Node, TopicManager, request
 from libgz.errors import GazeboError, ServerError
+from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.loader import load_sdf
@@ -88,7 +89,7 @@ class SceneLink:
 
     def _build(self, file: SdfFile) -> World:
         core = self._core
-        core.engine.classic, core.sdf = True, file
+        core.engine.contact_rule, core.sdf = ContactRule.CLASSIC, file
         core.name = next(file.root.named("world")).Get(str, "name")
         try:
             load_sdf(core, file)

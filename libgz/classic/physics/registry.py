@@ -36,7 +36,7 @@ def live_worlds() -> list[World]:
 def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
     for core in CoreWorld.all_running():
-        if core.engine.classic:
+        if core.sdf is not None:
             importlib.import_module("libgz.classic.server").attach(core)  # by name: it stands on the views
     return live_worlds()
 

@@ -129,7 +129,7 @@ class Node:
 def _worlds() -> list[World]:
     """The SDF worlds that run in this process; clients that only listen have none, and need no engine."""
     module = sys.modules.get("libgz.simulation.world")
-    return [world for world in module.World.all_running() if world.engine.classic] if module is not None else []
+    return [world for world in module.World.all_running() if world.sdf is not None] if module is not None else []
 
 
 def _open_topics() -> None:

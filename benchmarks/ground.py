@@ -9,8 +9,9 @@ from PIL import Image, ImageDraw
 
 import libgz
 from libgz.physics.body import Body
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
 from libgz.physics.geoms import HeightfieldGeom
+from libgz.physics.space import Space
 from libgz.physics.surfaces import TerrainGeom
 
 SETTINGS = "<param:Global><utmOffset>500000 4000000</utmOffset></param:Global>"

@@ -20,7 +20,8 @@ import time
 from pathlib import Path
 
 import libgz
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 HERE = Path(__file__).parent
 ROUNDS = 7

@@ -4,7 +4,7 @@ import math
 
 import libgz
 from libgz.ode.types import ContactRule
-from libgz.physics.engine import Space
+from libgz.physics.space import Space
 
 G = 9.8
 INF = math.inf

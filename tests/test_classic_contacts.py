@@ -8,7 +8,8 @@ from engine_parts import use_classic
 import libgz
 from libgz.ode.native_step import native_path
 from libgz.ode.types import Surface
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 FORMS = ["python"] + (["native"] if native_path() is not None else [])
 
@@ -30,10 +31,10 @@ def ground(engine, **surface):
 def set_surface(engine, geom, mu=1.0, mu2=None, fdir1=(0, 0, 0), **more):
     values = {"KP": 1e12, "KD": 1.0, "MAX_VEL": 0.01, "BOUNCE_VEL": 1e5, **more}
     for name, value in values.items():
-        engine.set_surface(geom.row, Surface[name], value)
+        geom.set_surface(Surface[name], value)
     geom.SetFriction(mu, mu2)
     for i, value in enumerate(fdir1):
-        engine.set_surface(geom.row, Surface.FDIR1 + i, value)
+        geom.set_surface(Surface.FDIR1 + i, value)
     return geom
 
 

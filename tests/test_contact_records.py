@@ -7,7 +7,8 @@ from engine_parts import use_classic
 import libgz
 from libgz.ode.native_step import native_path
 from libgz.ode.types import ContactRule, Surface
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 FORMS = ["python"] + (["native"] if native_path() is not None else [])
 
@@ -27,7 +28,7 @@ def ground(engine, **surface):
 
 def dress(geom, mu=1.0, **more):
     for name, value in {"KP": 1e12, "KD": 1.0, "MAX_VEL": 0.01, "BOUNCE_VEL": 1e5, **more}.items():
-        geom.body.engine.set_surface(geom.row, Surface[name], value)
+        geom.set_surface(Surface[name], value)
     geom.SetFriction(mu)
     return geom
 
@@ -144,7 +145,7 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         monkeypatch.setenv("LIBGZ_STEP", form)
         twin = Engine(step_time=0.001, solver="quick", seed=3)
         use_classic(twin)
-        twin.record_contacts = twin.cone = twin.watch_motion = True
+        twin.record_contacts = twin.cone = twin.record_motion = True
         ground(twin, mu=0.8, TORSION=0.5)
         for i in range(40):
             place, spin = (0.4 * (i % 7), 0.3 * (i // 7), 0.6 + 1.1 * (i // 7)), {"MAX_CONTACTS": 3 + i % 5}
@@ -157,7 +158,7 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         for _ in range(120):
             twin.step()
             kept.append(twin.contacts.tobytes())
-        ends.append((kept, twin.states.tobytes() + twin.body_start.tobytes()))
+        ends.append((kept, twin.states.tobytes() + twin.tables.bodies.start.tobytes()))
     assert ends[0] == ends[1]
     assert any(ends[0][0])
 
@@ -228,7 +229,7 @@ def test_accelerations_and_applied_forces(engine):
     body.SetPosition((0, 0, 5))
     engine.step()
     assert tuple(body.GetLinearAccel()) == (0, 0, 0)
-    engine.watch_motion = True
+    engine.record_motion = True
     body.SetLinearVel((3.0, 0, 0))
     body.AddForce(4.0, 0, 0)
     body.AddTorque(0, 0, 1.0)

@@ -11,7 +11,8 @@ import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.ode.lib import ode
 from libgz.ode.native_step import native_path
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 
 def test_free_fall_is_semi_implicit_euler():

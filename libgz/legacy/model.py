@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
 from libgz.ode.types import dParamHiStop, dParamLoStop
-from libgz.physics.engine import Space
 from libgz.physics.joint import HingeJoint
+from libgz.physics.space import Space
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 
 if TYPE_CHECKING:

@@ -112,8 +112,8 @@ class Scene:
     def _refresh(self) -> None:
         """Gather what there is to draw, if geoms came, went, or changed their looks."""
         engine = self.world.engine
-        if engine.surface_edits != self._edits:
-            self._edits = engine.surface_edits
+        if engine.tables.geoms.edits != self._edits:
+            self._edits = engine.tables.geoms.edits
             self._geoms = [geom for _, geom in sorted(engine.geoms.items())]
             self._geoms.sort(key=lambda geom: geom.body.number)
             self._looks = [geom.appearance for geom in self._geoms]

@@ -210,7 +210,7 @@ class SdfJoint(JointLimits):
         self._held.clear()
         self._laid.clear()
         if self.attached and self.joint is not None:
-            self.engine.join(self.joint.row, self.joint.id)
+            self.joint.reset_turns()
         if isinstance(self._coupling, Gears):
             self._coupling.restore()
 
@@ -340,8 +340,7 @@ class SdfJoint(JointLimits):
         change = target - self.position(index)
         turn, slide = self._motion(change, index)
         move_links(self._behind(), self.anchor(), turn, slide, preserve_world_velocity)
-        self.engine.joint_state[self.joint.row, column] = self._sign(index) * target  # turns are counted from here
-        self.engine.joint_moved(self.joint.row)
+        self.joint.count_turns_from(column, self._sign(index) * target)
 
     def set_velocity(self, velocity: float, index: int = 0) -> None:
         """Give all links behind the joint at once the velocities that make an axis move so [rad/s] or [m/s]."""

@@ -9,8 +9,9 @@ from libgz.errors import InterfaceError, NotFoundError, nearest
 if TYPE_CHECKING:
     from libgz.legacy.model import Model
     from libgz.physics.body import Body
-    from libgz.physics.engine import Engine, Space
+    from libgz.physics.engine import Engine
     from libgz.physics.joint import Joint
+    from libgz.physics.space import Space
     from libgz.transport.interface import Interface
     from libgz.transport.server import LocalServer
 

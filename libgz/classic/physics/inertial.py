@@ -26,7 +26,7 @@ class Inertial:
             held = body.GetMass()
             i = held.I
             self._mass, self._moments = float(held.mass), [i[0], i[5], i[10], i[1], i[2], i[6]]
-            self._centre = Vector3d(*body.engine.com[body.row].tolist())
+            self._centre = Vector3d(*body.com)
 
     def matrix(self) -> mass_.Mass:
         """ODE's mass matrix in the link's frame."""

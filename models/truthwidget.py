@@ -8,6 +8,7 @@ from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, G
 from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
+from libgz.simulation.entity import Entity
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -55,7 +56,7 @@ class TruthWidget(Model):
         self._publish()
 
     @property
-    def _subject(self) -> Model:
+    def _subject(self) -> Entity:
         return self.parent or self
 
     def _publish(self) -> None:

@@ -14,9 +14,9 @@ from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero, set_up_messages, whole_number
 from libgz.apps.record import Recorder
 from libgz.errors import GazeboError, ParameterError, ServerError
+from libgz.front import World
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
-from libgz.simulation.world import World
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
 

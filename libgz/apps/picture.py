@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from libgz.apps.view_options import pose, size
 from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
+from libgz.front import World
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo
 from libgz.rendering.camera import Camera as FreeCamera
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
-from libgz.simulation.world import World
 
 __all__ = ["configure", "run"]
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakSet
 
 from libgz.errors import NotFoundError
+from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
 from libgz.simulation.world import World as CoreWorld
 
@@ -36,7 +37,7 @@ def live_worlds() -> list[World]:
 def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
     for core in CoreWorld.all_running():
-        if core.sdf is not None:
+        if core.engine.contact_rule is ContactRule.CLASSIC:
             importlib.import_module("libgz.classic.server").attach(core)  # by name: it stands on the views
     return live_worlds()
 

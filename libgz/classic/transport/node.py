@@ -17,6 +17,7 @@ from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
+from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
 
 if TYPE_CHECKING:
@@ -129,7 +130,8 @@ class Node:
 def _worlds() -> list[World]:
     """The SDF worlds that run in this process; clients that only listen have none, and need no engine."""
     module = sys.modules.get("libgz.simulation.world")
-    return [world for world in module.World.all_running() if world.sdf is not None] if module is not None else []
+    running = module.World.all_running() if module is not None else []
+    return [world for world in running if world.engine.contact_rule is ContactRule.CLASSIC]
 
 
 def _open_topics() -> None:

@@ -1,4 +1,4 @@
-"""Ground and walls beside a bare plane: `python benchmarks/ground.py`. Ratios of one run; times are for orientation."""
+"""Ground and walls compared with a bare plane: `python benchmarks/ground.py`. Ratios of one run; times are for orientation."""
 
 import tempfile
 import time
@@ -23,7 +23,7 @@ STEPS = 2000
 
 
 def make_plan(path: Path) -> None:
-    """500 x 500 pixels with walls and three hundred round things."""
+    """500 x 500 pixels with walls and three hundred round obstacles."""
     random = np.random.default_rng(3)
     image = Image.new("L", (500, 500), 255)
     draw = ImageDraw.Draw(image)
@@ -36,7 +36,7 @@ def make_plan(path: Path) -> None:
 
 
 def worlds(plan: Path) -> dict[str, str]:
-    """Name -> what stands in the world."""
+    """Name -> the models of the world."""
     walls = (
         f"<model:MapExtruder><imageFile>{plan}</imageFile><scale>0.05</scale><errBound>1</errBound></model:MapExtruder>"
     )

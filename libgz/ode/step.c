@@ -670,7 +670,7 @@ static void record_bodies(context *c)
     }
 }
 
-/* The angle that is nearest to the one before, so that joints count their turns. ODE's lies in -pi to pi. */
+/* The angle that is nearest to the one before, so that joints count their turns. ODE's is within -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
     double turns = (before - angle) / TURN;

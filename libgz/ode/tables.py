@@ -233,7 +233,7 @@ def _joint_getters(ode_: OdeLibrary) -> dict[int, tuple[tuple[int, Callable[[int
     }
 
 
-# Columns with angles, which lie in -pi to pi in ODE.
+# Columns with angles, which are within -pi to pi in ODE.
 _TURNING: dict[int, tuple[int, ...]] = {
     JointType.HINGE: (0,),
     JointType.HINGE2: (0, 1),

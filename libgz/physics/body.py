@@ -233,7 +233,7 @@ class Body:
         return GzVector(*self._values(13, 16)) if self.row >= 0 else GzVector()
 
     def GetAngularVel(self) -> GzQuatern:
-        """The quaternion's derivative, (0, w/2) q, as the old server had it; `GetAngularRate` is in [rad/s]."""
+        """The quaternion's derivative, (0, w/2) q, as in the legacy server; `GetAngularRate` is in [rad/s]."""
         half_rate = (0.5 * w for w in self.GetAngularRate())
         return GzQuaternMul(GzQuaternSetVector(GzVector(*half_rate)), self.GetRotation())
 

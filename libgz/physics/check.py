@@ -65,7 +65,7 @@ def positive(value: float, what: str) -> float:
     """`value` as a float.
 
     Raises:
-        ParameterError: it is not finite, not above zero, or absurdly large.
+        ParameterError: it is not finite, not above zero, or above 1e9.
     """
     number = finite(value, what)
     if number <= 0.0:
@@ -117,7 +117,7 @@ def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:
     """`values` as a tuple of four floats that can be scaled to length 1.
 
     Raises:
-        ParameterError: they are zero, not finite, or absurdly large or small.
+        ParameterError: they are zero, not finite, or beyond 1e150 or below 1e-150.
     """
     numbers = finite_tuple(values, 4, what, 1e150)
     if max(map(abs, numbers)) < 1e-150:

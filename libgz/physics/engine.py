@@ -229,9 +229,9 @@ class Engine:
 
     @property
     def check_divergence(self) -> bool:
-        """Whether the Python form of the step looks for diverged bodies; off by default.
+        """Whether the Python form of the step checks bodies for divergence; off by default.
 
-        It takes as long as a legacy world's whole step. The native form always looks for them.
+        It takes as long as a legacy world's whole step. The native form always checks.
         """
         return bool(self._context.check_divergence)
 

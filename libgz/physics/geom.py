@@ -1,4 +1,4 @@
-"""Geom: a shape of a body, with the mass it brings, how it touches other shapes, and how it looks."""
+"""Geom: a shape of a body, with its mass, contact properties and appearance."""
 
 from __future__ import annotations
 

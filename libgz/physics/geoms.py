@@ -99,7 +99,7 @@ class CapsuleGeom(Geom):
 
 
 class WheelGeom(SphereGeom):
-    """A wheel about z: shape and mass are those of a sphere of the total radius, the look is that of a tire [m]."""
+    """A wheel about z: shape and mass are those of a sphere of the total radius, appearance that of a tire [m]."""
 
     def __init__(self, body: Body, space: Space | None, totalRadius: float, tireRadius: float) -> None:
         self.tire_radius = positive(tireRadius, "tire radius [m]")

@@ -32,8 +32,8 @@ def places() -> list[tuple[float, float]]:
 def libgz_frame(width: int, height: int) -> Draw:
     """A tick of an ObserverCam's picture: capture, draw, and copy into the interface."""
     import libgz
+    from libgz.files import installed_worlds
     from libgz.geometry import GzPosePointAt, GzVector
-    from libgz.worldfile.attributes import installed_worlds
 
     robots = "".join(
         f"<model:Pioneer2AT><id>r{i}</id><xyz>{x} {y} 0</xyz></model:Pioneer2AT>" for i, (x, y) in enumerate(places())
@@ -172,7 +172,7 @@ def measure(width: int, height: int) -> dict[str, float]:
 def start_time() -> tuple[float, float]:
     """Time [s] to start a world with a camera and take its first picture, and that of a world without one."""
     code = (
-        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.worldfile.attributes import installed_worlds\n"
+        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.files import installed_worlds\n"
         "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
     )
     found = []

@@ -1,4 +1,4 @@
-"""Ground and walls compared with a bare plane: `python benchmarks/ground.py`. Ratios of one run; times are for orientation."""
+"""Ground and walls compared with a bare plane: `python benchmarks/ground.py`. Compare the ratios of one run."""
 
 import tempfile
 import time

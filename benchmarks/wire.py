@@ -1,9 +1,9 @@
-"""What the wire costs.
+"""The cost of the shared-memory interfaces.
 
     python benchmarks/wire.py
 
-Publishing a position, publishing a picture, and how long a sleeping client takes to wake. Ratios are of medians taken
-in turn within one run, so that a machine whose speed drifts does not spoil them.
+Measures publishing a position, publishing an image, and the time until a waiting client wakes. The actions alternate
+within one run and ratios are those of medians, so that changes of the machine's speed do not affect them.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ with libgz.Client({SERVER_ID}, 0) as client:
 
 
 def time_each(action: Callable[[], object], count: int) -> float:
-    """Microseconds of one call."""
+    """Time of one call [us]."""
     begin = time.perf_counter()
     for _ in range(count):
         action()
@@ -55,7 +55,7 @@ def time_each(action: Callable[[], object], count: int) -> float:
 
 
 def publish_position(robot: Position) -> None:
-    """What a robot does at each tick."""
+    """Publish as a robot does in each update."""
     if robot.lock():
         data = robot.data
         data.time = 1.5
@@ -67,35 +67,35 @@ def publish_position(robot: Position) -> None:
 
 
 def lock_alone(robot: Position) -> None:
-    """The two system calls of it."""
-    descriptor = robot._descriptor or 0
+    """The system calls of `publish_position` alone."""
+    descriptor = robot.descriptor or 0
     fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     os.fstat(descriptor)
     fcntl.flock(descriptor, fcntl.LOCK_UN)
 
 
-def publish_picture(camera: Camera, picture: np.ndarray) -> None:
-    """What a camera does with a new picture."""
+def publish_image(camera: Camera, image: np.ndarray) -> None:
+    """Publish as a camera does with a new image."""
     if camera.lock():
         data = camera.data
-        data.time, data.width, data.height, data.image_size = 1.5, 640, 480, picture.size
-        camera.all_pixels[: picture.size] = picture
+        data.time, data.width, data.height, data.image_size = 1.5, 640, 480, image.size
+        camera.all_pixels[: image.size] = image
         camera.unlock()
 
 
 def table(server: Server) -> None:
-    """Publishing, beside the least it can cost."""
+    """Print the times of publishing beside those of the least work that it needs."""
     robot, camera = Position(), Camera()
     robot.create(server, "bench")
     camera.create(server, "bench")
-    picture = np.random.default_rng(0).integers(0, 255, 640 * 480 * 3, dtype=np.uint8)
-    target, size = mmap.mmap(-1, picture.size), picture.size
+    image = np.random.default_rng(0).integers(0, 255, 640 * 480 * 3, dtype=np.uint8)
+    target, size = mmap.mmap(-1, image.size), image.size
     address = ctypes.addressof(ctypes.c_char.from_buffer(target))
     jobs: dict[str, tuple[Callable[[], object], int]] = {
         "position": (lambda: publish_position(robot), 20000),
         "its system calls alone": (lambda: lock_alone(robot), 20000),
-        "picture 640x480": (lambda: publish_picture(camera, picture), 1000),
-        "its memory copy alone": (lambda: ctypes.memmove(address, picture.ctypes.data, size), 1000),
+        "image 640x480": (lambda: publish_image(camera, image), 1000),
+        "its memory copy alone": (lambda: ctypes.memmove(address, image.ctypes.data, size), 1000),
         "post to all clients": (server.post, 20000),
     }
     taken: dict[str, list[float]] = {name: [] for name in jobs}
@@ -104,14 +104,14 @@ def table(server: Server) -> None:
             taken[name].append(time_each(action, count))
     median = {name: statistics.median(values) for name, values in taken.items()}
     print(f"{'':28}{'[us]':>8}{'ratio to the least':>20}")
-    for name, least in (("position", "its system calls alone"), ("picture 640x480", "its memory copy alone")):
+    for name, least in (("position", "its system calls alone"), ("image 640x480", "its memory copy alone")):
         print(f"{name:28}{median[name]:8.2f}{median[name] / median[least]:20.2f}")
         print(f"  {least:26}{median[least]:8.2f}")
     print(f"{'post to all clients':28}{median['post to all clients']:8.2f}")
 
 
 def wake_up(server: Server) -> None:
-    """Time from a post until a client of another process runs, which slept before."""
+    """Print the time from a post until a waiting client in another process runs."""
     robot, sim = Position(), Sim()
     robot.create(server, "robot1")
     sim.create(server, "default")

@@ -186,7 +186,7 @@ class HeightfieldGeom(Geom):
     """Ground of varying height, centred on its pose.
 
     Args:
-        heights: [m], shape (rows, columns): rows go along +y, columns along +x.
+        heights: [m], shape (rows, columns): rows along +y, columns along +x.
         xSize, ySize: extent [m].
         thickness: how far the ground reaches below its lowest point [m].
     """

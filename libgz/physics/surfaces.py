@@ -72,7 +72,7 @@ class TerrainGeom(_GroundGeom):
         """Set heights on a square grid whose first corner is the origin.
 
         Args:
-            heights: [m], shape (rows, columns): rows go along +y, columns along +x.
+            heights: [m], shape (rows, columns): rows along +y, columns along +x.
             spacing: between neighbours [m].
             repeats: how often a texture repeats over the whole in x and y.
 

@@ -1,7 +1,7 @@
-"""Adds the native step, and the native reading of pictures, to what setup.cfg says.
+"""Adds the native step, and the native conversion of images, to setup.cfg.
 
 They need neither Python's headers nor ODE's: they are plain shared objects that ctypes loads. Where there is no C
-compiler the package installs without them; the step runs in Python, and Mesa converts the pictures.
+compiler the package installs without them; the step runs in Python, and Mesa converts the images.
 """
 
 from setuptools import Extension, setup

@@ -1,4 +1,4 @@
-"""Ground and walls beside a bare plane: `python benchmarks/ground.py`. Ratios of one run; times are for orientation."""
+"""Ground and walls compared with a bare plane: `python benchmarks/ground.py`. Compare the ratios of one run."""
 
 import tempfile
 import time
@@ -9,8 +9,9 @@ from PIL import Image, ImageDraw
 
 import libgz
 from libgz.physics.body import Body
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
 from libgz.physics.geoms import HeightfieldGeom
+from libgz.physics.space import Space
 from libgz.physics.surfaces import TerrainGeom
 
 SETTINGS = "<param:Global><utmOffset>500000 4000000</utmOffset></param:Global>"
@@ -22,7 +23,7 @@ STEPS = 2000
 
 
 def make_plan(path: Path) -> None:
-    """500 x 500 pixels with walls and three hundred round things."""
+    """500 x 500 pixels with walls and three hundred round obstacles."""
     random = np.random.default_rng(3)
     image = Image.new("L", (500, 500), 255)
     draw = ImageDraw.Draw(image)
@@ -35,7 +36,7 @@ def make_plan(path: Path) -> None:
 
 
 def worlds(plan: Path) -> dict[str, str]:
-    """Name -> what stands in the world."""
+    """Name -> the models of the world."""
     walls = (
         f"<model:MapExtruder><imageFile>{plan}</imageFile><scale>0.05</scale><errBound>1</errBound></model:MapExtruder>"
     )

@@ -1,7 +1,7 @@
-"""What an SDF world costs beside the same legacy world: `python benchmarks/sdf.py`.
+"""The cost of an SDF world compared with the same legacy world: `python benchmarks/sdf.py`.
 
 A legacy world of solids on the ground is loaded, written as SDF by the converter, and loaded again. Both step without
-plugins and interfaces' clients; ratios are of the best of rounds taken in turn within one run.
+plugins and clients; ratios are of the best of rounds taken in turn within one run.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SOLID = "<model:SimpleSolid><id>s{0}</id><shape>{1}</shape><size>{2}</size><xyz>
 
 
 def legacy_text(count: int) -> str:
-    """Solids that lie and stand on the ground."""
+    """Solids on the ground."""
     solids = []
     for i in range(count):
         shape, size = SHAPES[i % 3]
@@ -30,7 +30,7 @@ def legacy_text(count: int) -> str:
 
 
 def load(count: int, folder: Path) -> tuple[libgz.World, libgz.World, libgz.World]:
-    """(legacy, SDF awake, SDF that may fall asleep)."""
+    """(legacy, SDF awake, SDF with auto-disable)."""
     legacy = libgz.World.from_string(legacy_text(count))
     path = folder / f"solids{count}.world"
     path.write_bytes(convert(legacy).sdf)
@@ -44,7 +44,7 @@ def load(count: int, folder: Path) -> tuple[libgz.World, libgz.World, libgz.Worl
 
 
 def microseconds(world: libgz.World, steps: int) -> float:
-    """A step's cost."""
+    """Microseconds of a step."""
     begin = time.perf_counter()
     world.step(steps)
     return (time.perf_counter() - begin) / steps * 1e6

@@ -1,10 +1,10 @@
-"""What a step costs.
+"""The cost of a step.
 
     python benchmarks/step.py            both tables
     python benchmarks/step.py engine     the engine's step, as a ratio to the same ODE calls in C
     python benchmarks/step.py gazebo     a whole headless `gazebo` with driving Pioneer2ATs
 
-Ratios are of medians taken in turn within one run, so that a machine whose speed drifts does not spoil them.
+Ratios are of medians taken in turn within one run, so that a change of the machine's speed affects both sides.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ import time
 from pathlib import Path
 
 import libgz
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 HERE = Path(__file__).parent
 ROUNDS = 7
@@ -60,7 +61,7 @@ def build(robots: int) -> Engine:
 
 
 def time_engine(form: str, robots: int, steps: int) -> tuple[float, float]:
-    """(microseconds a step, where the first robot ended)."""
+    """(microseconds a step, final position of the first robot [m])."""
     os.environ["LIBGZ_STEP"] = form
     engine = build(robots)
     for _ in range(200):
@@ -78,7 +79,7 @@ def engine_table() -> None:
     """Ratios to bare C for the native and the Python step."""
     compiler = shutil.which("cc") or shutil.which("gcc")
     if compiler is None:
-        print("no C compiler here: the yardstick cannot be built")
+        print("no C compiler here: the reference cannot be built")
         return
     print("engine step: world of n robots and n boxes, 10 ms, states copied out; medians of", ROUNDS)
     print(f"{'n':>5}{'C [us]':>10}{'native/C':>10}{'python/C':>10}   end of the first robot equal to C's")
@@ -122,7 +123,7 @@ def gazebo_table() -> None:
 
 
 def time_gazebo(world: Path, robots: int, env: dict[str, str]) -> float:
-    """Run the command, drive all robots, and look at the clock twice."""
+    """Run the command, drive all robots, and read both times twice."""
     command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", "auto", "-n", "-d", "0", str(world)]
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
         number = int((server.stdout.readline() if server.stdout else "").split()[-1])

@@ -15,8 +15,8 @@ from libgz.legacy.model import Model
 from libgz.models.contours import outlines, simplified
 from libgz.models.greyimage import read_grey
 from libgz.physics.body import Body
-from libgz.physics.engine import Space
 from libgz.physics.geoms import BoxGeom
+from libgz.physics.space import Space
 from libgz.worldfile.attributes import color, file, length, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

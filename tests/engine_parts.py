@@ -1,12 +1,41 @@
-"""Parts of an engine's world for tests: ground, solids, makers of geoms."""
+"""Parts of an engine's world for tests: ground, solids, makers of geoms; and both forms of the step."""
 
 import math
 
+import numpy as np
+import pytest
+
 import libgz
-from libgz.physics.engine import Space
+from libgz.ode.native_step import native_path
+from libgz.ode.types import ContactRule, Surface
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 G = 9.8
 INF = math.inf
+FORMS = ("native", "python")
+
+
+def use_form(name, monkeypatch):
+    """Let new engines use a form of the step; skip the test if it is the native one and was not built."""
+    if name == "native" and native_path() is None:
+        pytest.skip("the native step was not built: there is no C compiler here")
+    monkeypatch.setenv("LIBGZ_STEP", name)
+
+
+def in_both_forms(run, monkeypatch):
+    """What `run` returns in either form of the step."""
+    results = []
+    for name in FORMS:
+        use_form(name, monkeypatch)
+        results.append(run())
+    return results
+
+
+def use_classic(engine):
+    """Set the engine as SDF worlds do."""
+    engine.contact_rule = ContactRule.CLASSIC
+    engine.count_turns = engine.check_divergence = True
 
 
 def ground(engine, friction=1.0):
@@ -34,3 +63,48 @@ def box(*size):
 
 def cylinder(body, space):
     return libgz.CylinderGeom(body, space, 0.2, 0.5)
+
+
+def dress(geom, mu=1.0, mu2=None, fdir1=(0, 0, 0), **more):
+    """Set contact properties, by default those of a collision in SDF."""
+    for name, value in {"KP": 1e12, "KD": 1.0, "MAX_VEL": 0.01, "BOUNCE_VEL": 1e5, **more}.items():
+        geom.set_surface(Surface[name], value)
+    geom.SetFriction(mu, mu2)
+    for i, value in enumerate(fdir1):
+        geom.set_surface(Surface.FDIR1 + i, value)
+    return geom
+
+
+def dressed_ground(engine, **surface):
+    plane = libgz.PlaneGeom(libgz.Body(engine, dummy=True), Space(engine), 0.0, (0, 0, 1))
+    return dress(plane, **surface)
+
+
+def dressed_box(engine, position, mass=1.0, height=1.0, **surface):
+    body = libgz.Body(engine)
+    geom = libgz.BoxGeom(body, Space(engine), 1, 1, height)
+    geom.SetMass(mass)
+    body.SetPosition(position)
+    return dress(geom, **surface)
+
+
+def busy_world():
+    engine = Engine(seed=7, solver="quick")
+    ground(engine)
+    generator = np.random.default_rng(3)
+    makers = (
+        box(0.3, 0.2, 0.4),
+        cylinder,
+        lambda b, s: libgz.SphereGeom(b, s, 0.2),
+        lambda b, s: libgz.CapsuleGeom(b, s, 0.1, 0.3),
+    )
+    bodies = [
+        solid(engine, makers[i % 4], position=(*generator.uniform(-0.5, 0.5, 2), 0.5 + 0.5 * i), friction=0.7)
+        for i in range(16)
+    ]
+    for one, two in zip(bodies[::4], bodies[1::4], strict=True):
+        hinge = libgz.HingeJoint(engine)
+        hinge.Attach(one, two)
+        hinge.SetAnchor(one.GetPosition())
+        hinge.SetAxis((0, 1, 0))
+    return engine

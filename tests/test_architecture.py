@@ -56,6 +56,7 @@ FACADES = {
 # Circles inside a package are between a parent and its parts: without the parent there is none.
 PARENTS = {
     "libgz.classic.rendering.scene",
+    "libgz.physics.body",  # of geoms and joints
     "libgz.simulation.world",
     "libgz.classic.physics.world",
 }

@@ -120,7 +120,7 @@ def test_masses_with_the_old_faults_are_the_old_ones():
     with world_of(body) as world:
         for (model, name), expected in measured.items():
             found = world.body(model, name)
-            mass, com = found.GetMass(), world.engine.com[found.row]
+            mass, com = found.GetMass(), found.com
             values = (mass.mass, mass.I[0], mass.I[5], mass.I[10], mass.I[2], com[0], com[2])
             assert values == pytest.approx(expected, rel=1e-6, abs=1e-9), (model, name)
 
@@ -416,7 +416,7 @@ def test_solids_have_the_size_mass_and_friction_they_are_told():
         a, b = world.model("a"), world.model("b")
         assert a.geom.size == (1, 2, 0.5)
         assert a.GetBody().mass == pytest.approx(3)
-        assert world.engine.surface[a.geom.row, :4].tolist() == [1e5, 20, 0.5, 0]
+        assert world.engine.tables.geoms.surface[a.geom.row, :4].tolist() == [1e5, 20, 0.5, 0]
         assert a.geom.GetTransparency()
         assert a.geom.GetDiffuseColor() == libgz.GzColor(1, 0, 0, 0.5)
         assert (b.geom.radius, b.geom.length) == (0.25, 0.5)

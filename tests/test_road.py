@@ -8,7 +8,8 @@ from ground_worlds import ball, heights_below, world_of
 
 import libgz
 from libgz.physics.body import Body
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 from libgz.physics.surfaces import RoadGeom
 
 OFFSET = (499000.0, 3846000.0)
@@ -99,7 +100,7 @@ def test_a_road_is_data_that_can_be_drawn(tmp_path):
         assert (road.normals[:, 2] > 0.0).all()
         assert road.texture_coordinates.shape == (len(road.vertices), 2)
         assert road.texture_coordinates.max(axis=0) == pytest.approx(((34 - 0.0) / 4, 16 / 2), abs=0.01)
-        assert world.engine.surface[road.row, :4].tolist() == [1e4, 0, 1, 0]
+        assert world.engine.tables.geoms.surface[road.row, :4].tolist() == [1e4, 0, 1, 0]
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,9 @@ from libgz.geometry import GzQuaternToEuler
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb, write_gzb
 from libgz.physics.body import Body
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
 from libgz.physics.meshes import grid_strip, grid_triangles, vertex_normals
+from libgz.physics.space import Space
 from libgz.physics.surfaces import TerrainGeom
 
 COUNT, SPACING = 41, 0.5
@@ -118,7 +119,7 @@ def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
         assert ground.colors.shape == (COUNT * COUNT, 4)
         assert np.array_equal(ground.strip, strip)
         assert ground.GetDiffuseColor() == libgz.GzColor(0.7, 0.7, 0.7)
-        assert world.engine.surface[ground.row, :4].tolist() == [math.inf, 0, 1, 0]
+        assert world.engine.tables.geoms.surface[ground.row, :4].tolist() == [math.inf, 0, 1, 0]
 
 
 def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):

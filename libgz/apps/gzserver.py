@@ -199,7 +199,7 @@ class Server:
             core.LoadFile(path)
             if options.pause:
                 core.starts_paused = True
-            if core.engine.classic:
+            if core.sdf is not None:
                 self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:

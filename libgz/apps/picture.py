@@ -67,9 +67,9 @@ def _look(world: World, options: argparse.Namespace) -> tuple[Callable[[], NDArr
         width, height = options.size
         free = FreeCamera(world, width, height, near=0.05, far=200.0)
         free.SetPose(options.pose)
-        free.options.displayGrid = world.engine.classic  # as classic's window did
+        free.options.displayGrid = world.sdf is not None  # as classic's window did
         return (lambda: free.Update() if not free.blind else np.zeros((0, 0, 3), np.uint8)), "a free camera"
-    if world.engine.classic:
+    if world.sdf is not None:
         return _look_by_sensor(world, options.camera)
     camera = _find(world, options.camera)
     return (lambda: camera.left_image if isinstance(camera, Stereo) else camera.image), repr(camera.id)

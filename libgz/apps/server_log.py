@@ -43,7 +43,7 @@ def keep_log(options: argparse.Namespace, core: World, play: LogPlay | None) -> 
     """
     details = options.record_path, options.record_period, options.record_encoding, options.record_filter
     wanted = options.record or any(detail is not None for detail in details)
-    if not core.engine.classic:
+    if core.sdf is None:
         if wanted:
             log.error("a legacy world cannot be recorded; `libgz convert` makes an SDF world of it")
         yield None

@@ -18,7 +18,7 @@ from libgz.convert.sensors import add_sensors
 from libgz.convert.shapes import CORRECTING_VELOCITY, Meshes, add_geom, is_shape
 from libgz.errors import ParameterError
 from libgz.front import World
-from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
+from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
@@ -204,7 +204,7 @@ class _Conversion:
     def _inertial(self, link: etree._Element, body: Body) -> None:
         mass = body.GetMass()
         inertial = add(link, "inertial")
-        add(inertial, "pose", pose(GzPose(GzVector(*self.world.engine.com[body.row].tolist()))))
+        add(inertial, "pose", pose(GzPose(body.com)))
         add(inertial, "mass", float(mass.mass))
         inertia = add(inertial, "inertia")
         for tag, index in (("ixx", 0), ("ixy", 1), ("ixz", 2), ("iyy", 5), ("iyz", 6), ("izz", 10)):

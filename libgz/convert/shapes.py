@@ -174,7 +174,7 @@ def _field(geom: HeightfieldGeom) -> tuple[NDArray[np.float64], NDArray[np.uint3
 
 def _add_surface(collision: etree._Element, geom: Geom) -> None:
     """Contact parameters; ODE in SDF also uses the smaller friction of two, and adds springs in series."""
-    values = geom.body.engine.surface[geom.row].tolist()
+    values = geom.body.engine.tables.geoms.surface[geom.row].tolist()
     surface = add(collision, "surface")
     friction = add(add(surface, "friction"), "ode")
     for tag in ("mu", "mu2"):
@@ -213,7 +213,7 @@ def _note_losses(geom: Geom, owner: str, notes: Notes) -> None:
         )
     if look.skin_file is not None:
         notes.add(owner, f"the skin {look.skin_file.name} is omitted; the shape below it is rendered")
-    if geom.body.engine.surface[geom.row, Surface.BOUNCE]:
+    if geom.surface(Surface.BOUNCE):
         notes.add(owner, "bounces only off surfaces that bounce, too: SDF uses the smaller coefficient of two")
     if look.fiducial != -1:
         notes.add(owner, f"fiducial {look.fiducial} has no counterpart")

@@ -28,7 +28,7 @@ def native_path() -> Path | None:
 
 
 class NativeStep:
-    """step.c, by ctypes. The interpreter lock is released while it runs; other worlds wait for their turn."""
+    """step.c, by ctypes. The interpreter lock is released while it runs; other worlds wait."""
 
     name = "native"
     reads_all = True
@@ -38,14 +38,15 @@ class NativeStep:
         self._shared = self._bind(path)
         self._context = context
         self._address = ctypes.addressof(context)
-        self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))  # of a type-free look-up
-        self._scan = self._shared["gz_scan"]  # as above
+        # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
+        self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
+        self._scan = self._shared["gz_scan"]
         self._scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
 
     @classmethod
     def _bind(cls, path: Path) -> ctypes.CDLL:
-        """Load the shared object and hand it ODE's addresses, once."""
+        """Load the shared object and pass it ODE's addresses, once."""
         with _loading:
             if cls._library is None:
                 cls._library = cls._load(path)
@@ -59,8 +60,8 @@ class NativeStep:
         library.gz_step_bind.argtypes = [c_void_p]
         library.gz_collide.argtypes = [c_void_p]
         library.gz_solve.argtypes = [c_void_p]
-        library.gz_forget_contacts.argtypes = [c_void_p]
-        library.gz_forget_contacts.restype = None
+        library.gz_free_contacts.argtypes = [c_void_p]
+        library.gz_free_contacts.restype = None
         library.gz_read.argtypes = [c_void_p]
         if library.gz_step_context_size() != ctypes.sizeof(StepContext):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
@@ -99,10 +100,10 @@ class NativeStep:
         self._shared.gz_read(self._address)
 
     def forget(self, geom: int) -> None:
-        """Nothing to do: step.c remembers no geom."""
+        """Nothing to do: step.c caches no geoms."""
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
-        """A scan ready to be made, with all its arguments turned into C's once; they keep the arrays alive."""
+        """A prepared scan whose arguments were converted to C once; they keep the arrays alive."""
         frame, rays, ranges, rows = (
             array.ctypes.data_as(c_void_p) for array in (scan.frame, scan.rays, scan.ranges, scan.rows)
         )
@@ -111,5 +112,5 @@ class NativeStep:
 
 
 def _release(library: ctypes.CDLL, context: StepContext) -> None:
-    """Give back the memory of the contact records."""
-    library.gz_forget_contacts(ctypes.addressof(context))
+    """Free the memory of the contact records."""
+    library.gz_free_contacts(ctypes.addressof(context))

@@ -1,8 +1,8 @@
-"""The ODE functions the project calls, each declared once, in the C header's words.
+"""The ODE functions the project calls, each declared once, as in the C header.
 
 ``real`` is a double, ``id`` any handle, ``reals`` the address of doubles (as a result, of four), ``matrix`` that of
-twelve, ``data`` any other address. An undeclared function that returns a double would return garbage; that is why a
-function is callable only if it stands here.
+twelve, ``data`` any other address. Only declared functions are callable: an undeclared one that returns a double would
+return garbage.
 """
 
 PROTOTYPES = """
@@ -92,7 +92,6 @@ int dMassCheck(data)
 void dMassTranslate(data, real, real, real)
 void dMassRotate(data, reals)
 void dMassAdd(data, data)
-int dMassCheck(data)
 
 id dSimpleSpaceCreate(id)
 id dHashSpaceCreate(id)
@@ -240,6 +239,7 @@ void dJointSetDBallAnchor1(id, real, real, real)
 void dJointSetDBallAnchor2(id, real, real, real)
 void dJointSetDBallDistance(id, real)
 void dJointSetDBallParam(id, int, real)
+real dJointGetDBallParam(id, int)
 void dJointSetFixed(id)
 void dJointSetFixedParam(id, int, real)
 real dJointGetFixedParam(id, int)

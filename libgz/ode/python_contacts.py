@@ -1,6 +1,6 @@
 """The contact rule in Python: the same work as collide_geoms in step.c, operation by operation.
 
-The plain pairs of legacy worlds do not come here; `PythonStep` has a quicker way for them.
+`PythonStep` has a quicker way for the plain pairs of legacy worlds.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext, Tables
+from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.tables import Tables
 from libgz.ode.types import (
     Contact,
     ContactMode,
+    ContactRule,
     GeomClass,
     JointFeedback,
     JointType,
@@ -25,14 +27,14 @@ from libgz.ode.types import (
     SurfaceParameters,
 )
 
-__all__ = ["CarefulContacts", "ContactLog", "make_surface"]
+__all__ = ["ContactLog", "FullContacts", "make_surface"]
 
 _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
-    """What two surfaces do together; make_surface in step.c."""
+    """The contact parameters of two surfaces; make_surface in step.c."""
     softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
     kd = a[Surface.KD] + b[Surface.KD]
     erp, cfm = 1.0, 0.0
@@ -41,7 +43,7 @@ def make_surface(context: StepContext, a: list[float], b: list[float]) -> Surfac
         erp, cfm = spring / (spring + kd), 1.0 / (spring + kd)
     mode = ContactMode.SOFT_ERP | ContactMode.SOFT_CFM | ContactMode.APPROX1
     bounce, bounce_vel, mu2 = max(a[Surface.BOUNCE], b[Surface.BOUNCE]), 0.0, 0.0
-    if context.classic:
+    if context.contact_rule == ContactRule.CLASSIC:
         bounce = min(a[Surface.BOUNCE], b[Surface.BOUNCE])
         bounce_vel = min(a[Surface.BOUNCE_VEL], b[Surface.BOUNCE_VEL])
         mu2 = min(a[Surface.MU2], b[Surface.MU2])
@@ -60,42 +62,42 @@ def make_surface(context: StepContext, a: list[float], b: list[float]) -> Surfac
 
 
 class ContactLog:
-    """The contact points of a step, and what they did; record_point, ask_contacts and read_contacts in step.c."""
+    """The contact points of a step and their forces; record_point, request_feedback, collect_feedback in step.c."""
 
     def __init__(self) -> None:
         self._records: list[tuple[Any, ...]] = []
         self._joints: list[tuple[int, bool]] = []
-        self._told: Any = None
+        self._feedback: Any = None
 
     def clear(self) -> None:
         """Begin a step."""
         self._records.clear()
         self._joints.clear()
-        self._told = None
+        self._feedback = None
 
-    def add(self, rows: tuple[int, int], point: Any, depth: float, joint: int, turned: bool) -> None:
-        """Note a point; joint 0 is one that does not push, `turned` one whose first body is the second geom's."""
+    def add(self, rows: tuple[int, int], point: Any, depth: float, joint: int, reversed_: bool) -> None:
+        """Record a point; joint 0: none; `reversed_`: the joint's first body is that of the second geom."""
         self._records.append((*rows, tuple(point.pos[:3]), tuple(point.normal[:3]), depth))
-        self._joints.append((joint, turned))
+        self._joints.append((joint, reversed_))
 
-    def ask(self, ode_: OdeLibrary) -> None:
-        """Ask ODE for the forces of this step."""
+    def request_feedback(self, ode_: OdeLibrary) -> None:
+        """Request the forces of this step from ODE."""
         if not self._joints:
             return
-        self._told = (JointFeedback * len(self._joints))()
-        for (joint, _), told in zip(self._joints, self._told, strict=True):
+        self._feedback = (JointFeedback * len(self._joints))()
+        for (joint, _), feedback in zip(self._joints, self._feedback, strict=True):
             if joint:
-                ode_.dJointSetFeedback(joint, ctypes.addressof(told))
+                ode_.dJointSetFeedback(joint, ctypes.addressof(feedback))
 
-    def read(self) -> None:
-        """Take the answers over."""
+    def collect_feedback(self) -> None:
+        """Add the forces to the records."""
         zero = (0.0, 0.0, 0.0)
-        for i, (joint, turned) in enumerate(self._joints):
+        for i, (joint, reversed_) in enumerate(self._joints):
             if not joint:
                 continue
-            told = self._told[i]
-            first, second = (tuple(told.f1[:3]), tuple(told.t1[:3])), (tuple(told.f2[:3]), tuple(told.t2[:3]))
-            self._records[i] += (zero, zero, *first) if turned else (*first, *second)
+            result = self._feedback[i]
+            first, second = (tuple(result.f1[:3]), tuple(result.t1[:3])), (tuple(result.f2[:3]), tuple(result.t2[:3]))
+            self._records[i] += (zero, zero, *first) if reversed_ else (*first, *second)
         self._joints = [(0, False)] * len(self._joints)
 
     def contacts(self) -> NDArray[np.void]:
@@ -107,8 +109,8 @@ class ContactLog:
         return found
 
 
-class CarefulContacts:
-    """Contacts of classic worlds, of round shapes, and those that somebody wants to know."""
+class FullContacts:
+    """Contacts under the classic rule, of round shapes, and of worlds that record contacts."""
 
     def __init__(self, context: StepContext, tables: Tables) -> None:
         self._context, self._tables = context, tables
@@ -119,11 +121,11 @@ class CarefulContacts:
 
     def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
         """The surfaces of two geoms."""
-        surface, data = self._tables.surface, self._ode.dGeomGetData
+        surface, data = self._tables.geoms.surface, self._ode.dGeomGetData
         return surface[data(geom1) or 0].tolist(), surface[data(geom2) or 0].tolist()
 
     def round_pair(self, geom1: int, geom2: int) -> bool:
-        """Whether ODE itself has no collider for two geoms."""
+        """Whether ODE has no collider for two geoms."""
         kinds = {self._ode.dGeomGetClass(geom) for geom in (geom1, geom2)}
         return bool(self._context.no_cylinder_pairs) and GeomClass.CYLINDER in kinds and kinds <= _ROUND
 
@@ -134,18 +136,19 @@ class CarefulContacts:
         if body1 and body2 and ode_.dAreConnectedExcluding(body1, body2, JointType.CONTACT):
             return
         a, b = self.rows(geom1, geom2)
-        if context.classic and not self._may_touch(a, b, body1, body2):
+        classic = context.contact_rule == ContactRule.CLASSIC
+        if classic and not self._may_touch(a, b, body1, body2):
             return
         address, size = ctypes.addressof(points) + Contact.geom.offset, ctypes.sizeof(Contact)
         if self.round_pair(geom1, geom2):
             count = self._collide_cylinder(geom1, geom2, address)
         else:
-            most = MOST_CONTACTS if context.classic else MAX_CONTACTS
+            most = MOST_CONTACTS if classic else MAX_CONTACTS
             count = ode_.dCollide(geom1, geom2, most, address, size)
         if not count:
             return
         surface, ghost = make_surface(context, a, b), False
-        if context.classic:
+        if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
@@ -153,13 +156,13 @@ class CarefulContacts:
             point, joint = points[i], 0
             depth = point.geom.depth
             point.surface = surface
-            if context.classic:
+            if classic:
                 self._refine(a, b, geom1, geom2, count, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
-            if context.record:
+            if context.record_contacts:
                 self.log.add(data, point.geom, depth, joint, not body1)
 
     def _may_touch(self, a: list[float], b: list[float], body1: int, body2: int) -> bool:
@@ -167,13 +170,13 @@ class CarefulContacts:
         if not int(a[Surface.BITS]) & int(b[Surface.BITS]):
             return False
         if a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0:
-            return bool(self._context.record and int(a[Surface.GHOST_BITS]) & int(b[Surface.GHOST_BITS]))
-        if self._context.record:
+            return bool(self._context.record_contacts and int(a[Surface.GHOST_BITS]) & int(b[Surface.GHOST_BITS]))
+        if self._context.record_contacts:
             return True
         return any(body and self._ode.dBodyIsEnabled(body) for body in (body1, body2))
 
     def _deepest(self, a: list[float], b: list[float], count: int) -> int:
-        """deepest in step.c: keep so many as are allowed, in their order."""
+        """deepest in step.c: keep as many as are allowed, in their order."""
         points = self._points
         most = int(min(a[Surface.MAX_CONTACTS], b[Surface.MAX_CONTACTS], self._context.max_contacts))
         while count > most:
@@ -211,7 +214,7 @@ class CarefulContacts:
             return False
         m = self._ode.dGeomGetRotation(geom).contents
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
-        return _set_direction(point, aim)
+        return _set_friction_direction(point, aim)
 
     def _sliding_direction(self, geom1: int, geom2: int, point: Any) -> bool:
         """sliding_direction in step.c."""
@@ -220,7 +223,7 @@ class CarefulContacts:
             body = self._ode.dGeomGetBody(geom)
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
-        return _set_direction(point, slide)
+        return _set_friction_direction(point, slide)
 
     def _add_velocity(self, body: int, at: Any, sign: float, slide: list[float]) -> None:
         """add_velocity in step.c."""
@@ -307,8 +310,8 @@ def _add_torsion(a: list[float], b: list[float], point: Any) -> None:
     surface.rhoN = lever
 
 
-def _set_direction(point: Any, aim: list[float]) -> bool:
-    """Lay a direction into the contact's plane and make it that of friction; whether anything is left of it."""
+def _set_friction_direction(point: Any, aim: list[float]) -> bool:
+    """set_friction_direction in step.c."""
     n = point.geom.normal[:3]
     along = _dot(aim, n)
     aim = [v - along * w for v, w in zip(aim, n, strict=True)]

@@ -12,22 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.geometry import rotate
-from libgz.ode.context import (
-    MAX_CONTACTS,
-    NO_HIT,
-    NOT_ALL_WELL,
-    Motions,
-    RayScan,
-    StepContext,
-    Tables,
-    push_joint,
-    read_body,
-    read_joint,
-    watch_body,
-)
+from libgz.ode.context import MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
-from libgz.ode.python_contacts import CarefulContacts, make_surface
-from libgz.ode.types import Contact, ContactGeom, JointType
+from libgz.ode.python_contacts import FullContacts, make_surface
+from libgz.ode.python_motion import MotionLimits, apply_spring, record_body
+from libgz.ode.tables import Tables
+from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
 
 __all__ = ["PythonStep"]
 
@@ -36,22 +26,22 @@ _NEAR_CALLBACK = ctypes.PYFUNCTYPE(None, c_void_p, c_void_p, c_void_p)
 
 
 class _Handle(c_void_p):
-    """A handle that stays one: a result of plain c_void_p becomes an int, and must be made an argument again."""
+    """A handle that stays an object: a result of plain c_void_p would become an int and need another conversion."""
 
 
-# What a pair is: two spaces, nothing that moves, one body and something static, two bodies, or one that takes more than
-# the legacy rule.
-_SPACES, _STATIC, _PLAIN, _BODIES, _CAREFUL = range(5)
+# Kinds of pairs: two spaces, nothing that moves, one body and something static, two bodies, or one that `FullContacts`
+# collides.
+_SPACES, _STATIC, _PLAIN, _BODIES, _FULL = range(5)
 _Pair: TypeAlias = (
     "tuple[int, c_void_p, c_void_p, c_void_p, c_void_p, c_void_p, Sequence[tuple[c_void_p, ...]]]"  # see near()
 )
-MOST_PAIRS = 100_000  # remembered; each is some hundred bytes
+MOST_PAIRS = 100_000  # in the cache; each takes some hundred bytes
 
 
 class PythonStep:
-    """The same in Python: slower by half, and at home where there is no C compiler.
+    """The step in Python, for installations without a C compiler; it takes twice as long.
 
-    States are copied out only when somebody asks, for each copy costs a ctypes call.
+    States are copied out only on demand, for each copy costs a ctypes call.
     """
 
     name = "python"
@@ -61,31 +51,31 @@ class PythonStep:
         self._context = context
         self._tables = tables
         self._ode: OdeLibrary = ode()
-        self._fault: BaseException | None = None
+        self._error: BaseException | None = None
         self._pairs: dict[tuple[int, int], _Pair] = {}
         self._pairs_valid_for: tuple[int, float, int] = (-1, 0.0, 0)
         self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
-        self._careful = CarefulContacts(context, tables)
-        self._motions = Motions(self._ode)
+        self._full = FullContacts(context, tables)
+        self._limits = MotionLimits(self._ode)
         self._contact_count = 0
         self._near = self._make_near()
 
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step."""
-        return self._careful.log.contacts()
+        return self._full.log.contacts()
 
     @staticmethod
     def release() -> None:
         """Nothing to do: all memory is Python's."""
 
     def forget(self, geom: int) -> None:
-        """Drop what is remembered of a geom, because it was destroyed or given to another body."""
+        """Drop what is cached of a geom, because it was destroyed or got another body."""
         self._pairs.clear()
 
     def _make_near(self) -> Any:
         """The near-callback, with everything it touches in local names: it runs once per pair and step.
 
-        What it needs of a pair is looked up once and kept as ready-made C arguments.
+        What it needs of a pair is looked up once and kept as C arguments.
         """
         collide = self._ode.unchecked("dCollide", ctypes.c_int)
         collide2 = self._ode.unchecked("dSpaceCollide2", None)
@@ -105,8 +95,8 @@ class PythonStep:
                 elif kind == _SPACES:
                     collide2(one, two, None, callback)
                     return
-                elif kind == _CAREFUL:
-                    self._careful.touch(geom1, geom2)
+                elif kind == _FULL:
+                    self._full.touch(geom1, geom2)
                     return
                 elif kind == _STATIC or connected(body1, body2, contact_type):
                     return
@@ -117,15 +107,15 @@ class PythonStep:
                     for contact in contacts[count]:
                         attach(create(world, group, contact), body1, body2)
             except BaseException as error:  # noqa: BLE001 - ctypes would print and drop it; step() raises it
-                self._fault = error
+                self._error = error
 
         self._keep = _NEAR_CALLBACK(near)
         callback = ctypes.cast(self._keep, c_void_p)
         return callback
 
     def _look_up_pair(self, geom1: int, geom2: int) -> _Pair:
-        """What a pair of geoms or spaces is, and what it collides with; remembered until a geom goes or changes."""
-        lib, one, two = self._ode, c_void_p(geom1), c_void_p(geom2)
+        """The kind of a pair of geoms or spaces and its C arguments; cached until a geom is destroyed or changed."""
+        lib, context, one, two = self._ode, self._context, c_void_p(geom1), c_void_p(geom2)
         if len(self._pairs) > MOST_PAIRS:
             self._pairs.clear()
         if lib.dGeomIsSpace(geom1) or lib.dGeomIsSpace(geom2):
@@ -133,10 +123,10 @@ class PythonStep:
         else:
             body1, body2 = (lib.dGeomGetBody(geom) or 0 for geom in (geom1, geom2))
             kind = _BODIES if body1 and body2 else _PLAIN if body1 or body2 else _STATIC
-            careful = self._context.classic or self._context.record or self._careful.round_pair(geom1, geom2)
-            if kind != _STATIC and careful:
-                kind = _CAREFUL
-            first, contacts = self._contacts(*self._careful.rows(geom1, geom2))
+            legacy = context.contact_rule == ContactRule.LEGACY and not context.record_contacts
+            if kind != _STATIC and (not legacy or self._full.round_pair(geom1, geom2)):
+                kind = _FULL
+            first, contacts = self._contacts(*self._full.rows(geom1, geom2))
             pair = (kind, one, two, c_void_p(body1), c_void_p(body2), first, contacts)
         self._pairs[geom1, geom2] = pair
         return pair
@@ -162,18 +152,18 @@ class PythonStep:
     def collide(self) -> None:
         """Find contacts and make joints of them."""
         context, ode_ = self._context, self._ode
-        recording = context.record
-        valid_for = (self._tables.surface_edits, context.step, recording)
+        recording = context.record_contacts
+        valid_for = (self._tables.geoms.edits, context.step, recording)
         if valid_for != self._pairs_valid_for:
             self._pairs.clear()
             self._contact_arrays.clear()
-            self._careful.log.clear()
+            self._full.log.clear()
             self._pairs_valid_for = valid_for
-        self._contact_count = self._careful.count = 0
+        self._contact_count = self._full.count = 0
         if recording:
-            self._careful.log.clear()
+            self._full.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)
-        context.contact_count = self._contact_count + self._careful.count
+        context.contact_count = self._contact_count + self._full.count
         self._raise_error()
 
     def solve(self) -> int:
@@ -182,55 +172,58 @@ class PythonStep:
         ode_.dRandSetSeed(context.seed)
         recording = self._pairs_valid_for[2]
         if recording:
-            self._careful.log.ask(ode_)
-        for row in sorted(self._tables.pushing):
-            if self._tables.joint_ids[row]:
-                push_joint(ode_, self._tables, row, unwind=bool(context.classic))
-        context.halted = 0
-        bodies = self._bodies() if context.classic or context.watch else []
-        if context.classic:  # in legacy worlds it would take as long as the step itself
-            for row, body in bodies:
-                if self._motions.halt(body):
-                    context.halted = row + 1
-        if context.watch:
-            for row, _ in bodies:
-                watch_body(ode_, self._tables, row)
-        done = (ode_.dWorldQuickStep if context.quick else ode_.dWorldStep)(context.world, context.step)
+            self._full.log.request_feedback(ode_)
+        joints, bodies = self._tables.joints, self._tables.bodies
+        for row in sorted(joints.sprung):
+            if joints.ids[row]:
+                apply_spring(ode_, joints, row, unwind=bool(context.count_turns))
+        context.reset_row = 0
+        moving = self._bodies() if context.check_divergence or context.record_motion else []
+        if context.check_divergence:
+            for row, body in moving:
+                if self._limits.reset_diverged(body):
+                    context.reset_row = row + 1
+        if context.record_motion:
+            for row, _ in moving:
+                record_body(ode_, bodies, row)
+        if context.quick:
+            done = ode_.dWorldQuickStep(context.world, context.step)
+        else:
+            done = ode_.dWorldStep(context.world, context.step)
         if recording:
-            self._careful.log.read()
+            self._full.log.collect_feedback()
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
         context.steps += 1
-        if context.classic:
-            self._read_joints()  # their turns must be counted
-            context.lost = sum(self._motions.is_lost(body, context.farthest) for _, body in bodies)
-        return NOT_ALL_WELL if done and (context.halted or context.lost) else int(done != 0)
+        if context.count_turns:
+            self._read_joints()
+        if context.check_divergence:
+            context.diverged = sum(self._limits.has_diverged(body, context.max_distance) for _, body in moving)
+        return STEP_NEEDS_RECOVERY if done and (context.reset_row or context.diverged) else int(done != 0)
 
     def _bodies(self) -> list[tuple[int, int]]:
         """Rows and handles of all bodies."""
-        handles = self._tables.body_ids[: self._context.body_count].tolist()
+        handles = self._tables.bodies.ids[: self._context.body_count].tolist()
         return [(row, body) for row, body in enumerate(handles) if body]
 
     def _raise_error(self) -> None:
-        error, self._fault = self._fault, None
+        error, self._error = self._error, None
         if error is not None:
             raise error
 
     def read(self) -> None:
         """Copy all states out."""
-        context, tables = self._context, self._tables
-        for row in range(context.body_count):
-            if tables.body_ids[row]:
-                read_body(self._ode, tables, row)
+        for row, _ in self._bodies():
+            self._tables.bodies.read(row)
         self._read_joints()
 
     def _read_joints(self) -> None:
-        context, tables = self._context, self._tables
-        for row in tables.joint_ids[: context.joint_count].nonzero()[0].tolist():
-            read_joint(self._ode, tables, row, unwind=bool(context.classic))
+        joints = self._tables.joints
+        for row in joints.ids[: self._context.joint_count].nonzero()[0].tolist():
+            joints.read(row)
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
-        """A scan ready to be made."""
+        """A prepared scan."""
         return functools.partial(self._scan, scan)
 
     def _scan(self, scan: RayScan) -> None:
@@ -263,7 +256,7 @@ class PythonStep:
                     ranges[i], rows[i] = hit.depth, row
 
     def _gather(self, owner: int) -> list[tuple[int, int, list[float]]]:
-        """(geom, row, bounding box) of all geoms whose box meets the probe's, without those of body `owner`."""
+        """(geom, row, bounding box) of all geoms whose box meets that of the probe, without those of body `owner`."""
         ode_, context = self._ode, self._context
         seen: list[tuple[int, int, list[float]]] = []
         box = (ctypes.c_double * 6)()
@@ -276,11 +269,11 @@ class PythonStep:
                     ode_.dSpaceCollide2(probe, geom, None, address)
                     return
                 row = ode_.dGeomGetData(geom) or 0
-                if not owner or self._tables.owner[row] != owner:
+                if not owner or self._tables.geoms.owner[row] != owner:
                     ode_.dGeomGetAABB(geom, box)
                     seen.append((geom, row, box[:]))
             except BaseException as error:  # noqa: BLE001 - as in _make_near
-                self._fault = error
+                self._error = error
 
         callback = _NEAR_CALLBACK(near)
         address = ctypes.cast(callback, c_void_p)
@@ -290,7 +283,7 @@ class PythonStep:
 
 
 def _may_hit(start: Sequence[float], direction: Sequence[float], length: float, box: Sequence[float]) -> bool:
-    """may_hit in step.c: whether a ray meets a box grown by a hair."""
+    """may_hit in step.c: whether a ray meets a box enlarged by a small margin."""
     first, last = 0.0, length
     for k in range(3):
         low, high, along = box[2 * k] - 1e-9 - start[k], box[2 * k + 1] + 1e-9 - start[k], direction[k]

@@ -1,9 +1,9 @@
 /* The native step: contacts, the ODE step, the copy of all states, and ray scans, without a Python call inside.
  *
- * It is linked against nothing. gz_step_needs() lists the ODE functions it calls, gz_step_bind() takes their
- * addresses in that order; so it builds without ODE's headers and cannot meet another ODE than the one in use.
- * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories are
- * equal to the last bit, and a test says so.
+ * It is not linked with ODE. gz_step_needs() lists the ODE functions it calls, gz_step_bind() takes their addresses in
+ * that order; so it builds without ODE's headers and always uses the ODE library that is loaded.
+ * libgz/ode/python_step.py holds its twin in Python. Both do the same arithmetic in the same order: their trajectories
+ * are equal to the last bit; a test compares them.
  */
 #include <float.h>
 #include <math.h>
@@ -40,7 +40,7 @@ typedef struct {
     double f1[4], t1[4], f2[4], t2[4];
 } feedback;
 
-/* Where a world gets the memory that it steps in. */
+/* The allocator of the memory that a world uses during a step. */
 typedef struct {
     unsigned size; /* of this struct */
     void *(*get)(size_t size);
@@ -122,10 +122,10 @@ const char *const *gz_step_needs(void)
     return names;
 }
 
-/* ODE's assertions end the process. In the middle of solving they mean that numbers ran away, and then the step is
- * given up: what is left behind is mended by who called (Engine). Where the contacts of a pair are looked for, the pair
- * is given up. */
-/* GCC's own jump saves three words where the library's saves all registers, and that for each pair of geoms. */
+/* A failed assertion in ODE would end the process. While a step is being solved, it means that numbers diverged: the
+ * step is abandoned, and the caller (Engine) recovers the bodies. During collision detection, the pair of geoms is
+ * skipped. */
+/* GCC's builtin saves three words where the library's setjmp saves all registers; it runs for each pair of geoms. */
 #ifdef __GNUC__
 typedef void *jump[5];
 #define SET_JUMP(place) __builtin_setjmp(place)
@@ -135,14 +135,14 @@ typedef jmp_buf jump;
 #define SET_JUMP(place) setjmp(place)
 #define JUMP_BACK(place) longjmp(place, 1)
 #endif
-static __thread jump given_up;
+static __thread jump escape;
 static __thread int guarded;
 static message_handler *other_handler;
 
-static void on_assertion(int number, const char *text, va_list arguments)
+static void on_failed_assertion(int number, const char *text, va_list arguments)
 {
     if (guarded)
-        JUMP_BACK(given_up);
+        JUMP_BACK(escape);
     if (other_handler)
         other_handler(number, text, arguments);
 }
@@ -152,19 +152,19 @@ void gz_step_bind(void *const *addresses)
 #define BIND(result, name, arguments) *(void **)&name = *addresses++;
     ODE_FUNCTIONS(BIND)
     other_handler = dGetDebugHandler();
-    dSetDebugHandler(on_assertion);
+    dSetDebugHandler(on_failed_assertion);
 }
 
-/* One contact point of a step, as it is told to who asks; CONTACT in context.py is the same. */
+/* One contact point of a step, as it is reported; the same as CONTACT in context.py. */
 typedef struct {
     int64_t geom1, geom2; /* rows */
     double position[3], normal[3], depth;
     double force1[3], torque1[3], force2[3], torque2[3];
 } contact_record;
 
-/* The joint of a recorded contact until it is solved: NULL for a point that does not push. */
+/* The joint of a recorded contact until it is solved: NULL for the contact of a ghost, which has no joint. */
 typedef struct {
-    feedback told;
+    feedback result;
     void *joint;
     int64_t reversed; /* ODE's first body is that of the second geom */
 } pending_contact;
@@ -174,43 +174,47 @@ typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
     int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */
     double step;
-    int64_t quick;         /* 1: dWorldQuickStep */
-    int64_t classic;       /* 1: the contact rule of Gazebo classic; 0: of the legacy server */
-    uint64_t seed;         /* ODE's random state, one per world */
-    int64_t steps;         /* so far */
-    int64_t contact_count; /* of the last step */
-    int64_t max_contacts;  /* of a pair of geoms, under the classic rule */
-    int64_t cone;          /* 1: under the classic rule friction acts against the motion, as in a cone */
-    double gravity[3];     /* what the cone looks ahead with */
-    int64_t record;        /* 1: contact points are recorded */
-    int64_t record_count, record_room;
+    int64_t quick;            /* 1: dWorldQuickStep */
+    int64_t contact_rule;     /* LEGACY_RULE or CLASSIC_RULE */
+    int64_t count_turns;      /* 1: joint angles continue beyond pi; 0: they stay within -pi to pi */
+    int64_t check_divergence; /* read by the Python form only; this one always checks */
+    uint64_t seed;            /* ODE's random state, one per world */
+    int64_t steps;            /* so far */
+    int64_t contact_count;    /* of the last step */
+    int64_t max_contacts;     /* of a pair of geoms, under the classic rule */
+    int64_t cone;             /* 1: under the classic rule friction acts against the motion, as in a cone */
+    double gravity[3];        /* from which the cone predicts velocities */
+    int64_t record_contacts;  /* 1: contact points are recorded */
+    int64_t record_count, record_capacity;
     contact_record *records;
     pending_contact *pending; /* one for each record */
-    const double *surface; /* 24 a geom: see the SURFACE_ columns below */
-    const int64_t *owner;  /* a number a geom: that of its body */
+    const double *surface;    /* 24 a geom: see the SURFACE_ columns below */
+    const int64_t *owner;     /* a number a geom: that of its body */
     int64_t body_count;
-    void *const *bodies;   /* NULL: a free row */
-    const double *com;     /* centre of mass in the body frame, 3 a row */
-    double *body_state;    /* 16 a row: position, quaternion, centre of mass, linear and angular velocity */
-    int64_t watch;         /* 1: body_start is filled */
-    double *body_start;    /* 12 a row, as a step begins: linear and angular velocity, force and torque put on it */
+    void *const *bodies;      /* NULL: a free row */
+    const double *com;        /* centre of mass in the body frame, 3 a row */
+    double *body_state;       /* 16 a row: position, quaternion, centre of mass, linear and angular velocity */
+    int64_t record_motion;    /* 1: body_start is filled */
+    double *body_start;       /* 12 a row, as a step begins: linear and angular velocity, applied force and torque */
     int64_t joint_count;
     void *const *joints;
     const int64_t *joint_types;
-    double *joint_state;   /* 4 a row: angle 1 and 2, rate 1 and 2 */
-    const double *springs; /* 3 a row, for hinges and sliders: stiffness, damping, reference */
-    int64_t halted;        /* 1 + the row of a body that ran away and was halted; 0: none */
-    int64_t gave_up;       /* 1: the last step was given up */
-    double farthest;       /* [m] from the origin to where bodies are lost */
-    int64_t careful;       /* 1: a step was given up before, and no memory is kept from one to the next */
-    int64_t lost;          /* bodies whose numbers ran away */
-    int64_t baffled;       /* 1: an assertion ended the search for the contacts of a pair, or for what a ray hits */
-    int64_t baffled_by[2]; /* rows of the geoms of the last such pair; -1: a ray */
+    double *joint_state;      /* 4 a row: angle 1 and 2, rate 1 and 2 */
+    const double *springs;    /* 3 a row, for hinges and sliders: stiffness, damping, reference */
+    int64_t reset_row;        /* 1 + the row of a body that diverged and whose velocity was reset; 0: none */
+    int64_t abandoned;        /* 1: the last step was abandoned */
+    double max_distance;      /* [m] from the origin; bodies beyond have diverged */
+    int64_t own_memory;       /* 1: a step was abandoned before, and no memory is kept from one step to the next */
+    int64_t diverged;         /* number of bodies that diverged in the last step */
+    int64_t collision_failed; /* 1: an assertion failed in the collision detection of a pair, or of a ray with a geom */
+    int64_t failed_rows[2];   /* rows of the geoms of the last such pair; -1: a ray */
 } context;
+
+enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
 
 size_t gz_step_context_size(void) { return sizeof(context); }
 
-enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; what classic chooses the deepest from */
+enum { MAX_CONTACTS = 10, MOST_CONTACTS = 250 }; /* of a pair: legacy; those of which classic keeps the deepest */
 enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5, JOINT_HINGE2 = 6 };
 enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
@@ -231,17 +235,18 @@ enum {
     SURFACE_MAX_VEL,
     SURFACE_MIN_DEPTH,
     SURFACE_BITS,
-    SURFACE_GHOST,      /* 1: points are found and told, and do not push */
-    SURFACE_GHOST_BITS, /* a pair with a ghost and without a common bit of these has no points either */
+    SURFACE_GHOST,      /* 1: contact points are recorded, without joints */
+    SURFACE_GHOST_BITS, /* a pair with a ghost and without a common bit of these has no points */
     SURFACE_TORSION,
-    SURFACE_BY_PATCH, /* 1: torsion goes by the patch radius, 0: by the surface radius and depth */
+    SURFACE_BY_PATCH, /* 1: torsion depends on the patch radius, 0: on the surface radius and depth */
     SURFACE_PATCH_RADIUS,
     SURFACE_RADIUS,
     SURFACE_COLUMNS = 24
 };
-#define LOST_SPEED 2e9 /* [m/s] and [rad/s], after a step */
-#define FASTEST 1e7    /* [m/s] and [rad/s] */
-#define STRONGEST 1e12 /* [N] and [N m] */
+/* A body beyond these has diverged. */
+#define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
+#define MAX_EFFORT 1e12    /* [N] and [N m], before a step */
+#define DIVERGED_SPEED 2e9 /* [m/s] and [rad/s], after a step */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -264,7 +269,7 @@ static void make_surface(const context *c, const double *a, const double *b, sur
     }
     s->bounce = larger(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
     s->bounce_vel = 0.0;
-    if (c->classic) {
+    if (c->contact_rule == CLASSIC_RULE) {
         s->bounce = smaller(a[SURFACE_BOUNCE], b[SURFACE_BOUNCE]);
         s->bounce_vel = smaller(a[SURFACE_BOUNCE_VEL], b[SURFACE_BOUNCE_VEL]);
         s->mu2 = smaller(a[SURFACE_MU2], b[SURFACE_MU2]);
@@ -276,7 +281,7 @@ static void make_surface(const context *c, const double *a, const double *b, sur
 
 static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/* dCollide, without an end of the process: no contacts where an assertion of ODE's fails. */
+/* dCollide; no contacts, instead of the end of the process, if an assertion fails in it. */
 static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_geom *points, int skip)
 {
     void *geoms[2] = {geom1, geom2};
@@ -285,21 +290,21 @@ static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_
     int moved = (class1 == HEIGHTFIELD_CLASS && class2 != PLANE_CLASS) ||
                 (class2 == HEIGHTFIELD_CLASS && class1 != PLANE_CLASS);
 
-    /* ODE moves what meets a height field into its frame, and back when it is done. */
+    /* ODE moves a geom that collides with a height field into the field's frame, and back afterwards. */
     for (k = 0; moved && k < 2; k++) {
         memcpy(position[k], dGeomGetPosition(geoms[k]), sizeof position[k]);
         memcpy(rotation[k], dGeomGetRotation(geoms[k]), sizeof rotation[k]);
     }
     guarded = 1;
-    if (SET_JUMP(given_up)) {
+    if (SET_JUMP(escape)) {
         guarded = 0;
         for (k = 0; moved && k < 2; k++) {
             memcpy((double *)dGeomGetPosition(geoms[k]), position[k], sizeof position[k]);
             memcpy((double *)dGeomGetRotation(geoms[k]), rotation[k], sizeof rotation[k]);
         }
-        c->baffled = 1;
+        c->collision_failed = 1;
         for (k = 0; k < 2; k++)
-            c->baffled_by[k] = dGeomGetClass(geoms[k]) == RAY_CLASS ? -1 : (int64_t)(intptr_t)dGeomGetData(geoms[k]);
+            c->failed_rows[k] = dGeomGetClass(geoms[k]) == RAY_CLASS ? -1 : (int64_t)(intptr_t)dGeomGetData(geoms[k]);
         return 0;
     }
     count = dCollide(geom1, geom2, most, points, skip);
@@ -307,7 +312,7 @@ static int collide_pair(context *c, void *geom1, void *geom2, int most, contact_
     return count;
 }
 
-/* Put the stand-in where a cylinder is: a box `radial` long towards the other's axis, `tangential` across it. */
+/* Place the stand-in at a cylinder: a box `radial` long towards the other's axis, `tangential` across it. */
 static void place_stand_in(void *box, const double *position, const double *x, const double *y, const double *axis,
                            double radial, double tangential, double length)
 {
@@ -324,8 +329,8 @@ static void place_stand_in(void *box, const double *position, const double *x, c
     dGeomSetRotation(box, rotation);
 }
 
-/* Contacts of a cylinder with a cylinder or capsule, which ODE lacks without libccd. The cylinder is taken as two
- * boxes inside it: a strip that points at the other's axis, so that sides touch at the true radius, and the square
+/* Contacts of a cylinder with a cylinder or capsule, which ODE lacks without libccd. The cylinder is approximated by
+ * two boxes inside it: a strip that points at the other's axis, so that sides touch at the true radius, and the square
  * inscribed in its ends, so that one can stand on the other. */
 static int collide_cylinder(context *c, void *geom1, void *geom2, int class2, contact *points)
 {
@@ -346,7 +351,7 @@ static int collide_cylinder(context *c, void *geom1, void *geom2, int class2, co
         other_axis[k] = s[4 * k + 2];
         gap[k] = q[k] - p[k];
     }
-    /* The point of the other's axis that is nearest to ours, seen across our axis. */
+    /* The point of the other axis that is nearest to this axis, perpendicular to it. */
     along = dot(gap, axis);
     t = dot(other_axis, axis);
     for (k = 0; k < 3; k++) {
@@ -383,32 +388,40 @@ static int collide_cylinder(context *c, void *geom1, void *geom2, int class2, co
     return count;
 }
 
-/* The direction in which mu counts: that of the geom with the smaller mu, laid into the contact's plane. */
-static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+/* Project a direction onto the contact plane and make it that of friction; 0 if nothing remains of it. */
+static int set_friction_direction(contact *point, const double *aim)
 {
-    const double *local = a + SURFACE_FDIR1, *r, *n = point->geom.normal;
-    void *geom = geom1;
-    double along, size;
+    const double *n = point->geom.normal;
+    double along = dot(aim, n), size;
     int k;
-
-    if (dot(local, local) == 0.0 || (b[SURFACE_MU] < a[SURFACE_MU] && dot(b + SURFACE_FDIR1, b + SURFACE_FDIR1) > 0.0)) {
-        local = b + SURFACE_FDIR1;
-        geom = geom2;
-    }
-    if (dot(local, local) == 0.0)
-        return 0;
-    r = dGeomGetRotation(geom);
     for (k = 0; k < 3; k++)
-        point->fdir1[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
-    along = dot(point->fdir1, n);
-    for (k = 0; k < 3; k++)
-        point->fdir1[k] = point->fdir1[k] - along * n[k];
+        point->fdir1[k] = aim[k] - along * n[k];
     size = sqrt(dot(point->fdir1, point->fdir1));
     if (size < 1e-9)
         return 0;
     for (k = 0; k < 3; k++)
         point->fdir1[k] = point->fdir1[k] / size;
     return 1;
+}
+
+/* The direction in which mu applies: that of the geom with the smaller mu. */
+static int friction_direction(const double *a, const double *b, void *geom1, void *geom2, contact *point)
+{
+    const double *local = a + SURFACE_FDIR1, *other = b + SURFACE_FDIR1, *r;
+    void *geom = geom1;
+    double aim[3];
+    int k;
+
+    if (dot(local, local) == 0.0 || (b[SURFACE_MU] < a[SURFACE_MU] && dot(other, other) > 0.0)) {
+        local = other;
+        geom = geom2;
+    }
+    if (dot(local, local) == 0.0)
+        return 0;
+    r = dGeomGetRotation(geom);
+    for (k = 0; k < 3; k++)
+        aim[k] = r[4 * k] * local[0] + r[4 * k + 1] * local[1] + r[4 * k + 2] * local[2];
+    return set_friction_direction(point, aim);
 }
 
 /* Velocity of a body at a point at the end of the step if nothing but gravity acts, added with a sign. */
@@ -430,22 +443,13 @@ static void add_velocity(const context *c, void *body, const double *at, double 
     sum[2] = sum[2] + sign * (v[2] + (w[0] * arm[1] - w[1] * arm[0]) + share * c->gravity[2]);
 }
 
-/* The direction in which the geoms slide on each other: a pyramid laid along it rubs as a cone does. */
+/* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. */
 static int sliding_direction(const context *c, void *geom1, void *geom2, contact *point)
 {
-    double slide[3] = {0.0, 0.0, 0.0}, along, size;
-    int k;
+    double slide[3] = {0.0, 0.0, 0.0};
     add_velocity(c, dGeomGetBody(geom1), point->geom.pos, 1.0, slide);
     add_velocity(c, dGeomGetBody(geom2), point->geom.pos, -1.0, slide);
-    along = dot(slide, point->geom.normal);
-    for (k = 0; k < 3; k++)
-        slide[k] = slide[k] - along * point->geom.normal[k];
-    size = sqrt(dot(slide, slide));
-    if (size < 1e-9)
-        return 0;
-    for (k = 0; k < 3; k++)
-        point->fdir1[k] = slide[k] / size;
-    return 1;
+    return set_friction_direction(point, slide);
 }
 
 /* Torsion: a torque about the normal of at most mu 3 pi / 16 times the radius of the patch times the normal force. */
@@ -469,8 +473,8 @@ static void add_torsion(const double *a, const double *b, contact *point)
     point->surface.rhoN = lever;
 }
 
-/* What classic adds to one contact point: slip, a direction of friction, torsion, a slack depth, a bound on how fast a
- * penetration is pushed out. */
+/* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
+ * push-out velocity. */
 static void refine_point(const context *c, const double *a, const double *b, void *geom1, void *geom2, int count,
                          contact *point)
 {
@@ -505,22 +509,22 @@ static int deepest(contact *points, int count, int most)
     return count;
 }
 
-/* Note a contact point; its joint may be NULL. Without memory it goes unnoted. */
+/* Record a contact point; its joint may be NULL. Without memory it is not recorded. */
 static void record_point(context *c, const contact *point, void *geom1, void *geom2, void *joint)
 {
     contact_record *r;
-    if (c->record_count == c->record_room) {
-        int64_t room = c->record_room ? 2 * c->record_room : 64;
-        contact_record *records = realloc(c->records, (size_t)room * sizeof(contact_record));
+    if (c->record_count == c->record_capacity) {
+        int64_t capacity = c->record_capacity ? 2 * c->record_capacity : 64;
+        contact_record *records = realloc(c->records, (size_t)capacity * sizeof(contact_record));
         pending_contact *pending;
         if (!records)
             return;
         c->records = records;
-        pending = realloc(c->pending, (size_t)room * sizeof(pending_contact));
+        pending = realloc(c->pending, (size_t)capacity * sizeof(pending_contact));
         if (!pending)
             return;
         c->pending = pending;
-        c->record_room = room;
+        c->record_capacity = capacity;
     }
     r = c->records + c->record_count;
     memset(r, 0, sizeof *r);
@@ -534,17 +538,17 @@ static void record_point(context *c, const contact *point, void *geom1, void *ge
     c->record_count++;
 }
 
-/* Whether a pair of geoms touches under the classic rule; *ghost: only so that it is known. */
+/* Whether a pair of geoms touches under the classic rule; *ghost: without contact joints, only recorded. */
 static int may_touch(const context *c, const double *a, const double *b, void *body1, void *body2, int *ghost)
 {
     if (!((uint32_t)a[SURFACE_BITS] & (uint32_t)b[SURFACE_BITS]))
         return 0;
     *ghost = a[SURFACE_GHOST] != 0.0 || b[SURFACE_GHOST] != 0.0;
     if (*ghost)
-        return c->record && ((uint32_t)a[SURFACE_GHOST_BITS] & (uint32_t)b[SURFACE_GHOST_BITS]);
-    if (c->record)
+        return c->record_contacts && ((uint32_t)a[SURFACE_GHOST_BITS] & (uint32_t)b[SURFACE_GHOST_BITS]);
+    if (c->record_contacts)
         return 1;
-    return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both asleep: nothing to do */
+    return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both disabled: nothing to do */
 }
 
 static void collide_geoms(context *c, void *geom1, void *geom2)
@@ -553,7 +557,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     surface_parameters surface;
     const double *a, *b;
     void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
-    int count, i, class1, class2, ghost = 0;
+    int classic = c->contact_rule == CLASSIC_RULE, count, i, class1, class2, ghost = 0;
 
     if (!body1 && !body2)
         return;
@@ -561,7 +565,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
         return;
     a = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom1);
     b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
-    if (c->classic && !may_touch(c, a, b, body1, body2, &ghost))
+    if (classic && !may_touch(c, a, b, body1, body2, &ghost))
         return;
     class1 = dGeomGetClass(geom1);
     class2 = dGeomGetClass(geom2);
@@ -569,24 +573,24 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
                                  (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
         count = collide_cylinder(c, geom1, geom2, class2, points);
     else
-        count = collide_pair(c, geom1, geom2, c->classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
+        count = collide_pair(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
     if (!count)
         return;
     make_surface(c, a, b, &surface);
-    if (c->classic)
-        count = deepest(points, count,
-                        (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]), (double)c->max_contacts));
+    if (classic)
+        count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
+                                                    (double)c->max_contacts));
     for (i = 0; i < count; i++) {
         double depth = points[i].geom.depth;
         points[i].surface = surface;
-        if (c->classic)
+        if (classic)
             refine_point(c, a, b, geom1, geom2, count, &points[i]);
         if (!ghost) {
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);
             c->contact_count++;
         }
-        if (c->record) {
+        if (c->record_contacts) {
             points[i].geom.depth = depth;
             record_point(c, &points[i], geom1, geom2, joint);
         }
@@ -612,8 +616,8 @@ static void rotate(const double *q, const double *v, double *out)
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
 
-/* Whether a number ran away: it is beyond twice what may be set (check.py), or none at all. */
-static int is_lost(double value, double most)
+/* Whether a number diverged: it is NaN, or beyond twice what may be set (check.py). */
+static int is_beyond(double value, double most)
 {
     return !(value >= -most && value <= most);
 }
@@ -622,13 +626,13 @@ static void read_bodies(context *c)
 {
     int64_t i;
     int k;
-    c->lost = 0;
+    c->diverged = 0;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
         double *row = c->body_state + 16 * i;
         const double *p, *q, *v, *w;
         double offset[3];
-        int lost = 0;
+        int beyond = 0;
         if (!body)
             continue;
         p = dBodyGetPosition(body);
@@ -641,16 +645,17 @@ static void read_bodies(context *c)
             row[7 + k] = p[k];
             row[10 + k] = v[k];
             row[13 + k] = w[k];
-            lost |= is_lost(p[k], c->farthest) | is_lost(v[k], LOST_SPEED) | is_lost(w[k], LOST_SPEED);
+            beyond |= is_beyond(p[k], c->max_distance);
+            beyond |= is_beyond(v[k], DIVERGED_SPEED) | is_beyond(w[k], DIVERGED_SPEED);
         }
         for (k = 0; k < 4; k++)
             row[3 + k] = q[k];
-        c->lost += lost;
+        c->diverged += beyond;
     }
 }
 
-/* What bodies do, and what is done to them, as a step begins. */
-static void watch_bodies(context *c)
+/* Record velocities and applied efforts of bodies as a step begins. */
+static void record_bodies(context *c)
 {
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
@@ -665,15 +670,15 @@ static void watch_bodies(context *c)
     }
 }
 
-/* The angle that is nearest to the one before, so that classic's joints count their turns. ODE's lies in -pi to pi. */
+/* The angle that is nearest to the one before, so that joints count their turns. ODE's is within -pi to pi. */
 static double unwind(const context *c, double before, double angle)
 {
     double turns = (before - angle) / TURN;
-    return c->classic && isfinite(turns) ? angle + TURN * rint(turns) : angle;
+    return c->count_turns && isfinite(turns) ? angle + TURN * rint(turns) : angle;
 }
 
-/* Springs and dampers of hinges and sliders push for the coming step. */
-static void push_joints(context *c)
+/* Apply the springs and dampers of hinges and sliders for the coming step. */
+static void apply_springs(context *c)
 {
     int64_t i;
     for (i = 0; i < c->joint_count; i++) {
@@ -738,20 +743,20 @@ static void find_contacts(context *c)
     dSpaceCollide(c->space, c, collide);
 }
 
-/* Ask ODE for the forces of the recorded contacts of this step. */
-static void ask_contacts(context *c)
+/* Request the forces of the recorded contacts of this step from ODE. */
+static void request_feedback(context *c)
 {
     int64_t i;
     for (i = 0; i < c->record_count; i++) {
         pending_contact *p = c->pending + i;
-        memset(&p->told, 0, sizeof p->told);
+        memset(&p->result, 0, sizeof p->result);
         if (p->joint)
-            dJointSetFeedback(p->joint, &p->told);
+            dJointSetFeedback(p->joint, &p->result);
     }
 }
 
-/* Take the answers over; ODE's first body is never missing, its second may be, and then it tells nothing of it. */
-static void read_contacts(context *c)
+/* Copy the forces to the records. ODE's first body is never missing; for a missing second one there is no feedback. */
+static void collect_feedback(context *c)
 {
     int64_t i;
     for (i = 0; i < c->record_count; i++) {
@@ -759,24 +764,24 @@ static void read_contacts(context *c)
         contact_record *r = c->records + i;
         if (!p->joint)
             continue;
-        memcpy(p->reversed ? r->force2 : r->force1, p->told.f1, sizeof r->force1);
-        memcpy(p->reversed ? r->torque2 : r->torque1, p->told.t1, sizeof r->torque1);
+        memcpy(p->reversed ? r->force2 : r->force1, p->result.f1, sizeof r->force1);
+        memcpy(p->reversed ? r->torque2 : r->torque1, p->result.t1, sizeof r->torque1);
         if (!p->reversed) {
-            memcpy(r->force2, p->told.f2, sizeof r->force2);
-            memcpy(r->torque2, p->told.t2, sizeof r->torque2);
+            memcpy(r->force2, p->result.f2, sizeof r->force2);
+            memcpy(r->torque2, p->result.t2, sizeof r->torque2);
         }
         p->joint = NULL;
     }
 }
 
-/* Give the memory of the records back. */
-void gz_forget_contacts(context *c)
+/* Free the memory of the records. */
+void gz_free_contacts(context *c)
 {
     free(c->records);
     free(c->pending);
     c->records = NULL;
     c->pending = NULL;
-    c->record_count = c->record_room = 0;
+    c->record_count = c->record_capacity = 0;
 }
 
 static int is_within(const double *v, double most)
@@ -784,25 +789,25 @@ static int is_within(const double *v, double most)
     return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
 }
 
-/* Halt bodies that run away: ODE ends the process on numbers that are none. */
-static void halt_runaways(context *c)
+/* Reset velocities and efforts of diverged bodies: ODE ends the process on non-finite numbers. */
+static void reset_diverged(context *c)
 {
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
-        if (!body || (is_within(dBodyGetLinearVel(body), FASTEST) && is_within(dBodyGetAngularVel(body), FASTEST) &&
-                      is_within(dBodyGetForce(body), STRONGEST) && is_within(dBodyGetTorque(body), STRONGEST)))
+        if (!body || (is_within(dBodyGetLinearVel(body), MAX_SPEED) && is_within(dBodyGetAngularVel(body), MAX_SPEED) &&
+                      is_within(dBodyGetForce(body), MAX_EFFORT) && is_within(dBodyGetTorque(body), MAX_EFFORT)))
             continue;
         dBodySetLinearVel(body, 0.0, 0.0, 0.0);
         dBodySetAngularVel(body, 0.0, 0.0, 0.0);
         dBodySetForce(body, 0.0, 0.0, 0.0);
         dBodySetTorque(body, 0.0, 0.0, 0.0);
-        c->halted = i + 1;
+        c->reset_row = i + 1;
     }
 }
 
-/* A step that is given up loses sight of the memory it works in. So from the first such step on a world keeps none from
- * one step to the next: what is still there when a step is over was lost, and is given back here. */
+/* An abandoned step does not free its memory. So from the first such step on, a world keeps no memory from one step to
+ * the next, and what is still allocated after a step is freed here. */
 enum { MOST_BLOCKS = 64 };
 static __thread void *blocks[MOST_BLOCKS];
 static __thread int block_count;
@@ -832,74 +837,74 @@ static void drop_block(void *block, size_t size)
     free(block);
 }
 
-static void give_memory_back(context *c)
+static void free_step_memory(context *c)
 {
     static const memory_functions own = {sizeof own, get_block, shrink_block, drop_block};
     dWorldCleanupWorkingMemory(c->world);
     while (block_count > 0)
         free(blocks[--block_count]);
-    if (!c->careful)
+    if (!c->own_memory)
         dWorldSetStepMemoryManager(c->world, &own);
-    c->careful = 1;
+    c->own_memory = 1;
 }
 
-enum { NOT_ALL_WELL = 2 };
+enum { STEP_NEEDS_RECOVERY = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
- * NOT_ALL_WELL: what happened stands in the context. */
+ * STEP_NEEDS_RECOVERY: the context holds what happened. */
 static int solve(context *c)
 {
-    volatile int done = 1; /* as it stays when the step is given up */
+    volatile int done = 1; /* kept when the step is abandoned */
     dRandSetSeed((unsigned long)c->seed);
-    ask_contacts(c);
-    push_joints(c);
-    c->halted = 0;
-    halt_runaways(c);
-    if (c->watch)
-        watch_bodies(c);
-    c->gave_up = 0;
+    request_feedback(c);
+    apply_springs(c);
+    c->reset_row = 0;
+    reset_diverged(c);
+    if (c->record_motion)
+        record_bodies(c);
+    c->abandoned = 0;
     guarded = 1;
-    if (SET_JUMP(given_up))
-        c->gave_up = 1;
+    if (SET_JUMP(escape))
+        c->abandoned = 1;
     else
         done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
     guarded = 0;
-    if (c->gave_up || c->careful)
-        give_memory_back(c);
-    read_contacts(c);
+    if (c->abandoned || c->own_memory)
+        free_step_memory(c);
+    collect_feedback(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
     read_bodies(c);
     read_joints(c);
-    if (done && (c->halted || c->gave_up || c->lost || c->baffled))
-        return NOT_ALL_WELL;
+    if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
+        return STEP_NEEDS_RECOVERY;
     return done != 0;
 }
 
-/* ODE's solver and mesh colliders keep memory that all worlds of a process share, and ctypes lets other threads run
- * while these are called: one of them at a time. */
-static pthread_mutex_t in_ode = PTHREAD_MUTEX_INITIALIZER;
+/* ODE's solver and mesh colliders use memory that all worlds of a process share, and ctypes lets other threads run
+ * meanwhile; so only one thread at a time may be in ODE. */
+static pthread_mutex_t ode_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* A child must not wait for a thread that it does not have. */
+/* A forked child does not have the thread that may hold the lock. */
 static void free_in_child(void)
 {
-    pthread_mutex_init(&in_ode, NULL);
+    pthread_mutex_init(&ode_lock, NULL);
 }
 
 static void enter_ode(void)
 {
-    static int told;
-    pthread_mutex_lock(&in_ode);
-    if (!told)
-        told = !pthread_atfork(NULL, NULL, free_in_child);
+    static int prepared;
+    pthread_mutex_lock(&ode_lock);
+    if (!prepared)
+        prepared = !pthread_atfork(NULL, NULL, free_in_child);
 }
 
 void gz_collide(context *c)
 {
     enter_ode();
     find_contacts(c);
-    pthread_mutex_unlock(&in_ode);
+    pthread_mutex_unlock(&ode_lock);
 }
 
 int gz_solve(context *c)
@@ -907,7 +912,7 @@ int gz_solve(context *c)
     int done;
     enter_ode();
     done = solve(c);
-    pthread_mutex_unlock(&in_ode);
+    pthread_mutex_unlock(&ode_lock);
     return done;
 }
 
@@ -917,7 +922,7 @@ int gz_step(context *c)
     enter_ode();
     find_contacts(c);
     done = solve(c);
-    pthread_mutex_unlock(&in_ode);
+    pthread_mutex_unlock(&ode_lock);
     return done;
 }
 
@@ -938,7 +943,7 @@ typedef struct {
     const context *c;
     int64_t owner;
     candidate *list;
-    int64_t count, room;
+    int64_t count, capacity;
 } gathering;
 
 static void gather(void *data, void *geom1, void *geom2)
@@ -951,20 +956,20 @@ static void gather(void *data, void *geom1, void *geom2)
     }
     if (g->owner && g->c->owner[(intptr_t)dGeomGetData(geom)] == g->owner)
         return;
-    if (g->count == g->room) {
-        int64_t room = g->room ? 2 * g->room : 64;
-        candidate *list = realloc(g->list, (size_t)room * sizeof(candidate));
+    if (g->count == g->capacity) {
+        int64_t capacity = g->capacity ? 2 * g->capacity : 64;
+        candidate *list = realloc(g->list, (size_t)capacity * sizeof(candidate));
         if (!list)
             return;
         g->list = list;
-        g->room = room;
+        g->capacity = capacity;
     }
     g->list[g->count].geom = geom;
     dGeomGetAABB(geom, g->list[g->count].box);
     g->count++;
 }
 
-/* Whether the segment start + t dir, 0 <= t <= length, meets the box grown by a hair (the slab method). */
+/* Whether the segment start + t dir, 0 <= t <= length, meets the box enlarged by a small margin (the slab method). */
 static int may_hit(const double *start, const double *dir, double length, const double *box)
 {
     double from = 0.0, to = length;
@@ -1064,5 +1069,5 @@ void gz_scan(context *c, const double *frame, const double *rays, int64_t count,
 {
     enter_ode();
     scan(c, frame, rays, count, owner, ranges, rows);
-    pthread_mutex_unlock(&in_ode);
+    pthread_mutex_unlock(&ode_lock);
 }

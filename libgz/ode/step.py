@@ -1,7 +1,7 @@
 """One physics step and one ray scan, in two forms that give the same numbers: native (step.c) and pure Python.
 
-`choose_step` takes the native one where it was built. The environment variable LIBGZ_STEP forces a choice:
-``native`` (an error if it is not there), ``python``, or ``auto``.
+`choose_step` returns the native one if it was built. The environment variable LIBGZ_STEP forces a choice:
+``native`` (an error if it was not built), ``python``, or ``auto``.
 """
 
 from __future__ import annotations
@@ -9,9 +9,10 @@ from __future__ import annotations
 import os
 
 from libgz.errors import LibraryError, ParameterError
-from libgz.ode.context import Step, StepContext, Tables
+from libgz.ode.context import Step, StepContext
 from libgz.ode.native_step import NativeStep, native_path
 from libgz.ode.python_step import PythonStep
+from libgz.ode.tables import Tables
 
 __all__ = ["choose_step"]
 
@@ -32,5 +33,5 @@ def choose_step(context: StepContext, tables: Tables) -> Step:
     if choice == "python" or (choice == "auto" and path is None):
         return PythonStep(context, tables)
     if path is None:
-        raise LibraryError("LIBGZ_STEP=native, but the native step was not built: install libgz where gcc is")
+        raise LibraryError("LIBGZ_STEP=native, but the native step was not built: a C compiler is needed")
     return NativeStep(context, path)

@@ -10,6 +10,7 @@ __all__ = [
     "Contact",
     "ContactGeom",
     "ContactMode",
+    "ContactRule",
     "GeomClass",
     "JointFeedback",
     "JointType",
@@ -31,7 +32,7 @@ class Mass(ctypes.Structure):
 
 
 class SurfaceParameters(ctypes.Structure):
-    """dSurfaceParameters: how a contact pushes and rubs."""
+    """dSurfaceParameters: elasticity and friction of a contact."""
 
     _fields_ = [
         ("mode", ctypes.c_int),
@@ -99,7 +100,7 @@ class ContactMode(enum.IntFlag):
 
 
 class GeomClass(enum.IntEnum):
-    """Classes of geoms, as far as they are told apart."""
+    """Classes of geoms that the step distinguishes."""
 
     SPHERE = 0
     BOX = 1
@@ -107,8 +108,20 @@ class GeomClass(enum.IntEnum):
     CYLINDER = 3
 
 
+class ContactRule(enum.IntEnum):
+    """How contact points become contact joints.
+
+    Both make a spring and damper of kp and kd. LEGACY, the rule of Gazebo 0.5 to 0.7, uses the smaller mu in both
+    directions and bounces with the larger coefficient. CLASSIC, that of Gazebo 1 to 11, has mu2, a friction direction,
+    slip, torsion, a limited push-out velocity, a minimum depth and bits, and bounces with the smaller coefficient.
+    """
+
+    LEGACY = 0
+    CLASSIC = 1
+
+
 class Surface(enum.IntEnum):
-    """Columns of the surface table; those from MU2 on count in worlds of Gazebo classic only."""
+    """Columns of the surface table; those from MU2 on count under the classic contact rule only."""
 
     KP = 0  # [N/m]
     KD = 1  # [N s/m]
@@ -120,13 +133,13 @@ class Surface(enum.IntEnum):
     BOUNCE_VEL = 7  # [m/s]
     FDIR1 = 8  # three columns, in the geom's frame; zero: not used
     MAX_CONTACTS = 11
-    MAX_VEL = 12  # [m/s] at which a penetration is pushed out
-    MIN_DEPTH = 13  # [m] of penetration that is let be
+    MAX_VEL = 12  # [m/s] at which a penetration is pushed out at most
+    MIN_DEPTH = 13  # [m] of penetration that is not corrected
     BITS = 14  # a pair without a common bit does not touch
-    GHOST = 15  # 1: contact points are found and told, and do not push
+    GHOST = 15  # 1: contact points are recorded, without joints
     GHOST_BITS = 16  # a pair with a ghost and without a common bit of these has no contact points
     TORSION = 17  # coefficient of friction about the normal
-    BY_PATCH = 18  # 1: torsion goes by the patch radius, 0: by the surface radius and the depth
+    BY_PATCH = 18  # 1: torsion depends on the patch radius, 0: on the surface radius and the depth
     PATCH_RADIUS = 19  # [m]
     RADIUS = 20  # [m] of the surface's curvature; 0 is flat
 
@@ -149,7 +162,7 @@ class JointType(enum.IntEnum):
     DBALL = 15
 
 
-# dParamLoStop and so on, written out so that editors and type checkers see them.
+# dParamLoStop and so on, written out for editors and type checkers.
 dParamLoStop, dParamHiStop, dParamVel, dParamLoVel, dParamHiVel, dParamFMax, dParamFudgeFactor = range(0x000, 0x007)
 dParamBounce, dParamCFM, dParamStopERP, dParamStopCFM = range(0x007, 0x00B)
 dParamSuspensionERP, dParamSuspensionCFM, dParamERP = range(0x00B, 0x00E)

@@ -11,7 +11,7 @@ from libgz.geometry import GzColor, GzPose, GzVector
 
 __all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]
 
-# GZ_RENDER_*: the passes of a picture, in order.
+# GZ_RENDER_*: the passes of a frame, in order.
 RENDER_LIGHT, RENDER_OPAQUE, RENDER_TRANSPARENT = range(3)
 
 
@@ -30,28 +30,35 @@ class Appearance:
     skin_file: Path | None = None
     skin_pose: GzPose = field(default_factory=GzPose)  # in the frame of the geom's centre
     skin_scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))
-    scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))  # of all that is drawn, along its own axes
-    visible: bool = True  # whether the geom is drawn at all
-    skin_null: bool = False  # while skins are shown, draw nothing
-    skin_instead: Path | None = None  # the skin for which nothing is drawn; if it cannot be read, the shape is
+    scale: GzVector = field(default_factory=lambda: GzVector(1.0, 1.0, 1.0))  # of the rendered shape, along its axes
+    visible: bool = True  # whether the geom is rendered at all
+    skin_null: bool = False  # while skins are shown, the geom is not rendered
+    skin_instead: Path | None = None  # the skin that replaces the shape; if it cannot be read, the shape is rendered
     laser: float = 1.0
     retro: float = 0.0
     fiducial: int = -1
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
-    version: int = 0  # grows with each change, so that a renderer knows when to rebuild
+    version: int = 0  # grows with each change; a renderer then rebuilds the geom
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""
-        self.ambient = GzColor(0.2 * color.r, 0.2 * color.g, 0.2 * color.b, color.a)
-        self.diffuse = GzColor(*color)
-        self.specular = GzColor(1.2 * color.r, 1.2 * color.g, 1.2 * color.b, color.a)
+        self.change(
+            ambient=GzColor(0.2 * color.r, 0.2 * color.g, 0.2 * color.b, color.a),
+            diffuse=GzColor(*color),
+            specular=GzColor(1.2 * color.r, 1.2 * color.g, 1.2 * color.b, color.a),
+        )
+
+    def change(self, **values: object) -> None:
+        """Set attributes, and let renderers rebuild the geom."""
+        for name, value in values.items():
+            setattr(self, name, value)
         self.version += 1
 
 
 @dataclass
 class Backdrop:
-    """What a world's pictures have beside its geoms; the sky's colour and the fog's density are the world's own."""
+    """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's

@@ -1,10 +1,15 @@
-"""Body: a rigid body with geoms, or a dummy that only has a pose."""
+"""Body: a rigid body with geoms, or a dummy that only has a pose.
+
+A body is the parent of its geoms and joints: their modules import this one, and this one names their types only.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import itertools
+import logging
 import math
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import ClosedError, ParameterError
@@ -12,6 +17,7 @@ from libgz.geometry import (
     GzCoordPoseAdd,
     GzPose,
     GzQuatern,
+    GzQuaternIdent,
     GzQuaternInverse,
     GzQuaternMul,
     GzQuaternNormal,
@@ -20,6 +26,8 @@ from libgz.geometry import (
     GzVectorAdd,
     GzVectorCross,
     GzVectorSub,
+    QuaternLike,
+    VectorLike,
     rotate,
 )
 from libgz.ode.lib import ode
@@ -28,16 +36,17 @@ from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotati
 from libgz.physics.engine import Engine, HasEngine
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from libgz.geometry import QuaternLike, VectorLike
     from libgz.physics.geom import Geom
     from libgz.physics.joint import Joint
 
 __all__ = ["Body"]
 
-# When a body is taken to rest, as in Gazebo classic.
+log = logging.getLogger("libgz.physics")
+
+# When a body is at rest and may sleep, as in Gazebo classic.
 REST_SPEED, REST_TIME, REST_STEPS = 0.1, 1.0, 5  # [m/s and rad/s], [s]
+
+_STILL = (0.0, 0.0, 0.0)
 
 _numbers = itertools.count(1)
 
@@ -47,6 +56,14 @@ class Body:
 
     Its frame is the one its geoms are placed in; ODE's own origin is the centre of mass, and the difference is kept
     here. Poses are global and of the body frame, velocities of the centre of mass.
+
+    Attributes:
+        model: what it was added to.
+        kinematic: whether it moves by its velocity only.
+        auto_disable: whether it sleeps when it rests.
+        diverged: whether it ever diverged, which is reported once.
+        view: the object by which a layer above shows this body; set by that layer.
+        visual: the object by which a layer above shows how it looks; set by that layer.
 
     Args:
         world: the World, or an Engine.
@@ -60,10 +77,12 @@ class Body:
         self.engine: Engine = world.engine
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
-        self.model: Any = None  # that it was added to
-        self.ran_away = False  # whether it was told that it did
-        self.kinematic = False  # whether it moves by its velocity only
-        self.auto_disable = False  # whether it falls asleep when it rests
+        self.model: Any = None
+        self.view: Any = None
+        self.visual: Any = None
+        self.diverged = False
+        self.kinematic = False
+        self.auto_disable = False
         self.geoms: list[Geom] = []
         self.joints: dict[Joint, None] = {}
         self._pose = GzPose()  # of a dummy
@@ -71,10 +90,12 @@ class Body:
         self.damping = 0.0, 0.0
         self._closed = False
         self._id: int | None = None
+        self._table = self.engine.tables.bodies
         self.row = -1
         if not dummy:
-            self._id = ode().dBodyCreate(self.engine.world)
-            self.row = self.engine.add_body(self, self._id)
+            handle = ode().dBodyCreate(self.engine.world)
+            self._id = handle
+            self.row = self.engine.tables.add_body(self, handle)
 
     def __repr__(self) -> str:
         return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}>"
@@ -100,6 +121,12 @@ class Body:
         """Whether it was destroyed."""
         return self._closed
 
+    @property
+    def label(self) -> str:
+        """Its name for messages: ``model::body``."""
+        names = [self.model.GetId()] if self.model is not None else []
+        return "::".join((*names, self.bodyName or "unnamed"))
+
     def GetBodyId(self) -> int:
         """The ODE handle; 0 for a dummy."""
         return self.id
@@ -114,8 +141,8 @@ class Body:
         for geom in list(self.geoms):
             geom.close()
         if self._id is not None:
-            self.engine.sleepers.discard(self)
-            self.engine.remove_body(self.row)
+            self.engine.auto_disabled.discard(self)
+            self._table.remove(self.row)
             ode().dBodyDestroy(self._id)
             self._id = None
         self._closed = True
@@ -123,13 +150,13 @@ class Body:
     # State -------------------------------------------------------------------------------------------------------
 
     def _values(self, first: int, last: int) -> list[float]:
-        """Columns of this body's row; see `Engine.states`. The row of a body that was closed is soon another one's."""
+        """Columns of this body's row; see `Engine.states`. The row of a closed body may belong to another one."""
         if self._closed:
             raise ClosedError(f"body {self.bodyName or 'unnamed'!r} was closed")
-        engine, row = self.engine, self.row
-        if not engine.body_fresh[row]:
-            engine.read_body(row)
-        values: list[float] = engine.body_values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
+        table, row = self._table, self.row
+        if not table.fresh[row]:
+            table.read(row)
+        values: list[float] = table.values[16 * row + first : 16 * row + last].tolist()  # type: ignore[assignment]
         return values
 
     def GetPose(self) -> GzPose:
@@ -161,20 +188,19 @@ class Body:
         position = GzVector(*finite_tuple(pose.pos, 3, "position [m]", LARGEST))
         rotation = GzQuaternNormal(rotation_tuple(pose.rot, "rotation"))
         if max(map(abs, position)) > FAR:
-            self.engine.look_far()
+            self.engine.extend_range()
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             for geom in self.geoms:
                 geom.follow_dummy()
             self.engine.wake()
             return
-        com = GzVector(*self.engine.com[self.row].tolist())
-        origin = GzVectorAdd(position, rotate(rotation, com))
+        origin = GzVectorAdd(position, rotate(rotation, self.com))
         ode().dBodySetPosition(self.id, *origin)
         ode().dBodySetQuaternion(self.id, (ctypes.c_double * 4)(*rotation))
         if self.auto_disable:
             self.Enable(True)
-        self.engine.body_moved(self.row)
+        self.engine.tables.body_moved(self.row)
 
     def SetPosition(self, position: VectorLike) -> None:
         """Move the body frame to a global position [m]."""
@@ -191,34 +217,39 @@ class Body:
         values = self._values(3, 10)
         return GzPose(GzVector(*values[4:7]), GzQuatern(*values[:4]))
 
+    @property
+    def com(self) -> GzVector:
+        """The centre of mass in the body frame [m]; zero for a dummy."""
+        return GzVector(*self._table.com[self.row].tolist()) if self.row >= 0 else GzVector()
+
     def GetLinearVel(self) -> GzVector:
         """Velocity of the centre of mass [m/s], global; zero for a dummy."""
         return GzVector(*self._values(10, 13)) if self.row >= 0 else GzVector()
 
     def SetLinearVel(self, velocity: VectorLike) -> None:
         """Set the velocity of the centre of mass [m/s], global."""
-        self._set_velocity("dBodySetLinearVel", velocity, "linear velocity [m/s]")
+        self._set_velocity(ode().dBodySetLinearVel, velocity, "linear velocity [m/s]")
 
     def GetAngularRate(self) -> GzVector:
         """Angular velocity [rad/s], global; zero for a dummy."""
         return GzVector(*self._values(13, 16)) if self.row >= 0 else GzVector()
 
     def GetAngularVel(self) -> GzQuatern:
-        """The quaternion's derivative, (0, w/2) q, as the old server had it; `GetAngularRate` is in [rad/s]."""
+        """The quaternion's derivative, (0, w/2) q, as in the legacy server; `GetAngularRate` is in [rad/s]."""
         half_rate = (0.5 * w for w in self.GetAngularRate())
         return GzQuaternMul(GzQuaternSetVector(GzVector(*half_rate)), self.GetRotation())
 
     def SetAngularVel(self, velocity: VectorLike) -> None:
         """Set the angular velocity [rad/s], global."""
-        self._set_velocity("dBodySetAngularVel", velocity, "angular velocity [rad/s]")
+        self._set_velocity(ode().dBodySetAngularVel, velocity, "angular velocity [rad/s]")
 
-    def _set_velocity(self, function: str, velocity: VectorLike, what: str) -> None:
+    def _set_velocity(self, function: Callable[..., Any], velocity: VectorLike, what: str) -> None:
         values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
-            getattr(ode(), function)(self.id, *values)
+            function(self.id, *values)
             if self.auto_disable:
                 self.Enable(True)
-            self.engine.body_moved(self.row)
+            self.engine.tables.body_moved(self.row)
 
     def GetPointVel(self, point: VectorLike) -> GzVector:
         """Velocity of the body at a global point [m/s], global."""
@@ -228,30 +259,30 @@ class Body:
     def GetLinearAccel(self) -> GzVector:
         """Acceleration of the centre of mass in the last step [m/s^2], global, gravity and contacts included.
 
-        Zero unless the engine's `watch_motion` is on.
+        Zero unless the engine's `record_motion` is on.
         """
         return self._accel(0, self.GetLinearVel)
 
     def GetAngularAccel(self) -> GzVector:
-        """Angular acceleration in the last step [rad/s^2], global; zero unless the engine's `watch_motion` is on."""
+        """Angular acceleration in the last step [rad/s^2], global; zero unless the engine's `record_motion` is on."""
         return self._accel(3, self.GetAngularRate)
 
     def _accel(self, column: int, velocity: Callable[[], GzVector]) -> GzVector:
-        if self.row < 0 or not self.engine.watch_motion:
+        if self.row < 0 or not self.engine.record_motion:
             return GzVector()
-        start = self.engine.body_start[self.row, column : column + 3].tolist()
+        start = self._table.start[self.row, column : column + 3].tolist()
         return GzVector(*((v - s) / self.engine.step_time for v, s in zip(velocity(), start, strict=True)))
 
     def GetAppliedForce(self) -> GzVector:
-        """The force that was put on the body in the last step [N], global; without gravity, contacts and joints.
+        """The force applied to the body in the last step [N], global; without gravity, contacts and joints.
 
-        Zero unless the engine's `watch_motion` is on.
+        Zero unless the engine's `record_motion` is on.
         """
-        return GzVector(*self.engine.body_start[self.row, 6:9].tolist()) if self.row >= 0 else GzVector()
+        return GzVector(*self._table.start[self.row, 6:9].tolist()) if self.row >= 0 else GzVector()
 
     def GetAppliedTorque(self) -> GzVector:
-        """The torque likewise [N m]."""
-        return GzVector(*self.engine.body_start[self.row, 9:12].tolist()) if self.row >= 0 else GzVector()
+        """The torque applied in the last step [N m], likewise."""
+        return GzVector(*self._table.start[self.row, 9:12].tolist()) if self.row >= 0 else GzVector()
 
     def GetKineticEnergy(self) -> float:
         """Energy of motion [J]: m v^2 / 2 + w I w / 2."""
@@ -272,23 +303,29 @@ class Body:
     def Enable(self, enable: bool) -> None:
         """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
         if self.row >= 0:
-            (ode().dBodyEnable if enable else ode().dBodyDisable)(self.id)
+            if enable:
+                ode().dBodyEnable(self.id)
+            else:
+                ode().dBodyDisable(self.id)
 
     def set_auto_disable(self, on: bool) -> None:
-        """Whether the body falls asleep after 1 s and 5 steps below 0.1 m/s and 0.1 rad/s.
+        """Whether the body sleeps after 1 s and 5 steps below 0.1 m/s and 0.1 rad/s.
 
-        It wakes when something awake touches it, and when it is moved or pushed.
+        It wakes when something awake touches it, and when it is moved or an effort is applied to it.
         """
         if self.row < 0:
             return
         lib, self.auto_disable = ode(), bool(on)
-        (self.engine.sleepers.add if on else self.engine.sleepers.discard)(self)
+        if on:
+            self.engine.auto_disabled.add(self)
+        else:
+            self.engine.auto_disabled.discard(self)
         lib.dBodySetAutoDisableLinearThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableAngularThreshold(self.id, REST_SPEED)
         lib.dBodySetAutoDisableTime(self.id, REST_TIME)
         lib.dBodySetAutoDisableSteps(self.id, REST_STEPS)
         lib.dBodySetAutoDisableFlag(self.id, int(self.auto_disable))
-        self.Enable(True)  # which begins the count of idle time
+        self.Enable(True)  # which restarts the idle time
 
     def IsEnabled(self) -> bool:
         """Whether the body is awake; a dummy never is."""
@@ -324,56 +361,98 @@ class Body:
         """Whether the body moves by its velocity only: forces and contacts do not move it."""
         if self.row >= 0:
             self.kinematic = bool(kinematic)
-            (ode().dBodySetKinematic if kinematic else ode().dBodySetDynamic)(self.id)
+            if kinematic:
+                ode().dBodySetKinematic(self.id)
+            else:
+                ode().dBodySetDynamic(self.id)
 
     # Forces: they act for one step -------------------------------------------------------------------------------
 
     def GetForce(self) -> GzVector:
-        """The global force gathered for the next step [N]."""
+        """The global force accumulated for the next step [N]."""
         return GzVector(*ode().dBodyGetForce(self.id).contents[:3]) if self.row >= 0 else GzVector()
 
     def GetTorque(self) -> GzVector:
-        """The global torque gathered for the next step [N m]."""
+        """The global torque accumulated for the next step [N m]."""
         return GzVector(*ode().dBodyGetTorque(self.id).contents[:3]) if self.row >= 0 else GzVector()
 
     def SetForce(self, force: VectorLike) -> None:
         """Replace the force of the next step [N], global, at the centre of mass."""
-        self._force("dBodySetForce", force)
+        self._force(ode().dBodySetForce, force)
 
     def SetTorque(self, x: float, y: float, z: float) -> None:
         """Replace the torque of the next step [N m], global."""
-        self._force("dBodySetTorque", (x, y, z))
+        self._force(ode().dBodySetTorque, (x, y, z))
 
     def AddForce(self, x: float, y: float, z: float) -> None:
         """Add a global force at the centre of mass [N]."""
-        self._force("dBodyAddForce", (x, y, z))
+        self._force(ode().dBodyAddForce, (x, y, z))
 
     def AddTorque(self, x: float, y: float, z: float) -> None:
         """Add a global torque [N m]."""
-        self._force("dBodyAddTorque", (x, y, z))
+        self._force(ode().dBodyAddTorque, (x, y, z))
 
     def AddRelForce(self, x: float, y: float, z: float) -> None:
         """Add a force along the body's own axes [N]."""
-        self._force("dBodyAddRelForce", (x, y, z))
+        self._force(ode().dBodyAddRelForce, (x, y, z))
 
     def AddRelTorque(self, x: float, y: float, z: float) -> None:
         """Add a torque about the body's own axes [N m]."""
-        self._force("dBodyAddRelTorque", (x, y, z))
+        self._force(ode().dBodyAddRelTorque, (x, y, z))
 
     def AddForceAtPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
         """Add a global force [N] at a global point [m]."""
-        self._force("dBodyAddForceAtPos", (fx, fy, fz, px, py, pz))
+        self._force(ode().dBodyAddForceAtPos, (fx, fy, fz, px, py, pz))
 
     def AddForceAtRelPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
         """Add a global force [N] at a point given relative to the centre of mass, in body axes [m]."""
-        self._force("dBodyAddForceAtRelPos", (fx, fy, fz, px, py, pz))
+        self._force(ode().dBodyAddForceAtRelPos, (fx, fy, fz, px, py, pz))
 
-    def _force(self, function: str, values: VectorLike | Sequence[float]) -> None:
+    def _force(self, function: Callable[..., Any], values: VectorLike | Sequence[float]) -> None:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
-            getattr(ode(), function)(self.id, *numbers)
+            function(self.id, *numbers)
             if self.auto_disable:
                 self.Enable(True)
+
+    # Divergence --------------------------------------------------------------------------------------------------
+
+    def recover(self, *, drop_efforts: bool) -> None:
+        """After a step in which ODE failed or bodies diverged: stop this body if its state is out of range.
+
+        Args:
+            drop_efforts: the step was abandoned, so efforts that were to act in it only are still there.
+        """
+        if drop_efforts:
+            self._drop_efforts()
+        pose = self.GetPose()
+        position, rotation = pose.pos, pose.rot
+        speeds = *self.GetLinearVel(), *self.GetAngularRate()
+        numbers = (*position, *self.GetCoMPose().pos, *rotation, *speeds)
+        if all(abs(number) <= 2.0 * LARGEST for number in numbers):
+            return
+        self.report_divergence()
+        self._drop_efforts()
+        self.SetLinearVel(_STILL)
+        self.SetAngularVel(_STILL)
+        usable = all(map(math.isfinite, rotation)) and any(rotation)
+        inside = GzVector(*(_clamped(number) for number in position))
+        self.SetPose(GzPose(inside, rotation if usable else GzQuaternIdent()))
+
+    def _drop_efforts(self) -> None:
+        self.SetForce(_STILL)
+        self.SetTorque(*_STILL)
+
+    def report_divergence(self) -> None:
+        """Report that this body diverged and was stopped, the first time."""
+        if self.diverged:
+            return
+        self.diverged = True
+        log.error(
+            "body %s diverged; its velocity was reset: a force, gain or stiffness is too large or a mass too small for "
+            "the step time, or joints and contacts contradict each other",
+            self.label,
+        )
 
     # Geoms and mass ----------------------------------------------------------------------------------------------
 
@@ -398,7 +477,7 @@ class Body:
         return result
 
     def UpdateCoM(self) -> None:
-        """Take mass and centre of mass from the geoms; nothing moves in the world. Geoms call this themselves."""
+        """Recompute mass and centre of mass from the geoms; nothing moves in the world. Geoms call this themselves."""
         if self.row < 0:
             return
         if self._given_mass is not None:
@@ -407,7 +486,7 @@ class Body:
         parts = [geom.GetBodyMassMatrix() for geom in self.geoms]
         masses = [part for part in parts if part is not None]
         if not masses:
-            # Geoms told to weigh nothing still leave the body the little mass of their volume: ODE needs some.
+            # ODE needs some mass: that of the volumes at 1 kg/m^3, if all geoms are massless.
             densities = (geom.body_mass(geom.volume_mass) for geom in self.geoms)
             masses = [mass for mass in densities if mass is not None]
         if not masses:
@@ -415,10 +494,10 @@ class Body:
         self._take_mass(mass_.sum_masses(masses))
 
     def SetMassMatrix(self, mass: mass_.Mass) -> None:
-        """Give the body a mass matrix, in its own frame, that holds whatever its geoms weigh.
+        """Give the body a mass matrix, in its own frame, in place of the sum of its geoms'.
 
         Raises:
-            ParameterError: it is not that of any body; the body keeps the one it has.
+            ParameterError: it is not a possible mass matrix; the body keeps the one it has.
         """
         before, self._given_mass = self._given_mass, mass
         try:
@@ -428,7 +507,7 @@ class Body:
             raise
 
     def _take_mass(self, total: mass_.Mass) -> None:
-        """Hand a mass matrix to ODE; the body frame stays where it is."""
+        """Set ODE's mass matrix; the body frame stays where it is."""
         pose = self.GetPose()
         with_quirk = "originInertia" in self.engine.quirks
         final = mass_.about_origin(total) if with_quirk else mass_.about_centre(total)
@@ -436,12 +515,12 @@ class Body:
         if not (near and math.isfinite(sum(final.I)) and ode().dMassCheck(ctypes.addressof(final))):
             raise ParameterError(
                 f"body {self.bodyName or 'unnamed'!r}: {total.mass:g} kg about {tuple(total.c[:3])} with such moments "
-                "of inertia is beyond what can be reckoned with"
+                "of inertia is out of range"
             )
-        self.engine.com[self.row] = total.c[:3]
+        self._table.com[self.row] = total.c[:3]
         ode().dBodySetMass(self.id, ctypes.addressof(final))
         if self.kinematic:
-            self.set_kinematic(True)  # for ODE forgets it with a new mass
+            self.set_kinematic(True)  # ODE resets it with a new mass
         for geom in self.geoms:
             geom.place()
         self.SetPose(pose)
@@ -449,3 +528,7 @@ class Body:
     def global_pose(self, relative: GzPose) -> GzPose:
         """A pose given in this body's frame, expressed globally."""
         return GzCoordPoseAdd(relative, self.GetPose())
+
+
+def _clamped(number: float) -> float:
+    return max(-LARGEST, min(LARGEST, number)) if math.isfinite(number) else 0.0

@@ -32,15 +32,15 @@ __all__ = [
 # ODE ends the process where inertia overflows. In metres, kilograms and metres per second this is far inside of that,
 # and far outside of any robot's world.
 LARGEST = 1e9
-# It does so, too, where a small geom lies beyond 2^28 m, for cells of 1/8 m are counted in 32 bits; `Engine.look_far`.
+# It also ends it if a small geom lies beyond 2^28 m, for cells of 1/8 m are counted in 32 bits; `Engine.extend_range`.
 FAR = 1e8  # from the origin to a body [m]
 WIDE = 1e7  # from a body to its geoms and their corners [m]
 
-# What ODE can reckon with; a stop that cannot be met, and a motor without bounds, are infinite.
+# Ranges that ODE can handle; a stop that is never reached, and a motor without limit, are infinite.
 _RANGES = {
     "dParamLoStop": (-math.inf, LARGEST),
     "dParamHiStop": (-LARGEST, math.inf),
-    "dParamFMax": (-math.inf, math.inf),  # it passes over those below zero
+    "dParamFMax": (-math.inf, math.inf),  # those below zero are ignored
     **dict.fromkeys(("dParamVel", "dParamLoVel", "dParamHiVel", "dParamFudgeFactor"), (-LARGEST, LARGEST)),
     "dParamBounce": (0.0, LARGEST),
     **dict.fromkeys(("dParamERP", "dParamStopERP", "dParamSuspensionERP"), (0.0, LARGEST)),
@@ -65,7 +65,7 @@ def positive(value: float, what: str) -> float:
     """`value` as a float.
 
     Raises:
-        ParameterError: it is not finite, not above zero, or absurdly large.
+        ParameterError: it is not finite, not above zero, or above 1e9.
     """
     number = finite(value, what)
     if number <= 0.0:
@@ -105,7 +105,7 @@ def table(values: ArrayLike, columns: int, what: str) -> NDArray[Any]:
     """`values` as an array of so many columns, a copy.
 
     Raises:
-        ParameterError: they do not make whole rows.
+        ParameterError: they are not numbers in whole rows.
     """
     numbers = np.array(values)
     if numbers.size % columns or numbers.dtype.kind not in "biuf":
@@ -117,7 +117,7 @@ def rotation_tuple(values: Iterable[float], what: str) -> tuple[float, ...]:
     """`values` as a tuple of four floats that can be scaled to length 1.
 
     Raises:
-        ParameterError: they are zero, not finite, or absurdly large or small.
+        ParameterError: they are zero, not finite, or beyond 1e150 or below 1e-150.
     """
     numbers = finite_tuple(values, 4, what, 1e150)
     if max(map(abs, numbers)) < 1e-150:
@@ -155,7 +155,7 @@ def known_parameter(number: int) -> int:
     """The number of a joint's parameter.
 
     Raises:
-        ParameterError: it names none.
+        ParameterError: there is no such parameter.
     """
     if number not in JOINT_PARAMETERS:
         raise ParameterError(f"joint parameter {number!r} is unknown; use dParamVel, dParamFMax and so on")
@@ -163,7 +163,7 @@ def known_parameter(number: int) -> int:
 
 
 def joint_value(parameter: int, value: float) -> float:
-    """`value` as a float that ODE can take for a joint's parameter.
+    """`value` as a float within the range of a joint's parameter.
 
     Raises:
         ParameterError: the parameter is unknown, or the value is out of its range.

@@ -1,14 +1,13 @@
-"""Motions that depend on each other: screws and gears. ODE as Debian has it knows neither.
+"""Motions that depend on each other: screws and gears, which Debian's ODE does not have.
 
-Both are made of ODE's double ball, which keeps one distance and so is one row of the solver: a force along a line. Laid
-along the flank of a thread, or along a tooth, and moved there again before every step, that row is the constraint,
-solved together with all others; what is left of drift goes into the distance that is kept.
+Both are made of ODE's double ball, which keeps one distance and so is one row of the solver: a force along a line.
+Placed along the flank of a thread, or along a tooth, and updated before every step, that row is the constraint, solved
+together with all others; the distance that it keeps corrects the drift.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from libgz.geometry import (
     GzCoordPositionSub,
@@ -23,15 +22,12 @@ from libgz.geometry import (
     GzVectorUnit,
     rotate,
 )
-from libgz.ode.lib import ode
+from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
-from libgz.physics.joint import FixedJoint, HingeJoint, Joint, SliderJoint
+from libgz.physics.engine import HasEngine
+from libgz.physics.joint import AxisJoint, FixedJoint, HingeJoint, Joint, JointFunctions, SliderJoint
 from libgz.physics.mass import given_mass
-
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.engine import HasEngine
 
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
 
@@ -42,30 +38,26 @@ MOMENT = 1.0  # inertia of a rack on a base that moves, as a share of what it dr
 STIFF = 1e9  # inertia of a rack that is to slide and not to turn [kg m^2]
 
 
-class PistonJoint(Joint):
+class PistonJoint(AxisJoint):
     """One axis to turn about and to slide along; the angle is value 1, the position value 2."""
 
-    kind, ode_name, motors = JointType.PISTON, "Piston", (dParamFMax, dParamFMax2)
+    kind, motors = JointType.PISTON, (dParamFMax, dParamFMax2)
 
-    def SetAxis(self, axis: VectorLike) -> None:
-        """The axis, global."""
-        self._set_vector("Axis", axis)
-
-    def GetAxis(self) -> GzVector:
-        """The axis, global."""
-        return self._get_vector("Axis")
-
-    def GetAngle(self) -> float:
-        """Angle [rad]."""
-        return self._value(0)
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(
+            lib.dJointCreatePiston,
+            lib.dJointSetPistonParam,
+            lib.dJointGetPistonParam,
+            lib.dJointSetPistonAnchor,
+            lib.dJointGetPistonAnchor,
+            lib.dJointSetPistonAxis,
+            lib.dJointGetPistonAxis,
+        )
 
     def GetPosition(self) -> float:
         """Position along the axis [m]."""
         return self._value(1)
-
-    def GetAngleRate(self) -> float:
-        """Angular velocity [rad/s]."""
-        return self._value(2)
 
     def GetPositionRate(self) -> float:
         """Velocity along the axis [m/s]."""
@@ -73,12 +65,16 @@ class PistonJoint(Joint):
 
 
 class LineJoint(Joint):
-    """A force along one line, as strong as it takes that no motion along the line happens: ODE's double ball."""
+    """A force along one line that prevents motion along it: ODE's double ball."""
 
-    kind, ode_name = JointType.DBALL, "DBall"
+    kind = JointType.DBALL
 
-    def lay(self, point: GzVector, direction: GzVector, error: float) -> None:
-        """Put the line through a global point [m]; `error` [m] is what the first body has gone too far along it."""
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(lib.dJointCreateDBall, lib.dJointSetDBallParam, lib.dJointGetDBallParam)
+
+    def place(self, point: GzVector, direction: GzVector, error: float) -> None:
+        """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
         half = GzVectorMul(0.5, direction)
         lib, handle = ode(), self.id
         lib.dJointSetDBallAnchor1(handle, *GzVectorAdd(point, half))
@@ -87,9 +83,13 @@ class LineJoint(Joint):
 
 
 class TieJoint(Joint):
-    """Holds nothing; bodies that it joins do not touch each other: ODE's motor without axes."""
+    """Without any constraint; bodies that it joins do not touch each other: ODE's motor without axes."""
 
-    kind, ode_name = JointType.AMOTOR, "AMotor"
+    kind = JointType.AMOTOR
+
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(lib.dJointCreateAMotor, lib.dJointSetAMotorParam, lib.dJointGetAMotorParam)
 
 
 def _perpendicular(axis: GzVector) -> GzVector:
@@ -98,7 +98,7 @@ def _perpendicular(axis: GzVector) -> GzVector:
     return GzVectorUnit(GzVectorCross(axis, other))
 
 
-def _stands(body: Body | None) -> bool:
+def _is_still(body: Body | None) -> bool:
     """Whether a body is the world, or fixed to it."""
     if body is None or body.dummy:
         return True
@@ -122,7 +122,7 @@ class Thread:
 
     @property
     def broken(self) -> bool:
-        """Whether a body that it held is gone."""
+        """Whether a body that it held was closed."""
         return self._line.closed
 
     @property
@@ -136,27 +136,27 @@ class Thread:
 
     @property
     def feedback(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
-        """What the thread put on the piston's bodies in the last step; see `Joint.feedback`."""
+        """Forces and torques of the thread on the piston's bodies in the last step; see `Joint.feedback`."""
         return self._line.feedback
 
     def update(self) -> None:
-        """Lay the line along the flank, before a step."""
+        """Place the line along the flank, before a step."""
         axis = self.piston.GetAxis()
         outward = _perpendicular(axis)
         tangent = GzVectorCross(axis, outward)
         point = GzVectorAdd(self.piston.GetAnchor(), GzVectorMul(1.0 / self.pitch, outward))
-        self._line.lay(point, GzVectorMul(FLANK, GzVectorAdd(axis, tangent)), FLANK * self.error)
+        self._line.place(point, GzVectorMul(FLANK, GzVectorAdd(axis, tangent)), FLANK * self.error)
 
     def close(self) -> None:
-        """Let go."""
+        """Remove the coupling."""
         self._line.close()
 
 
 class Gears:
     """Couples the rotations of two bodies: angle 2 = -ratio * angle 1, as seen from a third.
 
-    A rack of little mass slides past both; each meshes with it at its own radius. What the rack's inertia takes is
-    given back in the next step, so that it is not felt for long.
+    A rack of little mass slides past both; each meshes with it at its own radius. The effort that accelerates the rack
+    is compensated in the next step.
 
     Args:
         world: the World, or an Engine.
@@ -181,7 +181,7 @@ class Gears:
         self.angles = [0.0, 0.0]
         self._speed: float | None = None
         self.rack = Body(world, name="rack")
-        self._weigh_rack()
+        self._set_rack_mass()
         self._lines = []
         for body in bodies:
             line = LineJoint(world, name="tooth")
@@ -190,12 +190,12 @@ class Gears:
         self._tie = TieJoint(world, name="gears")
         self._tie.Attach(*bodies)
         self._slider: SliderJoint | None = None
-        if reference is not None and not _stands(reference):
+        if reference is not None and not _is_still(reference):
             self._slider = SliderJoint(world, name="rack")
             self._slider.Attach(self.rack, reference)
 
-    def _weigh_rack(self) -> None:
-        """Choose radii so large that the bodies feel a torque and little force; weigh a share of the smaller body."""
+    def _set_rack_mass(self) -> None:
+        """Choose radii so large that the bodies get a torque and little force; set a share of the smaller mass."""
         inertias, arms = [], []
         for body, local, share in zip(self.bodies, self._local, (self.ratio, 1.0), strict=True):
             mass = body.GetMass()
@@ -204,7 +204,7 @@ class Gears:
         radius = LEVER * max(arms)
         self._radii = (-self.ratio * radius, radius)
         self._mass = RACK * min(inertias) / radius**2
-        moment = STIFF if _stands(self.reference) else MOMENT * min(inertias)
+        moment = STIFF if _is_still(self.reference) else MOMENT * min(inertias)
         self.rack.SetMassMatrix(given_mass(self._mass, (moment, moment, moment, 0.0, 0.0, 0.0), GzPose()))
         self.rack.SetGravityMode(False)
 
@@ -229,26 +229,26 @@ class Gears:
 
     @property
     def broken(self) -> bool:
-        """Whether a body that it held is gone."""
+        """Whether a body that it held was closed."""
         return any(line.closed for line in self._lines)
 
     def direction(self, index: int) -> GzVector:
-        """The axis of the first (0) or second (1) body as it lies now, global."""
+        """The current axis of the first (0) or second (1) body, global."""
         return rotate(self.bodies[index].GetRotation(), self._local[index])
 
     def set_ratio(self, ratio: float) -> None:
-        """Replace the ratio; angles count from here."""
+        """Replace the ratio; angles are zero at the current pose."""
         self.ratio = ratio
-        self._weigh_rack()
+        self._set_rack_mass()
         self.restore()
 
     def restore(self) -> None:
-        """Count angles from zero again."""
+        """Set the angles to zero."""
         self.angles = [0.0, 0.0]
         self._speed = None
 
     def update(self, step: float) -> None:
-        """Lay both lines along the rack, and the rack where they meet it, before a step [s]."""
+        """Place the rack, and both lines along it, before a step [s]."""
         rates = self.rates()
         self.angles = [angle + step * rate for angle, rate in zip(self.angles, rates, strict=True)]
         poses = [body.GetPose() for body in self.bodies]
@@ -263,10 +263,10 @@ class Gears:
         self._place_rack(poses[1], along, self._radii[1] * rates[1], step)
         error = self._radii[1] * (self.angles[1] + self.ratio * self.angles[0])
         for line, point, off in zip(self._lines, points, (0.0, error), strict=True):
-            line.lay(point, along, off)
+            line.place(point, along, off)
 
     def _place_rack(self, pose: GzPose, along: GzVector, speed: float, step: float) -> None:
-        """Move the rack with its gear, and give back what its inertia took in the last step."""
+        """Move the rack with its gear, and compensate the effort that accelerated it in the last step."""
         rack, base = self.rack, self.reference
         rack.SetPose(pose)
         carried, spin = GzVector(), GzVector()
@@ -283,6 +283,6 @@ class Gears:
             self._slider.SetAxis(*along)
 
     def close(self) -> None:
-        """Let go."""
+        """Remove the coupling."""
         self._tie.close()
         self.rack.close()

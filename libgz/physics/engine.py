@@ -1,45 +1,38 @@
-"""The ODE world: its spaces, its tables of states, and its step.
+"""The ODE world: its settings and its step.
 
-All poses, velocities, joint angles and rates live in contiguous tables which one native call fills after each step;
-bodies, joints and sensors read the tables, never ODE one value at a time.
+Bodies, geoms, joints and spaces register with their engine and live in its tables (`libgz.ode.tables`), which one
+native call fills after each step; bodies, joints and sensors read the tables, never ODE one value at a time.
 """
 
 from __future__ import annotations
 
+import logging
+import math
 import weakref
 from collections.abc import Callable
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ClosedError, GazeboError
-from libgz.ode.context import RayScan, Step, StepContext, read_body, read_joint
+from libgz.errors import ClosedError, GazeboError, ParameterError
+from libgz.geometry import VectorLike
+from libgz.ode.context import RayScan, Step, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.step import choose_step
-from libgz.ode.types import SURFACE_COLUMNS, Surface, dInfinity
-from libgz.physics.check import FAR, LARGEST, not_negative
-from libgz.physics.divergence import mend, tell, tell_baffled, tell_gave_up
-from libgz.physics.settings import EngineSettings
+from libgz.ode.tables import Tables
+from libgz.ode.types import ContactRule
+from libgz.physics.check import FAR, LARGEST, finite, finite_tuple, not_negative, positive
+from libgz.physics.space import ALL_COLLIDE, LASER_COLLIDE, Space
 
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.body import Body
-    from libgz.physics.geom import Geom
-    from libgz.physics.joint import Joint
+__all__ = ["SOLVERS", "Engine", "HasEngine"]
 
-__all__ = ["Engine", "HasEngine", "Space"]
+log = logging.getLogger("libgz.physics")
 
-FIXED_COLLIDE = 1  # GZ_FIXED_COLLIDE: ground, terrain, roads: they never collide with each other
-LASER_COLLIDE = 2  # GZ_LASER_COLLIDE: rays
-ALL_COLLIDE = 0xFFFFFFFF
-
-# Of a new geom: kp 1e4 N/m, no damper, infinite friction; what only classic looks at is set by its collisions.
-DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
-DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2, Surface.TORSION]] = 1e4, dInfinity, dInfinity, dInfinity
-DEFAULT_SURFACE[[Surface.MAX_CONTACTS, Surface.MAX_VEL, Surface.BITS]] = 10, dInfinity, 0xFFFFFFFF
-DEFAULT_SURFACE[[Surface.GHOST_BITS, Surface.BY_PATCH]] = 0xFFFFFFFF, 1
+MAX_ITERATIONS = 100_000
+SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
+SOLVERS = ("world", "quick")
 
 
 class HasEngine(Protocol):
@@ -57,65 +50,35 @@ class RayBundle(Protocol):
         """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
 
 
-class Space:
-    """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
+class Sleeper(Protocol):
+    """A body that may sleep."""
 
-    Args:
-        engine: where.
-        handle: an ODE space that somebody else owns; without one, a new space is made.
-        parent: a space that this one is a part of, and closes with: parts that lie together are passed over together.
-    """
-
-    def __init__(self, engine: Engine, handle: int | None = None, parent: Space | None = None) -> None:
-        self.engine = engine
-        self._id = handle
-        self._parts: list[Space] = []
-        if handle is None:
-            self._id = ode().dSimpleSpaceCreate((parent or engine.top).id)
-            engine.spaces[self] = None
-        if parent is not None:
-            parent._parts.append(self)
-
-    @property
-    def id(self) -> int:
-        """The ODE handle.
-
-        Raises:
-            ClosedError: the space was closed.
-        """
-        if self._id is None:
-            raise ClosedError("this space was closed")
-        return self._id
-
-    def set_fixed(self) -> None:
-        """Mark as ground: no contacts with other fixed spaces."""
-        self.set_bits(FIXED_COLLIDE, ALL_COLLIDE & ~FIXED_COLLIDE)
-
-    def set_bits(self, category: int, collide: int) -> None:
-        """What this space is, and what it collides with."""
-        ode().dGeomSetCategoryBits(self.id, category)
-        ode().dGeomSetCollideBits(self.id, collide)
-
-    def close(self) -> None:
-        """Destroy the space and its parts; its geoms are closed by their bodies."""
-        for part in self._parts:
-            part.close()
-        if self._id is not None:
-            self.engine.step_form.forget(self._id)
-            ode().dSpaceSetCleanup(self._id, 0)
-            ode().dSpaceDestroy(self._id)
-            self._id = None
-            self.engine.spaces.pop(self, None)
+    def Enable(self, enable: bool) -> None:
+        """Wake the body."""
 
 
-class Engine(EngineSettings):
+class Engine:
     """One ODE world.
+
+    Attributes:
+        tables: the states of bodies and joints, and the contact properties of geoms.
+        bodies, joints, geoms: the objects of `physics.body`, `physics.joint` and `physics.geom` by their rows. These
+            modules stand above this one, so their types are not named here.
+        spaces: open spaces, in order of construction.
+        auto_disabled: bodies that may sleep.
+        quirks: names of quirks of the legacy server that are in force.
+        ray_bundles: rays of sensors, for a renderer to show.
+        collisions: how often `collide` was called.
+        iterations, over_relaxation: of the quick solver; see `set_quick_step`.
+        erp, cfm, correcting_velocity: see `set_constraints`.
+        abandoned: whether a step was ever abandoned because ODE could not solve it.
+        view: the object by which a layer above shows this engine; set by that layer.
 
     Args:
         gravity: [m/s^2], shape (3,).
         step_time: length of a step [s].
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
-        seed: start of ODE's random numbers, which only the quick solver draws.
+        seed: start of ODE's random numbers, which only the quick solver uses.
 
     Raises:
         LibraryError: ODE is absent or unfit.
@@ -129,16 +92,6 @@ class Engine(EngineSettings):
         self._ode: OdeLibrary = lib
         world, top, contacts = lib.dWorldCreate(), lib.dHashSpaceCreate(None), lib.dJointGroupCreate(0)
         self.top = Space(self, top)
-        self.quirks: frozenset[str] = frozenset()
-        self.bodies: dict[int, Body] = {}
-        self.sleepers: set[Body] = set()  # bodies that may fall asleep
-        self.joints: dict[int, Joint] = {}
-        self.geoms: dict[int, Geom] = {}
-        self.spaces: dict[Space, None] = {}
-        self.gave_up = False  # whether it was told that ODE gave up a step
-        self.baffling: set[tuple[int, ...]] = set()  # pairs of geoms that it was told of that ODE cannot collide them
-        self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()  # for who wants to show them
-        self._make_tables()
         probe, ray = lib.dCreateBox(None, 1.0, 1.0, 1.0), lib.dCreateRay(None, 1.0)
         for geom in (probe, ray):
             lib.dGeomSetCategoryBits(geom, LASER_COLLIDE)
@@ -147,17 +100,33 @@ class Engine(EngineSettings):
         stand_in = lib.dCreateBox(None, 1.0, 1.0, 1.0)
         self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
         self._context.max_contacts = 20
-        self._context.farthest = 2.0 * FAR
+        self._context.max_distance = 2.0 * FAR
         self._context.no_cylinder_pairs = "libccd" not in lib.configuration
-        self.step_form: Step = choose_step(self._context, self)
+        self.tables = Tables(self._context, lib)
+        self.step_form: Step = choose_step(self._context, self.tables)
+        self.tables.fresh_after_step = self.step_form.reads_all
+        self.tables.publish()
         self._step = self.step_form.step
         self._thread = 0  # that stepped last
-        self.collisions = 0  # how often `collide` was called
-        self._publish_tables()
-        shapes = (probe, ray, stand_in)
         self._destroy = weakref.finalize(
-            self, _destroy_world, lib, world, top, contacts, shapes, self.step_form.release
+            self, _destroy_world, lib, world, top, contacts, (probe, ray, stand_in), self.step_form.release
         )
+        self.bodies: dict[int, Any] = self.tables.bodies.objects
+        self.joints: dict[int, Any] = self.tables.joints.objects
+        self.geoms: dict[int, Any] = self.tables.geoms.objects
+        self.spaces: dict[Space, None] = {}
+        self.auto_disabled: set[Sleeper] = set()
+        self.quirks: frozenset[str] = frozenset()
+        self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
+        self.collisions = 0
+        self.view: Any = None
+        self.abandoned = False
+        self._failed_pairs: set[tuple[int, ...]] = set()  # rows of geoms that were reported
+        self.iterations = 20
+        self.over_relaxation = 1.3
+        self.erp = 0.2
+        self.cfm = SMALLEST_CFM
+        self.correcting_velocity = math.inf
         self.step_time = step_time
         self.solver = solver
         not_negative(seed, "seed")
@@ -166,152 +135,175 @@ class Engine(EngineSettings):
 
     @property
     def engine(self) -> Engine:
-        """The engine itself, so that it can stand where a World does."""
+        """The engine itself, so that it is a `HasEngine`."""
         return self
 
-    # Tables ------------------------------------------------------------------------------------------------------
+    @property
+    def world(self) -> int:
+        """The handle of the ODE world.
 
-    def _make_tables(self) -> None:
-        """Empty tables; `_grow` doubles them. Geom row 0 is for geoms without a record."""
-        self.bodies_used = self.joints_used = 0
-        self.geoms_used = 1
-        self._free_rows: dict[str, list[int]] = {"body": [], "joint": [], "geom": []}
-        self.com = np.zeros((16, 3))
-        self.body_state = np.zeros((16, 16))
-        self.body_start = np.zeros((16, 12))
-        self.body_ids = np.zeros(16, dtype=np.uintp)
-        self.joint_state = np.zeros((16, 4))
-        self.springs = np.zeros((16, 3))
-        self.pushing: set[int] = set()  # rows of joints with a spring or damper
-        self.joint_types = np.zeros(16, dtype=np.int64)
-        self.joint_ids = np.zeros(16, dtype=np.uintp)
-        self.surface = np.tile(DEFAULT_SURFACE, (16, 1))
-        self.owner = np.zeros(16, dtype=np.int64)
-        self.surface_edits = 0
+        Raises:
+            ClosedError: the world was closed.
+        """
+        if not self._destroy.alive:
+            raise ClosedError("this world was closed")
+        return int(self._context.world)
 
-    _TABLES = {
-        "body": ("com", "body_state", "body_start", "body_ids"),
-        "joint": ("joint_state", "springs", "joint_types", "joint_ids"),
-        "geom": ("surface", "owner"),
-    }
+    # Settings ----------------------------------------------------------------------------------------------------
 
-    def _new_row(self, kind: str, used: int) -> tuple[int, int]:
-        """(row, rows in use) for a new body, joint or geom; tables grow when they are full."""
-        if self._free_rows[kind]:
-            return self._free_rows[kind].pop(), used
-        for name in self._TABLES[kind]:
-            table: NDArray[Any] = getattr(self, name)
-            if used == len(table):
-                setattr(self, name, np.concatenate([table, np.zeros_like(table)]))
-        return used, used + 1
+    @property
+    def step_time(self) -> float:
+        """Length of one step [s]."""
+        return float(self._context.step)
 
-    def _publish_tables(self) -> None:
-        """Tell the step where the tables are, and make the flat views that single values are read through."""
-        context = self._context
-        context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
-        context.bodies, context.com = self.body_ids.ctypes.data, self.com.ctypes.data
-        context.body_state, context.joint_state = self.body_state.ctypes.data, self.joint_state.ctypes.data
-        context.springs = self.springs.ctypes.data
-        context.body_start = self.body_start.ctypes.data
-        context.joints, context.joint_types = self.joint_ids.ctypes.data, self.joint_types.ctypes.data
-        context.body_count, context.joint_count = self.bodies_used, self.joints_used
-        self.body_values = _flat(self.body_state)
-        self.joint_values = _flat(self.joint_state)
-        self.body_fresh = bytearray(len(self.body_ids))
-        self.joint_fresh = bytearray(len(self.joint_ids))
-        self._all_bodies = (b"\1" if self.step_form.reads_all else b"\0") * len(self.body_ids)
-        self._all_joints = (b"\1" if self.step_form.reads_all else b"\0") * len(self.joint_ids)
-        self._no_joints = bytes(len(self.joint_ids))
-        self._touched = True  # whether a row may be stale, or fresh, that will not be so after a step
+    @step_time.setter
+    def step_time(self, seconds: float) -> None:
+        self._context.step = positive(seconds, "stepTime [s]")
 
-    def add_body(self, body: Body, handle: int) -> int:
-        """Register a body; its row."""
-        row, self.bodies_used = self._new_row("body", self.bodies_used)
-        self.body_ids[row] = handle
-        self.com[row] = 0.0
-        self.body_start[row] = 0.0
-        self.bodies[row] = body
-        self._publish_tables()
-        return row
+    @property
+    def gravity(self) -> tuple[float, ...]:
+        """[m/s^2], shape (3,)."""
+        return self._gravity
 
-    def remove_body(self, row: int) -> None:
-        """Free the row of a body that closes."""
-        self.body_ids[row] = 0
-        del self.bodies[row]
-        self._free_rows["body"].append(row)
+    @gravity.setter
+    def gravity(self, value: VectorLike) -> None:
+        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
+        self._ode.dWorldSetGravity(self.world, *self._gravity)
+        self._context.gravity[:] = self._gravity
+        self.wake()
 
-    def add_joint(self, joint: Joint, kind: int) -> int:
-        """Register a joint; its row. It is read once it joins something: `join`."""
-        row, self.joints_used = self._new_row("joint", self.joints_used)
-        self.joint_ids[row] = 0
-        self.joint_types[row] = kind
-        self.set_spring(row, (0.0, 0.0, 0.0))
-        self.joint_state[row] = 0.0
-        self.joints[row] = joint
-        self._publish_tables()
-        return row
+    @property
+    def solver(self) -> str:
+        """``"world"`` or ``"quick"``."""
+        return SOLVERS[self._context.quick]
 
-    def join(self, row: int, handle: int) -> None:
-        """Read a joint from now on; with handle 0 no more, for ODE crashes on some joints without bodies."""
-        self.joint_ids[row] = handle
-        self.joint_state[row] = 0.0
-        self.joint_moved(row)
+    @solver.setter
+    def solver(self, name: str) -> None:
+        if name not in SOLVERS:
+            raise ParameterError(f"solver is {name!r}; allowed are {', '.join(SOLVERS)}")
+        self._context.quick = SOLVERS.index(name)
 
-    def set_spring(self, row: int, spring: tuple[float, ...]) -> None:
-        """Stiffness, damping and reference with which a joint pushes by itself."""
-        self.springs[row] = spring
-        (self.pushing.add if spring[0] or spring[1] else self.pushing.discard)(row)
+    @property
+    def seed(self) -> int:
+        """The state of ODE's random numbers in this world."""
+        return int(self._context.seed)
 
-    def remove_joint(self, row: int) -> None:
-        """Free the row of a joint that closes."""
-        self.joint_ids[row] = 0
-        del self.joints[row]
-        self._free_rows["joint"].append(row)
+    @seed.setter
+    def seed(self, value: int) -> None:
+        self._context.seed = int(value) & 0xFFFFFFFF
 
-    def add_geom(self, geom: Geom, owner: int) -> int:
-        """Register a geom of the body numbered `owner`; its row."""
-        row, self.geoms_used = self._new_row("geom", self.geoms_used)
-        self.owner[row] = owner
-        self.surface[row] = DEFAULT_SURFACE
-        self.geoms[row] = geom
-        self.surface_edits += 1
-        self._publish_tables()
-        return row
+    def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
+        """Set iterations of the quick solver, and its over-relaxation, 1 to 2.
 
-    def remove_geom(self, row: int, handle: int) -> None:
-        """Free the row of a geom that closes."""
-        self.step_form.forget(handle)
-        self.surface_edits += 1
-        del self.geoms[row]
-        self._free_rows["geom"].append(row)
+        Raises:
+            ParameterError: there are more than 100 000 iterations, or the over-relaxation is not above zero.
+        """
+        if iterations > MAX_ITERATIONS:
+            raise ParameterError(f"there are {iterations} iterations a step; allowed are {MAX_ITERATIONS} at most")
+        self.iterations = max(1, int(iterations))
+        self.over_relaxation = positive(over_relaxation, "over-relaxation")
+        self._ode.dWorldSetQuickStepNumIterations(self.world, self.iterations)
+        self._ode.dWorldSetQuickStepW(self.world, self.over_relaxation)
 
-    def set_surface(self, row: int, column: int, value: float) -> None:
-        """Change one property of how a geom touches others; `column` is one of `Surface`."""
-        self.surface[row, column] = value
-        self.surface_edits += 1
+    def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
+        """Set how errors of joints are corrected: share per step, softness, and the limit for contacts [m/s].
+
+        Raises:
+            ParameterError: a number is negative, or the share or softness is not finite.
+        """
+        self.erp = finite(not_negative(erp, "erp"), "erp")
+        self.cfm = max(finite(not_negative(cfm, "cfm"), "cfm"), SMALLEST_CFM)
+        self.correcting_velocity = not_negative(correcting_velocity, "velocity [m/s]")
+        self._ode.dWorldSetERP(self.world, self.erp)
+        self._ode.dWorldSetCFM(self.world, self.cfm)
+        self._ode.dWorldSetContactMaxCorrectingVel(self.world, self.correcting_velocity)
+
+    @property
+    def count_turns(self) -> bool:
+        """Whether angles of joints count full turns; without it (default) they stay within -pi and pi [rad]."""
+        return bool(self._context.count_turns)
+
+    @count_turns.setter
+    def count_turns(self, value: bool) -> None:
+        self._context.count_turns = int(value)
+
+    @property
+    def check_divergence(self) -> bool:
+        """Whether the Python form of the step checks bodies for divergence; off by default.
+
+        It takes as long as a legacy world's whole step. The native form always checks.
+        """
+        return bool(self._context.check_divergence)
+
+    @check_divergence.setter
+    def check_divergence(self, value: bool) -> None:
+        self._context.check_divergence = int(value)
+
+    def extend_range(self) -> None:
+        """Use cells of 4 m instead of 1/8 m in ODE's hash space.
+
+        Small cells beyond 2^28 m overflow ODE's count, which ends the process. The order in which contacts are found
+        depends on the cells, so only worlds that need it have large ones.
+        """
+        self._ode.dHashSpaceSetLevels(self.top.id, 2, 10)
+        self._context.max_distance = 2.0 * LARGEST
+
+    # Contacts ----------------------------------------------------------------------------------------------------
+
+    @property
+    def contact_rule(self) -> ContactRule:
+        """How contact points become contact joints: as in the legacy server (default) or in Gazebo classic."""
+        return ContactRule(self._context.contact_rule)
+
+    @contact_rule.setter
+    def contact_rule(self, rule: ContactRule) -> None:
+        self._context.contact_rule = ContactRule(rule)
+        self.tables.geoms.edits += 1
+
+    @property
+    def max_contacts(self) -> int:
+        """Limit of contact points of a pair of geoms, under the classic rule; a geom may have a lower one."""
+        return int(self._context.max_contacts)
+
+    @max_contacts.setter
+    def max_contacts(self, value: int) -> None:
+        self._context.max_contacts = max(0, int(value))
+
+    @property
+    def cone(self) -> bool:
+        """Whether friction acts against the motion, as in a cone, under the classic rule; else along two axes."""
+        return bool(self._context.cone)
+
+    @cone.setter
+    def cone(self, value: bool) -> None:
+        self._context.cone = int(value)
+
+    @property
+    def contact_count(self) -> int:
+        """Contact points in the last step."""
+        return int(self._context.contact_count)
+
+    @property
+    def record_contacts(self) -> bool:
+        """Whether `contacts` is filled; off by default, and then it costs nothing."""
+        return bool(self._context.record_contacts)
+
+    @record_contacts.setter
+    def record_contacts(self, value: bool) -> None:
+        self._context.record_contacts = int(value)
+
+    @property
+    def contacts(self) -> NDArray[np.void]:
+        """The contact points of the last step, a copy; empty unless `record_contacts` is on.
+
+        Fields: ``geom1``, ``geom2``: rows, which `geoms` maps to geoms (row 0: one without an object); ``position``
+        [m]; ``normal``, which points into the first geom; ``depth`` [m]; ``force1``, ``torque1``, ``force2``,
+        ``torque2``: force on the body of either geom [N], and torque about its centre of mass [N m]; zero for what does
+        not move. All global. After `collide` alone, forces are zero.
+        """
+        return self.step_form.contacts()
 
     # States ------------------------------------------------------------------------------------------------------
-
-    def read_body(self, row: int) -> None:
-        """Bring one body's row up to date after it was moved."""
-        read_body(self._ode, self._tables, row)
-        self.body_fresh[row] = 1
-
-    def read_joint(self, row: int) -> None:
-        """Bring one joint's row up to date."""
-        read_joint(self._ode, self._tables, row, unwind=self.classic)
-        self.joint_fresh[row] = 1
-
-    def body_moved(self, row: int) -> None:
-        """Note that a body's state was set: its row and all joint rows are read anew when they are asked for."""
-        self._touched = True
-        self.body_fresh[row] = 0
-        self.joint_fresh[:] = self._no_joints
-
-    def joint_moved(self, row: int) -> None:
-        """Note that a joint was changed: its row is read anew when it is asked for."""
-        self._touched = True
-        self.joint_fresh[row] = 0
 
     @property
     def states(self) -> NDArray[np.float64]:
@@ -321,27 +313,29 @@ class Engine(EngineSettings):
         linear velocity of that [m/s], angular velocity [rad/s]; all global.
         """
         self.step_form.read()
-        view = self.body_state[: self.bodies_used].view()
+        bodies = self.tables.bodies
+        view = bodies.state[: bodies.used].view()
         view.flags.writeable = False
         return view
 
-    def _begin_watch(self) -> None:
-        self.body_start[: self.bodies_used] = 0.0
-        self.body_start[: self.bodies_used, :6] = self.states[:, 10:16]
+    @property
+    def record_motion(self) -> bool:
+        """Whether accelerations of bodies, and the efforts applied in the last step, are available; off by default."""
+        return bool(self._context.record_motion)
+
+    @record_motion.setter
+    def record_motion(self, value: bool) -> None:
+        if value and not self._context.record_motion:  # no step has changed velocities yet
+            bodies = self.tables.bodies
+            bodies.start[: bodies.used] = 0.0
+            bodies.start[: bodies.used, :6] = self.states[:, 10:16]
+        self._context.record_motion = int(value)
 
     def wake(self) -> None:
-        """Wake all bodies that may sleep: what they rest on was moved or taken away, or gravity changed."""
+        """Wake all sleeping bodies: what they rest on was moved or removed, or gravity changed."""
         if self.steps:  # nothing sleeps before
-            for body in self.sleepers:
+            for body in self.auto_disabled:
                 body.Enable(True)
-
-    def look_far(self) -> None:
-        """Let ODE's cells be 4 m wide, and not 1/8 m: those it cannot count beyond 2^28 m, and ends the process.
-
-        The order in which contacts are found may change with it: so only worlds that must have it.
-        """
-        self._ode.dHashSpaceSetLevels(self.top.id, 2, 10)
-        self._context.farthest = 2.0 * LARGEST
 
     def sort_geoms(self) -> None:
         """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
@@ -353,6 +347,11 @@ class Engine(EngineSettings):
             self._ode.dBodySetPosition(body.id, *body.GetCoMPose().pos)
 
     # Step and scan -----------------------------------------------------------------------------------------------
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made so far."""
+        return int(self._context.steps)
 
     def step(self) -> None:
         """Collide, step, and copy the states out.
@@ -370,7 +369,7 @@ class Engine(EngineSettings):
         self._thread = get_ident()
 
     def collide(self) -> None:
-        """The first half of a step, for those who want to act between contacts and motion; `solve` follows."""
+        """The first half of a step, for work between contacts and motion; `solve` follows."""
         self._enter_thread()
         self.collisions += 1
         self.step_form.collide()
@@ -380,31 +379,45 @@ class Engine(EngineSettings):
         self._finish(self.step_form.solve())
 
     def _finish(self, done: int) -> None:
-        """Note which rows are fresh now."""
-        if self._touched:
-            self.body_fresh[:] = self._all_bodies
-            self.joint_fresh[:] = self._all_joints
-            self._touched = not self.step_form.reads_all
+        """Note which rows are fresh now, and recover from what went wrong."""
+        if self.tables.touched:
+            self.tables.step_done()
         if done == 1:
             return
         if not done:
             raise GazeboError("ODE ran out of memory in a step: the world is too large")
-        self._mend(self._context)
+        self._recover(self._context)
 
-    def _mend(self, context: StepContext) -> None:
-        """After a step in which ODE lost its way: halt what ran away, and tell of it."""
-        if context.halted:
-            tell(self.bodies[context.halted - 1])
-        if context.gave_up:
-            tell_gave_up(self)
-        if context.lost:
-            self.look_far()
-        if context.lost or context.gave_up:
-            mend(self.bodies.values(), bool(context.gave_up))
-        if context.baffled:
-            context.baffled = 0
-            tell_baffled(self, tuple(context.baffled_by))
-            self.sort_geoms()  # a pair that was given up may have left ODE's bounding box of a geom wrong
+    def _recover(self, context: StepContext) -> None:
+        """After a step in which bodies diverged or ODE failed: report it, and bring bodies to finite states."""
+        if context.reset_row:
+            self.bodies[context.reset_row - 1].report_divergence()
+        if context.abandoned and not self.abandoned:
+            self.abandoned = True
+            log.error(
+                "step %d was abandoned and nothing moved in it: ODE cannot solve it; joints and contacts contradict "
+                "each other, or numbers are too large",
+                self.steps,
+            )
+        if context.diverged:
+            self.extend_range()
+        if context.diverged or context.abandoned:
+            for body in self.bodies.values():
+                body.recover(drop_efforts=bool(context.abandoned))
+        if context.collision_failed:
+            context.collision_failed = 0
+            self._report_failed_pair(tuple(context.failed_rows))
+            self.sort_geoms()  # the failed pair may have left a wrong bounding box of a geom in ODE
+
+    def _report_failed_pair(self, rows: tuple[int, ...]) -> None:
+        """Report a pair of geoms whose collision detection failed, the first time; row -1 is a ray."""
+        if rows in self._failed_pairs:
+            return
+        self._failed_pairs.add(rows)
+        log.error(
+            "collision detection between %s and %s failed; contacts skipped: is a size extreme, or a mesh broken?",
+            *(self.geoms[row].label if row in self.geoms else "a ray" for row in rows),
+        )
 
     def scan(
         self,
@@ -418,7 +431,7 @@ class Engine(EngineSettings):
         self.scanner(RayScan(frame, rays, owner, ranges, rows))()
 
     def scanner(self, scan: RayScan) -> Callable[[], None]:
-        """A scan ready to be made again and again: that costs less than as many calls of `scan`."""
+        """A prepared scan that can be run again and again, at less cost than as many calls of `scan`."""
         ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(scan)
 
         def make() -> None:
@@ -431,10 +444,8 @@ class Engine(EngineSettings):
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""
         if not self._destroy.alive:
             return
-        self.sleepers.clear()  # or each part that goes would wake them all
-        parts: list[Joint | Geom | Body | Space] = [*self.joints.values(), *self.bodies.values()]
-        parts += [*self.geoms.values(), *self.spaces]
-        for part in parts:
+        self.auto_disabled.clear()  # or each part that closes would wake them all
+        for part in [*self.joints.values(), *self.bodies.values(), *self.geoms.values(), *self.spaces]:
             part.close()
         self._destroy()
         self._step = self._closed_step
@@ -442,21 +453,11 @@ class Engine(EngineSettings):
     def _closed_step(self) -> int:
         raise ClosedError("this world was closed")
 
-    @property
-    def _tables(self) -> Engine:
-        return self
-
-
-def _flat(table: NDArray[np.float64]) -> memoryview[float]:
-    """A table's values in one row, through which single ones are read faster than through numpy."""
-    buffer: Any = table.reshape(-1)
-    return memoryview(buffer)
-
 
 def _destroy_world(
     lib: OdeLibrary, world: int, top: int, contacts: int, geoms: tuple[int, ...], release: Callable[[], object]
 ) -> None:
-    """Free everything of one world; what is still in the spaces goes with them."""
+    """Free everything of one world, with what is still in the spaces."""
     release()
     lib.dJointGroupDestroy(contacts)
     for geom in geoms:

@@ -1,24 +1,31 @@
-"""Geom: a shape of a body, with the mass it brings, how it touches other shapes, and how it looks."""
+"""Geom: a shape of a body, with its mass, contact properties and appearance."""
 
 from __future__ import annotations
 
 import ctypes
 import itertools
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.errors import ClosedError, ParameterError
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternMul, GzQuaternNormal, GzVector
+from libgz.geometry import (
+    GzColor,
+    GzCoordPoseAdd,
+    GzPose,
+    GzQuatern,
+    GzQuaternMul,
+    GzQuaternNormal,
+    GzVector,
+    QuaternLike,
+    VectorLike,
+)
 from libgz.ode.lib import ode
 from libgz.ode.types import Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
+from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
-from libgz.physics.engine import Space
-
-if TYPE_CHECKING:
-    from libgz.geometry import QuaternLike, VectorLike
-    from libgz.physics.body import Body
+from libgz.physics.space import Space
 
 __all__ = ["Geom"]
 
@@ -30,16 +37,21 @@ _numbers = itertools.count(1)
 class Geom:
     """Base of all kinds of geom.
 
+    Attributes:
+        appearance: how it looks, and how sensors see it.
+        number: of this geom among all, never used again.
+        view: the object by which a layer above shows this geom; set by that layer.
+        visual: the object by which a layer above shows how it looks; set by that layer.
+
     Args:
         body: the body it belongs to.
         space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
-        handle: ODE's geom, or None for one that is only drawn.
+        handle: ODE's geom, or None for one that is only rendered.
         volume_mass: its mass matrix at 1 kg/m^3 about its own centre, or None if it has no mass.
-        placeable: whether it goes where its body goes; a plane does not.
+        placeable: whether it follows its body; a plane does not.
     """
 
-    extra_rotation: GzQuatern | None = None  # between ODE's shape and ours
-    view: Any = None  # the object by which a layer above shows this geom; set by that layer
+    extra_rotation: GzQuatern | None = None  # between ODE's shape and this one
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
     def __init__(
@@ -60,14 +72,17 @@ class Geom:
         self._slip = [0.01, 0.01]
         self._closed = False
         self._id: int | None = None
-        self.number = next(_numbers)  # of this geom among all; rows are used again
-        self.row = body.engine.add_geom(self, body.number)
+        self.view: Any = None
+        self.visual: Any = None
+        self.number = next(_numbers)
+        self._table = body.engine.tables.geoms
+        self.row = body.engine.tables.add_geom(self, body.number)
         body.geoms.append(self)
         if handle is not None:
             self._adopt(handle)
 
     def _adopt(self, handle: int) -> None:
-        """Take on ODE's geom, in place of the one there was."""
+        """Use this ODE geom, in place of the previous one."""
         self._destroy_handle()
         self._id = handle
         ode().dGeomSetData(handle, self.row)
@@ -86,8 +101,13 @@ class Geom:
         return f"<{type(self).__name__} of {self.body!r}>"
 
     @property
+    def label(self) -> str:
+        """Its kind and body, for messages."""
+        return f"{type(self).__name__} of {self.body.label}"
+
+    @property
     def id(self) -> int:
-        """The ODE handle; 0 if the geom is only drawn.
+        """The ODE handle; 0 if the geom is only rendered.
 
         Raises:
             ClosedError: the geom was closed.
@@ -97,14 +117,14 @@ class Geom:
         return self._id or 0
 
     def GetGeomId(self) -> int:
-        """The ODE handle; 0 if the geom is only drawn."""
+        """The ODE handle; 0 if the geom is only rendered."""
         return self.id
 
     def close(self) -> None:
         """Destroy the geom."""
         if self._closed:
             return
-        self.body.engine.remove_geom(self.row, self._id or 0)
+        self._table.remove(self.row)
         self.body.engine.wake()
         self.body.geoms.remove(self)
         self._destroy_handle()
@@ -113,19 +133,18 @@ class Geom:
     # Place -------------------------------------------------------------------------------------------------------
 
     def place(self) -> None:
-        """Put ODE's geom where it belongs on its body, whose ODE origin is the centre of mass."""
+        """Place ODE's geom on its body, whose ODE origin is the centre of mass."""
         if not self.id or not self.placeableGeom:
             return
         if self.body.dummy:
             self.follow_dummy()
             return
-        com = self.body.engine.com[self.body.row].tolist()
-        position = (p - c for p, c in zip(self._relative.pos, com, strict=True))
+        position = (p - c for p, c in zip(self._relative.pos, self.body.com, strict=True))
         ode().dGeomSetOffsetPosition(self.id, *position)
         ode().dGeomSetOffsetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(self._relative.rot)))
 
     def follow_dummy(self) -> None:
-        """Put ODE's geom at the global pose that its dummy body gives it."""
+        """Place ODE's geom at the global pose that results from its dummy body."""
         if self.id and self.placeableGeom:
             pose = self.GetPose()
             ode().dGeomSetPosition(self.id, *pose.pos)
@@ -143,7 +162,7 @@ class Geom:
         position = finite_tuple(pose.pos, 3, "relative position [m]", LARGEST)
         rotation = rotation_tuple(pose.rot, "relative rotation")
         if max(map(abs, position)) > WIDE:
-            self.body.engine.look_far()
+            self.body.engine.extend_range()
         self._relative = GzPose(GzVector(*position), GzQuaternNormal(rotation))
         self._reshaped()
         self.place()
@@ -171,8 +190,8 @@ class Geom:
     def SetMass(self, kilograms: float) -> None:
         """Set the geom's total mass [kg]; 0 makes it weightless.
 
-        A new geom weighs what its volume weighs at 1 kg/m^3. With the quirk setMassZero, 0 leaves it at that, as the
-        old server did.
+        A new geom has the mass of its volume at 1 kg/m^3. With the quirk setMassZero, 0 leaves it at that, as in the
+        legacy server.
 
         Raises:
             ParameterError: the mass is negative or not finite.
@@ -188,7 +207,7 @@ class Geom:
         self.body.UpdateCoM()
 
     def GetBodyMassMatrix(self) -> mass_.Mass | None:
-        """The mass matrix seen from the body frame, or None if the geom weighs nothing."""
+        """The mass matrix seen from the body frame, or None if the geom is massless."""
         return self.body_mass(self._mass)
 
     def body_mass(self, own: mass_.Mass | None) -> mass_.Mass | None:
@@ -205,11 +224,19 @@ class Geom:
         return (box[0], box[2], box[4]), (box[1], box[3], box[5])
 
     def _reshaped(self) -> None:
-        """Note that it looks otherwise, and that what sleeps on it may lie on it no more."""
+        """Note a new shape or place: the renderer must rebuild it, and bodies that sleep on it must wake."""
         self.appearance.version += 1
         self.body.engine.wake()
 
     # Contact -----------------------------------------------------------------------------------------------------
+
+    def surface(self, column: int) -> float:
+        """One contact property; see `Surface`."""
+        return float(self._table.surface[self.row, column])
+
+    def set_surface(self, column: int, value: float) -> None:
+        """Change one contact property, unchecked; see `Surface`."""
+        self._table.set_surface(self.row, column, value)
 
     def SetHardness(self, kp: float, kd: float) -> None:
         """Spring [N/m] and damper [N s/m] of contacts with this geom; kp may be infinite.
@@ -219,31 +246,30 @@ class Geom:
         """
         if not kp > 0.0:
             raise ParameterError(f"hardness kp is {kp:g} N/m; it must be above zero")
-        self.body.engine.set_surface(self.row, Surface.KP, float(kp))
-        self.body.engine.set_surface(self.row, Surface.KD, not_negative(kd, "hardness kd [N s/m]"))
+        self.set_surface(Surface.KP, float(kp))
+        self.set_surface(Surface.KD, not_negative(kd, "hardness kd [N s/m]"))
 
     def SetFriction(self, mu1: float, mu2: float | None = None) -> None:
-        """Coulomb coefficient; two geoms rub with the smaller of theirs. `mu2` counts in worlds of classic only."""
-        engine = self.body.engine
-        engine.set_surface(self.row, Surface.MU, not_negative(mu1, "friction mu1"))
-        engine.set_surface(self.row, Surface.MU2, not_negative(mu1 if mu2 is None else mu2, "friction mu2"))
+        """Coulomb coefficient; the smaller one of two geoms applies. `mu2` is used by the classic contact rule only."""
+        self.set_surface(Surface.MU, not_negative(mu1, "friction mu1"))
+        self.set_surface(Surface.MU2, not_negative(mu1 if mu2 is None else mu2, "friction mu2"))
 
     def SetBounce(self, bounce: float) -> None:
-        """Share of the approach speed that a contact gives back, 0 to 1; not honoured with the quirk noBounce."""
+        """Coefficient of restitution, 0 to 1; ignored with the quirk noBounce."""
         value = finite(not_negative(bounce, "bounce"), "bounce")
         if "noBounce" not in self.body.engine.quirks:
-            self.body.engine.set_surface(self.row, Surface.BOUNCE, value)
+            self.set_surface(Surface.BOUNCE, value)
 
     def GetBounce(self) -> float:
         """The bounce in force."""
-        return float(self.body.engine.surface[self.row, Surface.BOUNCE])
+        return self.surface(Surface.BOUNCE)
 
     def SetSlip1(self, slip: float) -> None:
-        """Kept, and not used: its old default would change every world."""
+        """Stored without effect: the old default would change every world."""
         self._slip[0] = float(slip)
 
     def SetSlip2(self, slip: float) -> None:
-        """Kept, and not used."""
+        """Stored without effect."""
         self._slip[1] = float(slip)
 
     def GetSlip1(self) -> float:
@@ -255,13 +281,13 @@ class Geom:
         return self._slip[1]
 
     def SetCategoryBits(self, bits: int) -> None:
-        """What this geom is, for collision."""
+        """Set the collision category."""
         if self.id:
             ode().dGeomSetCategoryBits(self.id, bits)
             self.body.engine.wake()
 
     def SetCollideBits(self, bits: int) -> None:
-        """What this geom collides with."""
+        """Set the categories that this geom collides with."""
         if self.id:
             ode().dGeomSetCollideBits(self.id, bits)
             self.body.engine.wake()
@@ -269,24 +295,24 @@ class Geom:
     # Appearance --------------------------------------------------------------------------------------------------
 
     def SetColor(self, color: GzColor) -> None:
-        """Make the whole material of one colour."""
+        """Derive the whole material from one colour."""
         self.appearance.set_color(GzColor(*color))
 
     def SetAmbientColor(self, color: GzColor) -> None:
         """Colour in ambient light."""
-        self._look("ambient", GzColor(*color))
+        self.appearance.change(ambient=GzColor(*color))
 
     def SetDiffuseColor(self, color: GzColor) -> None:
-        """Colour in direct light; its alpha shows in transparent geoms."""
-        self._look("diffuse", GzColor(*color))
+        """Colour in direct light; its alpha applies to transparent geoms."""
+        self.appearance.change(diffuse=GzColor(*color))
 
     def SetSpecularColor(self, color: GzColor) -> None:
         """Colour of highlights."""
-        self._look("specular", GzColor(*color))
+        self.appearance.change(specular=GzColor(*color))
 
     def SetEmissionColor(self, color: GzColor) -> None:
-        """Colour that the geom gives off itself."""
-        self._look("emission", GzColor(*color))
+        """Colour that the geom emits."""
+        self.appearance.change(emission=GzColor(*color))
 
     def GetAmbientColor(self) -> GzColor:
         """Colour in ambient light."""
@@ -301,63 +327,69 @@ class Geom:
         return self.appearance.specular
 
     def SetTransparency(self, transparent: bool) -> None:
-        """Draw in the transparent pass, where the alpha of the diffuse colour shows."""
-        self._look("render_order", RENDER_TRANSPARENT if transparent else RENDER_OPAQUE)
+        """Render in the transparent pass, where the alpha of the diffuse colour applies."""
+        self.appearance.change(render_order=RENDER_TRANSPARENT if transparent else RENDER_OPAQUE)
 
     def GetTransparency(self) -> bool:
-        """Whether the geom is drawn in the transparent pass."""
+        """Whether the geom is rendered in the transparent pass."""
         return self.appearance.render_order == RENDER_TRANSPARENT
 
     def SetShininess(self, exponent: float) -> None:
         """Sharpness of highlights, 0 to 128."""
-        self._look("shininess", float(exponent))
+        self.appearance.change(shininess=float(exponent))
 
     def GetShininess(self) -> float:
         """Sharpness of highlights."""
         return self.appearance.shininess
 
     def SetTexture2DFile(self, path: str | Path | None) -> int:
-        """Cover the geom with a picture; 0, or -1 if there is no such file."""
-        return self._look_file("texture_file", path)
+        """Cover the geom with an image; 0, or -1 if there is no such file."""
+        file, known = _existing(path)
+        if known:
+            self.appearance.change(texture_file=file)
+        return 0 if known else -1
 
     def SetTexture2DSize(self, size: VectorLike) -> None:
-        """How many metres one picture covers, for planes and roads."""
+        """How many metres one image covers, for planes and roads."""
         x, y, *_ = size
-        self._look("texture_size", GzVector(positive(x, "texture size [m]"), positive(y, "texture size [m]"), 0.0))
+        texture_size = GzVector(positive(x, "texture size [m]"), positive(y, "texture size [m]"), 0.0)
+        self.appearance.change(texture_size=texture_size)
 
     def SetSkinFile(self, path: str | Path | None) -> int:
-        """Draw a mesh instead of the shape while skins are shown; 0, or -1 if there is no such file."""
-        return self._look_file("skin_file", path)
+        """Render a mesh instead of the shape while skins are shown; 0, or -1 if there is no such file."""
+        file, known = _existing(path)
+        if known:
+            self.appearance.change(skin_file=file)
+        return 0 if known else -1
 
     def SetSkinPose(self, pose: GzPose) -> None:
         """Place the skin in the frame of the geom's centre [m]."""
-        self._look("skin_pose", pose)
+        self.appearance.change(skin_pose=pose)
 
     def SetSkinScale(self, scale: VectorLike) -> None:
         """Scale the skin along its own axes."""
-        self._look("skin_scale", GzVector(*scale))
+        self.appearance.change(skin_scale=GzVector(*scale))
 
     def SetSkinNull(self, null: bool, instead: Path | None = None) -> None:
-        """While skins are shown, draw nothing for this geom; with `instead`, only if that skin can be read."""
-        self._look("skin_null", bool(null))
-        self._look("skin_instead", instead)
+        """While skins are shown, do not render this geom; with `instead`, only if that skin can be read."""
+        self.appearance.change(skin_null=bool(null), skin_instead=instead)
 
     def HasSkin(self) -> bool:
         """Whether a skin was set."""
         return self.appearance.skin_file is not None
 
     def HasSkinNull(self) -> bool:
-        """Whether nothing is drawn while skins are shown."""
+        """Whether the geom is not rendered while skins are shown."""
         return self.appearance.skin_null
 
     def SetShadeModel(self, model: str) -> None:
-        """Accepted and without effect, as it always was."""
+        """Accepted without effect, as in the legacy server."""
 
     def SetPolygonMode(self, mode: str) -> None:
-        """Accepted and without effect, as it always was."""
+        """Accepted without effect, as in the legacy server."""
 
     def SetLaser(self, value: float) -> None:
-        """Kept; no sensor uses it."""
+        """Stored; no sensor uses it."""
         self.appearance.laser = float(value)
 
     def GetLaser(self) -> float:
@@ -373,7 +405,7 @@ class Geom:
         return self.appearance.retro
 
     def SetFiducial(self, number: int) -> None:
-        """The number a fiducial finder reads off this geom; -1 for none."""
+        """The number that a fiducial finder reports for this geom; -1 for none."""
         self.appearance.fiducial = int(number)
 
     def GetFiducial(self) -> int:
@@ -381,20 +413,15 @@ class Geom:
         return self.appearance.fiducial
 
     def SetPickId(self, number: int) -> None:
-        """A number by which a user interface finds this geom."""
+        """A number by which a user interface identifies this geom."""
         self.appearance.pick_id = int(number)
 
     def GetPickId(self) -> int:
         """The pick number."""
         return self.appearance.pick_id
 
-    def _look(self, name: str, value: object) -> None:
-        setattr(self.appearance, name, value)
-        self.appearance.version += 1
 
-    def _look_file(self, name: str, path: str | Path | None) -> int:
-        file = Path(path) if path is not None else None
-        if file is not None and not file.is_file():
-            return -1
-        self._look(name, file)
-        return 0
+def _existing(path: str | Path | None) -> tuple[Path | None, bool]:
+    """(path, whether it is None or a file)."""
+    file = Path(path) if path is not None else None
+    return file, file is None or file.is_file()

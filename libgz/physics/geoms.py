@@ -3,24 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
-from libgz.geometry import GzQuaternFromAxis, GzVector
+from libgz.geometry import GzQuaternFromAxis, GzVector, VectorLike
 from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
+from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
-
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.body import Body
-    from libgz.physics.engine import Space
+from libgz.physics.space import Space
 
 __all__ = [
     "BoxGeom",
@@ -51,7 +47,7 @@ class BoxGeom(Geom):
         super().__init__(body, space, handle, mass_.box_mass(*self.size))
 
     def resize(self, xDim: float, yDim: float, zDim: float) -> None:
-        """Take on other lengths [m]; its mass stays."""
+        """Change the lengths [m]; the mass stays."""
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         if self.id:
             ode().dGeomBoxSetLengths(self.id, *self.size)
@@ -66,7 +62,7 @@ class SphereGeom(Geom):
         super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
 
     def resize(self, radius: float) -> None:
-        """Take on another radius [m]; its mass stays."""
+        """Change the radius [m]; the mass stays."""
         self.radius = positive(radius, "sphere radius [m]")
         if self.id:
             ode().dGeomSphereSetRadius(self.id, self.radius)
@@ -84,7 +80,7 @@ class CylinderGeom(Geom):
         body.UpdateCoM()
 
     def resize(self, radius: float, length: float) -> None:
-        """Take on another radius and length [m]; its mass stays."""
+        """Change radius and length [m]; the mass stays."""
         self.radius = positive(radius, "cylinder radius [m]")
         self.length = positive(length, "cylinder length [m]")
         if self.id:
@@ -103,7 +99,7 @@ class CapsuleGeom(Geom):
 
 
 class WheelGeom(SphereGeom):
-    """A wheel about z: it touches and weighs like a sphere of the total radius, and looks like a tire [m]."""
+    """A wheel about z: shape and mass are those of a sphere of the total radius, appearance that of a tire [m]."""
 
     def __init__(self, body: Body, space: Space | None, totalRadius: float, tireRadius: float) -> None:
         self.tire_radius = positive(tireRadius, "tire radius [m]")
@@ -131,11 +127,11 @@ class TriMeshGeom(Geom):
         ParameterError: an index is out of range, or a coordinate is not finite.
     """
 
-    # For drawing, one row a vertex; None where a mesh has none.
+    # For rendering, one row a vertex; None if a mesh has none.
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
-    columns = 0  # of vertices in a row, where it is a flat rectangle that carries its picture once
+    columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
@@ -143,7 +139,7 @@ class TriMeshGeom(Geom):
         self.set_mesh(vertices, triangles)
 
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
-        """Make this the mesh, in place of the one there was."""
+        """Replace the mesh."""
         points = table(vertices, 3, "vertices").astype(np.float64)
         numbers = table(triangles, 3, "triangles")
         if not len(numbers) or not np.isfinite(points).all():
@@ -152,7 +148,7 @@ class TriMeshGeom(Geom):
         if reach > LARGEST:
             raise ParameterError(f"a vertex lies at {reach:g} m; allowed is {LARGEST:g} m at most")
         if reach > WIDE:
-            self.body.engine.look_far()
+            self.body.engine.extend_range()
         for number in (numbers.min(), numbers.max()):
             if not 0 <= number < len(points):
                 raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
@@ -160,7 +156,7 @@ class TriMeshGeom(Geom):
         self.vertices, self.triangles = points, corners
         self._reshaped()
         if self.space is None:
-            return  # it is only drawn
+            return  # it is only rendered
         if len(corners) == 1:
             points, corners = _halved(points[corners[0]])
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
@@ -181,7 +177,7 @@ class TriMeshGeom(Geom):
 
 
 def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """One triangle as two: a mesh of one meets no other mesh, or ODE crashes where it does."""
+    """One triangle as two: ODE misses collisions of two meshes of one triangle, or crashes in them."""
     middle = 0.5 * (triangle[:1] + triangle[1:2])
     return np.concatenate([triangle, middle]), np.array([[0, 3, 2], [3, 1, 2]], dtype=np.uint32)
 
@@ -190,7 +186,7 @@ class HeightfieldGeom(Geom):
     """Ground of varying height, centred on its pose.
 
     Args:
-        heights: [m], shape (rows, columns): rows go along +y, columns along +x.
+        heights: [m], shape (rows, columns): rows along +y, columns along +x.
         xSize, ySize: extent [m].
         thickness: how far the ground reaches below its lowest point [m].
     """
@@ -248,7 +244,7 @@ class RayGeom(Geom):
         return self._length
 
     def Cast(self) -> float:
-        """Distance to what the ray hits [m], infinite for nothing; geoms of its own body are not seen."""
+        """Distance to what the ray hits [m], infinite for nothing; geoms of its own body are ignored."""
         frame = np.array([*self._start, 1.0, 0.0, 0.0, 0.0])
         rays = np.array([[0.0, 0.0, 0.0, *self._direction, self._length]])
         ranges, rows = np.empty(1), np.empty(1, dtype=np.int64)
@@ -263,7 +259,7 @@ class LightGeom(Geom):
     Attributes:
         attenuation: constant, linear [1/m] and quadratic [1/m^2] part of how it fades with distance.
         kind: point, directional or spot.
-        direction: where directional lights and spots shine, in the body frame.
+        direction: in which directional lights and spots shine, in the body frame.
         spot: inner and outer angle of a spot's cone [rad] and the falloff between them, as a power.
         range: nothing beyond is lit [m].
     """
@@ -317,7 +313,7 @@ class DomeGeom(Geom):
 
 
 class FrustrumGeom(Geom):
-    """The outline of what a camera sees: it is drawn on request and touches nothing."""
+    """The outline of a camera's field of view: it is rendered on request and touches nothing."""
 
     def __init__(self, body: Body, space: Space | None, aspect: float, nearClip: float, farClip: float) -> None:
         super().__init__(body, space, placeable=True)

@@ -1,10 +1,10 @@
 """Joints between bodies.
 
 Anchors and axes are global at the moment of the call, and the bodies must be in their places by then: angles and
-positions are zero where they stood when anchor or axis was set.
+positions are zero where they were when anchor or axis was set.
 
 All models attach the moving part first, the base second: a positive velocity about +y then rolls a wheel forward.
-Only Hinge2Joint (`two_axes`) wants the chassis first, for its first axis belongs to the first body.
+Only Hinge2Joint (`two_axes`) takes the chassis first, for its first axis belongs to the first body.
 """
 
 from __future__ import annotations
@@ -12,11 +12,12 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import math
-from typing import TYPE_CHECKING, ClassVar
+from collections.abc import Callable
+from typing import Any, ClassVar, NamedTuple
 
 from libgz.errors import ClosedError, ParameterError
-from libgz.geometry import GzVector
-from libgz.ode.lib import ode
+from libgz.geometry import GzVector, VectorLike
+from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.types import (
     JointFeedback,
     JointType,
@@ -24,21 +25,32 @@ from libgz.ode.types import (
     dParamHiStop,
     dParamLoStop,
 )
+from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
 from libgz.physics.engine import Engine, HasEngine
 
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.body import Body
-
 __all__ = [
+    "AxisJoint",
     "BallJoint",
     "FixedJoint",
     "HingeJoint",
     "Joint",
+    "JointFunctions",
     "JointGroup",
     "SliderJoint",
 ]
+
+
+class JointFunctions(NamedTuple):
+    """ODE's functions for one kind of joint; None for what the kind does not have."""
+
+    create: Callable[..., Any]
+    set_param: Callable[..., Any]
+    get_param: Callable[..., Any]
+    set_anchor: Callable[..., Any] | None = None
+    get_anchor: Callable[..., Any] | None = None
+    set_axis: Callable[..., Any] | None = None
+    get_axis: Callable[..., Any] | None = None
 
 
 class JointGroup:
@@ -52,7 +64,7 @@ class JointGroup:
         return self
 
     def add(self, joint: Joint) -> None:
-        """Take a joint into the group."""
+        """Add a joint to the group."""
         self._joints.append(joint)
 
     def Empty(self) -> None:
@@ -65,6 +77,10 @@ class JointGroup:
 class Joint:
     """Base of all joints.
 
+    Attributes:
+        bodies: the first and second body; None for the world.
+        view: the object by which a layer above shows this joint; set by that layer.
+
     Args:
         world: the World, or an Engine.
         group: an old JointGroup, or None.
@@ -72,19 +88,27 @@ class Joint:
     """
 
     kind: ClassVar[JointType]
-    ode_name: ClassVar[str]  # as in dJointCreateHinge, dJointSetHingeParam
     motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0
+    bodies_needed: ClassVar[int] = 0  # which must be attached before anchor, axes and efforts, or ODE ends the process
 
     def __init__(self, world: HasEngine, group: JointGroup | None = None, *, name: str | None = None) -> None:
         self.engine: Engine = world.engine
         self.name = name
         self.bodies: tuple[Body | None, Body | None] = (None, None)
+        self.view: Any = None
         self._feedback: JointFeedback | None = None
-        self._id: int | None = getattr(ode(), f"dJointCreate{self.ode_name}")(self.engine.world, None)
-        self._set_param = getattr(ode(), f"dJointSet{self.ode_name}Param")  # models set some in every step
-        self.row = self.engine.add_joint(self, self.kind)
+        self._functions = self._ode_functions(ode())
+        self._set_param = self._functions.set_param  # models set some in every step
+        self._id: int | None = self._functions.create(self.engine.world, None)
+        self._table = self.engine.tables.joints
+        self.row = self.engine.tables.add_joint(self, self.kind)
         if group is not None:
             group.add(self)
+
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        """ODE's functions for this kind of joint."""
+        raise NotImplementedError
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name or 'unnamed'}>"
@@ -110,18 +134,19 @@ class Joint:
         if self._id is None:
             return
         self._forget_bodies()
-        self.engine.remove_joint(self.row)
+        self._table.remove(self.row)
         ode().dJointDestroy(self._id)
         self._id = None
 
-    def _require_bodies(self, count: int = 1) -> None:
-        """Refuse what would make ODE end the process.
+    def _require_bodies(self) -> None:
+        """Check that enough bodies are attached; dummies do not count.
 
         Raises:
-            ParameterError: fewer than `count` bodies, dummies not counted, are attached.
+            ParameterError: they are not.
         """
-        if sum(body is not None and not body.dummy for body in self.bodies) < count:
-            bodies = "two bodies" if count == 2 else "a body"
+        needed = self.bodies_needed
+        if needed and sum(body is not None and not body.dummy for body in self.bodies) < needed:
+            bodies = "two bodies" if needed == 2 else "a body"
             raise ParameterError(f"{self!r} must be attached to {bodies} first; dummies and the world do not count")
 
     def _forget_bodies(self) -> None:
@@ -132,28 +157,37 @@ class Joint:
                     body.Enable(True)
         self.bodies = (None, None)
 
-    def _call(self, verb: str, what: str, *arguments: object) -> float:
-        """Call dJoint<verb><kind><what>."""
-        return getattr(ode(), f"dJoint{verb}{self.ode_name}{what}")(self.id, *arguments)  # type: ignore[no-any-return]
+    def reset_turns(self) -> None:
+        """Count turns of all angles from zero again; see `Engine.count_turns`."""
+        self.engine.tables.attach_joint(self.row, self.id)
 
-    def _set_vector(self, what: str, values: VectorLike) -> None:
-        numbers = finite_tuple(values, 3, what, LARGEST) if "Anchor" in what else unit_axis(values, what)
-        self._call("Set", what, *numbers)
-        self.engine.joint_moved(self.row)
+    def count_turns_from(self, index: int, angle: float) -> None:
+        """Count turns of the first (0) or second (1) angle from a value [rad] on."""
+        self._table.state[self.row, index] = angle
+        self.engine.tables.joint_moved(self.row)
 
-    def _get_vector(self, what: str) -> GzVector:
+    def _set_axis(self, function: Callable[..., Any] | None, axis: VectorLike) -> None:
+        if function is not None:
+            self._require_bodies()
+            function(self.id, *unit_axis(axis, "axis"))
+            self.engine.tables.joint_moved(self.row)
+
+    def _get_vector(self, function: Callable[..., Any] | None) -> GzVector:
+        """What an ODE function writes; zero without one."""
+        if function is None:
+            return GzVector()
         out = (ctypes.c_double * 4)()
-        self._call("Get", what, out)
+        function(self.id, out)
         return GzVector(*out[:3])
 
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
-        engine, row = self.engine, self.row
-        if self._id is None:  # its row is soon another one's
+        if self._id is None:  # its row may belong to another one
             raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
-        if not engine.joint_fresh[row]:
-            engine.read_joint(row)
-        return engine.joint_values[4 * row + column]
+        table, row = self._table, self.row
+        if not table.fresh[row]:
+            table.read(row)
+        return table.values[4 * row + column]
 
     # Bodies ------------------------------------------------------------------------------------------------------
 
@@ -170,10 +204,10 @@ class Joint:
         for body in (one, two):
             if body is not None:
                 body.joints[self] = None
-        self.engine.join(self.row, self.id)
+        self.engine.tables.attach_joint(self.row, self.id)
 
     def provide_feedback(self, on: bool) -> None:
-        """Whether `feedback` is filled in each step; off at first, and then it costs nothing."""
+        """Whether `feedback` is filled in each step; off by default, and then it costs nothing."""
         if on == (self._feedback is not None):
             return
         self._feedback = JointFeedback() if on else None
@@ -181,25 +215,26 @@ class Joint:
 
     @property
     def feedback(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
-        """(force 1, torque 1, force 2, torque 2) that the joint put on its first and second body in the last step.
+        """(force 1, torque 1, force 2, torque 2) of the joint on its first and second body in the last step.
 
         Forces [N]; torques about the bodies' centres of mass [N m]; global. Zero for the world, for a body that slept,
-        and unless `provide_feedback` is on. What motors and stops do is in it, what `add torque` calls do is not.
+        and unless `provide_feedback` is on. Includes motors and stops, but not efforts applied by `SetTorque` or
+        `SetSliderForce`.
         """
-        told = self._feedback
-        if told is None:
+        result = self._feedback
+        if result is None:
             return GzVector(), GzVector(), GzVector(), GzVector()
-        first, second = (GzVector(*told.f1[:3]), GzVector(*told.t1[:3])), (GzVector(), GzVector())
+        first, second = (GzVector(*result.f1[:3]), GzVector(*result.t1[:3])), (GzVector(), GzVector())
         one, two = (body is not None and not body.dummy for body in self.bodies)
         if one and two:
-            return *first, GzVector(*told.f2[:3]), GzVector(*told.t2[:3])
+            return *first, GzVector(*result.f2[:3]), GzVector(*result.t2[:3])
         # ODE's first body is never missing.
         return (*first, *second) if one else (*second, *first)
 
     def Detach(self) -> None:
-        """Let both bodies go."""
+        """Detach both bodies."""
         self._forget_bodies()
-        self.engine.join(self.row, 0)
+        self.engine.tables.attach_joint(self.row, 0)
         ode().dJointAttach(self.id, None, None)
 
     def GetJointBody(self, index: int) -> Body | None:
@@ -208,7 +243,7 @@ class Joint:
 
     @staticmethod
     def AreConnected(one: Body, two: Body) -> bool:
-        """Whether a joint holds these two bodies together."""
+        """Whether a joint connects these two bodies."""
         return bool(one.id and two.id and ode().dAreConnected(one.id, two.id))
 
     def GetType(self) -> int:
@@ -216,7 +251,7 @@ class Joint:
         return int(self.kind)
 
     def set_spring(self, stiffness: float, damping: float, reference: float = 0.0) -> None:
-        """A spring and a damper that push in every step: stiffness (reference - position) - damping rate.
+        """Apply stiffness (reference - position) - damping rate in every step: a spring and a damper.
 
         Hinges and sliders only; [N m/rad, N m s/rad, rad] or [N/m, N s/m, m].
 
@@ -225,23 +260,26 @@ class Joint:
         """
         if self.kind not in (JointType.HINGE, JointType.SLIDER):
             raise ParameterError(f"{self!r} has no spring; hinges and sliders have")
-        self.engine.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
+        self._table.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
 
     # Parameters --------------------------------------------------------------------------------------------------
 
     def SetAnchor(self, anchor: VectorLike) -> None:
-        """Put the joint at a global point [m]."""
-        self._set_vector("Anchor", anchor)
+        """Place the joint at a global point [m]; without effect for sliders and fixed joints."""
+        if self._functions.set_anchor is not None:
+            self._require_bodies()
+            self._functions.set_anchor(self.id, *finite_tuple(anchor, 3, "anchor [m]", LARGEST))
+            self.engine.tables.joint_moved(self.row)
 
     def GetAnchor(self) -> GzVector:
-        """The global anchor on the first body [m]."""
-        return self._get_vector("Anchor")
+        """The global anchor on the first body [m]; zero for sliders and fixed joints."""
+        return self._get_vector(self._functions.get_anchor)
 
     def SetParam(self, parameter: int, value: float) -> None:
         """Set a parameter such as dParamVel [rad/s or m/s], dParamFMax [N m or N], dParamLoStop, dParamHiStop.
 
         Raises:
-            ParameterError: the number names no parameter, or the value is NaN or beyond what it may be: only stops and
+            ParameterError: the number names no parameter, or the value is NaN or out of range: only stops and
                 dParamFMax may be infinite, and CFM, ERP and bounce must not be negative.
         """
         number = joint_value(parameter, value)
@@ -249,52 +287,25 @@ class Joint:
 
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""
-        return float(self._call("Get", "Param", known_parameter(parameter)))
+        return float(self._functions.get_param(self.id, known_parameter(parameter)))
 
     def motors_off(self) -> None:
-        """Let the joint's motors go slack."""
+        """Switch the joint's motors off."""
         with contextlib.suppress(ClosedError):
             for parameter in self.motors:
                 self.SetParam(parameter, 0.0)
 
 
-class HingeJoint(Joint):
-    """One axis of rotation."""
-
-    kind, ode_name, motors = JointType.HINGE, "Hinge", (dParamFMax,)
-    _stops: tuple[float, float] = (-math.inf, math.inf)  # as wanted
-    _stopped = False  # whether ODE ever had stops to look at
-
-    def SetParam(self, parameter: int, value: float) -> None:
-        """As that of all joints.
-
-        ODE looks at a hinge's stops only where they can be met, and else goes on with what it last found, writing into
-        memory that is not its own. So a hinge that had stops once keeps one that is never met.
-        """
-        super().SetParam(parameter, value)
-        if parameter not in (dParamLoStop, dParamHiStop):
-            return
-        low, high = self._stops
-        low, high = self._stops = (float(value), high) if parameter == dParamLoStop else (low, float(value))
-        met = (low >= -math.pi or high <= math.pi) and low <= high
-        if met or self._stopped:
-            self._stopped = True
-            super().SetParam(dParamLoStop, low if met else -math.pi)
-            super().SetParam(dParamHiStop, high if met else math.inf)
-
-    def GetParam(self, parameter: int) -> float:
-        """As that of all joints."""
-        if parameter in (dParamLoStop, dParamHiStop):
-            return self._stops[parameter == dParamHiStop]
-        return super().GetParam(parameter)
+class AxisJoint(Joint):
+    """Base of joints that turn about one axis."""
 
     def SetAxis(self, axis: VectorLike) -> None:
         """The axis, global."""
-        self._set_vector("Axis", axis)
+        self._set_axis(self._functions.set_axis, axis)
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""
-        return self._get_vector("Axis")
+        return self._get_vector(self._functions.get_axis)
 
     def GetAngle(self) -> float:
         """Angle [rad]."""
@@ -304,6 +315,49 @@ class HingeJoint(Joint):
         """Angular velocity [rad/s]."""
         return self._value(2)
 
+
+class HingeJoint(AxisJoint):
+    """One axis of rotation."""
+
+    kind, motors = JointType.HINGE, (dParamFMax,)
+    _stops: tuple[float, float] = (-math.inf, math.inf)  # as set by callers
+    _stopped = False  # whether ODE ever had stops
+
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(
+            lib.dJointCreateHinge,
+            lib.dJointSetHingeParam,
+            lib.dJointGetHingeParam,
+            lib.dJointSetHingeAnchor,
+            lib.dJointGetHingeAnchor,
+            lib.dJointSetHingeAxis,
+            lib.dJointGetHingeAxis,
+        )
+
+    def SetParam(self, parameter: int, value: float) -> None:
+        """As that of all joints.
+
+        ODE evaluates a hinge's stops only if they can be reached, and otherwise continues with its last result, writing
+        into memory that is not its own. So a hinge that once had stops keeps one that is never reached.
+        """
+        super().SetParam(parameter, value)
+        if parameter not in (dParamLoStop, dParamHiStop):
+            return
+        low, high = self._stops
+        low, high = self._stops = (float(value), high) if parameter == dParamLoStop else (low, float(value))
+        reachable = (low >= -math.pi or high <= math.pi) and low <= high
+        if reachable or self._stopped:
+            self._stopped = True
+            super().SetParam(dParamLoStop, low if reachable else -math.pi)
+            super().SetParam(dParamHiStop, high if reachable else math.inf)
+
+    def GetParam(self, parameter: int) -> float:
+        """As that of all joints."""
+        if parameter in (dParamLoStop, dParamHiStop):
+            return self._stops[parameter == dParamHiStop]
+        return super().GetParam(parameter)
+
     def SetTorque(self, torque: float) -> None:
         """Add a torque about the axis for one step [N m]."""
         ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
@@ -312,30 +366,32 @@ class HingeJoint(Joint):
 class SliderJoint(Joint):
     """One axis of translation. It has no anchor."""
 
-    kind, ode_name, motors = JointType.SLIDER, "Slider", (dParamFMax,)
+    kind, motors, bodies_needed = JointType.SLIDER, (dParamFMax,), 1
 
-    def SetAnchor(self, anchor: VectorLike) -> None:
-        """Without effect: a slider has no anchor."""
-
-    def GetAnchor(self) -> GzVector:
-        """Zero: a slider has no anchor."""
-        return GzVector()
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(
+            lib.dJointCreateSlider,
+            lib.dJointSetSliderParam,
+            lib.dJointGetSliderParam,
+            set_axis=lib.dJointSetSliderAxis,
+            get_axis=lib.dJointGetSliderAxis,
+        )
 
     def SetAxis(self, x: float, y: float, z: float) -> None:
         """The axis, global."""
-        self._require_bodies()
-        self._set_vector("Axis", (x, y, z))
+        self._set_axis(self._functions.set_axis, (x, y, z))
 
     def GetAxis(self) -> GzVector:
         """The axis, global."""
-        return self._get_vector("Axis")
+        return self._get_vector(self._functions.get_axis)
 
     def GetPosition(self) -> float:
         """Position along the axis [m]."""
         return self._value(0)
 
     def GetPositionRate(self) -> float:
-        """Velocity along the axis [m/s]: that of one body less that of the other, which is not zero where both turn."""
+        """Velocity along the axis [m/s]: that of one body less that of the other, which is not zero if both turn."""
         return self._value(2)
 
     def SetSliderForce(self, force: float) -> None:
@@ -347,21 +403,28 @@ class SliderJoint(Joint):
 class BallJoint(Joint):
     """Three axes of rotation about the anchor."""
 
-    kind, ode_name = JointType.BALL, "Ball"
+    kind = JointType.BALL
+
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(
+            lib.dJointCreateBall,
+            lib.dJointSetBallParam,
+            lib.dJointGetBallParam,
+            lib.dJointSetBallAnchor,
+            lib.dJointGetBallAnchor,
+        )
 
 
 class FixedJoint(Joint):
     """No freedom at all: the pose of one body in the other at the time of `SetFixed` is kept."""
 
-    kind, ode_name = JointType.FIXED, "Fixed"
+    kind = JointType.FIXED
 
-    def SetAnchor(self, anchor: VectorLike) -> None:
-        """Without effect: a fixed joint has no anchor."""
-
-    def GetAnchor(self) -> GzVector:
-        """Zero: a fixed joint has no anchor."""
-        return GzVector()
+    @staticmethod
+    def _ode_functions(lib: OdeLibrary) -> JointFunctions:
+        return JointFunctions(lib.dJointCreateFixed, lib.dJointSetFixedParam, lib.dJointGetFixedParam)
 
     def SetFixed(self) -> None:
-        """Keep the bodies as they stand now."""
+        """Keep the bodies at their current relative pose."""
         ode().dJointSetFixed(self.id)

@@ -97,7 +97,7 @@ def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass
         pose: the centre of mass and those axes, in the body frame.
 
     Raises:
-        ParameterError: the mass is not above zero, or the moments are not those of any body.
+        ParameterError: the mass is not above zero, or the moments are not positive definite.
     """
     mass = Mass()
     numbers = finite_tuple(moments, 6, "moments of inertia [kg m^2]", LARGEST * LARGEST)
@@ -111,7 +111,7 @@ def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass
 
 
 def about_centre(mass: Mass) -> Mass:
-    """The same body seen from its own centre of mass, which is what ODE wants."""
+    """The same body seen from its own centre of mass, as ODE requires."""
     result = _copy(mass)
     ode().dMassTranslate(_address(result), *(-c for c in mass.c[:3]))
     result.c[:] = (0.0, 0.0, 0.0, 0.0)
@@ -119,7 +119,7 @@ def about_centre(mass: Mass) -> Mass:
 
 
 def about_origin(mass: Mass) -> Mass:
-    """The error of the old server: the inertia stays that about the body's origin, whatever the centre of mass."""
+    """The error of the legacy server: the inertia stays that about the body's origin, whatever the centre of mass."""
     result = _copy(mass)
     result.c[:] = (0.0, 0.0, 0.0, 0.0)
     return result

@@ -1,4 +1,4 @@
-"""Polygons in the plane, cut into triangles and drawn out to solids."""
+"""Polygons in the plane, cut into triangles and extruded to solids."""
 
 from __future__ import annotations
 

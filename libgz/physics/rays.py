@@ -1,28 +1,24 @@
-"""RayProximity: a bundle of rays fixed to a body; laser scanners and sonars are made of it."""
+"""RayProximity: a bundle of rays fixed to a body, for laser scanners and sonars."""
 
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
-from libgz.geometry import GzCoordPositionAdd, GzVector, rotate
+from libgz.geometry import GzCoordPositionAdd, GzVector, VectorLike, rotate
 from libgz.ode.context import RayScan
+from libgz.physics.body import Body
 from libgz.physics.check import finite_tuple
-
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.body import Body
-    from libgz.physics.engine import HasEngine
+from libgz.physics.engine import HasEngine
 
 __all__ = ["RayProximity"]
 
 
 class RayProximity:
-    """Rays from a body into the world; they see all geoms but those of the body itself.
+    """Rays from a body into the world; they hit all geoms but those of the body itself.
 
     Args:
         world: the World.

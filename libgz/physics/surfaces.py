@@ -1,14 +1,13 @@
-"""Ground made of triangles, and points that are only drawn: TerrainGeom, RoadGeom, PointSetGeom."""
+"""Ground made of triangles, and points that are only rendered: TerrainGeom, RoadGeom, PointSetGeom."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
-from libgz.geometry import GzVector
+from libgz.geometry import GzVector, VectorLike
+from libgz.physics.body import Body
 from libgz.physics.check import finite, finite_tuple, positive, table
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import TriMeshGeom
@@ -20,22 +19,18 @@ from libgz.physics.meshes import (
     triangle_normals,
     vertex_normals,
 )
-
-if TYPE_CHECKING:
-    from libgz.geometry import VectorLike
-    from libgz.physics.body import Body
-    from libgz.physics.engine import Space
+from libgz.physics.space import Space
 
 __all__ = ["PointSetGeom", "RoadGeom", "TerrainGeom"]
 
 GRID = 0.5  # between vertices of a road, along and across [m]
 HALF_WIDTH = 16  # vertices on either side of a road's middle
 FOOT = 0.10  # how far below z = 0 the edges of a road lie [m]
-EDGE = 2  # profile points on either side that are drawn down to there
+EDGE = 2  # profile points on either side that are moved down to there
 
 
 class _GroundGeom(TriMeshGeom):
-    """A mesh that comes after the geom: nothing to touch until then."""
+    """A mesh that is set after construction; until then nothing touches the geom."""
 
     def __init__(self, body: Body, space: Space | None) -> None:
         Geom.__init__(self, body, space)
@@ -45,22 +40,22 @@ class _GroundGeom(TriMeshGeom):
 
 
 class TerrainGeom(_GroundGeom):
-    """Hilly ground: a triangle mesh that `Load` or `LoadGrid` brings."""
+    """Hilly ground: a triangle mesh, set by `Load` or `LoadGrid`."""
 
-    strip: NDArray[np.uint32] | None = None  # the same mesh as one triangle strip, for drawing
+    strip: NDArray[np.uint32] | None = None  # the same mesh as one triangle strip, for rendering
 
     def Load(self, packedVertices: ArrayLike, stripIndices: ArrayLike, odeIndices: ArrayLike) -> None:
-        """Take on a mesh.
+        """Set the mesh.
 
         Triangles that name a vertex out of range, or have no area, are left out.
 
         Args:
             packedVertices: texture s, t, colour r, g, b, a, normal x, y, z, position x, y, z [m]; shape (n, 12).
-            stripIndices: one triangle strip for drawing, shape (k,).
+            stripIndices: one triangle strip for rendering, shape (k,).
             odeIndices: triangles, counter-clockwise seen from above, shape (m, 3) or (3 m,).
 
         Raises:
-            ParameterError: there is nothing left to touch, or a number is not finite.
+            ParameterError: no triangle is left, or a number is not finite.
         """
         packed = table(packedVertices, 12, "vertices").astype(np.float64)
         if not np.isfinite(packed).all():
@@ -74,10 +69,10 @@ class TerrainGeom(_GroundGeom):
         self.set_mesh(packed[:, 9:], triangles)
 
     def LoadGrid(self, heights: ArrayLike, spacing: float, repeats: tuple[float, float] = (1.0, 1.0)) -> None:
-        """Take on heights on a square grid whose first corner is the origin.
+        """Set heights on a square grid whose first corner is the origin.
 
         Args:
-            heights: [m], shape (rows, columns): rows go along +y, columns along +x.
+            heights: [m], shape (rows, columns): rows along +y, columns along +x.
             spacing: between neighbours [m].
             repeats: how often a texture repeats over the whole in x and y.
 
@@ -110,7 +105,7 @@ class RoadGeom(_GroundGeom):
 
     def __init__(self, body: Body, space: Space | None) -> None:
         super().__init__(body, space)
-        self.signs: list[tuple[GzVector, str]] = []  # where they stand [m], and what is on them
+        self.signs: list[tuple[GzVector, str]] = []  # position [m] and text
         self._track: list[tuple[float, ...]] = []
         self._distances: list[float | None] = []
         self._profiles: list[list[float]] = []
@@ -146,16 +141,16 @@ class RoadGeom(_GroundGeom):
         self._profiles[index].append(finite(pz, "profile height [m]"))
 
     def AddSign(self, point: VectorLike, text: str) -> None:
-        """A sign with a text; the point is where its foot is drawn from [m]."""
+        """A sign with a text; the point is where its foot is [m]."""
         self.signs.append((GzVector(*finite_tuple(point, 3, "sign [m]")), text))
 
     def UpdateMesh(self, point: VectorLike = (0.0, 0.0, 0.0)) -> None:
-        """Build the mesh. `point`, about which the old server drew a part of it, has no effect.
+        """Build the mesh. `point`, about which the legacy server rendered a part of it, has no effect.
 
         The curve needs a point beyond each end: the road goes from the second to the last but one.
 
         Raises:
-            ParameterError: there are fewer than four track points, or they do not go on along the road.
+            ParameterError: there are fewer than four track points, or their distances do not increase.
         """
         track = np.array(self._track).reshape(-1, 3)
         if len(track) < 4:
@@ -213,10 +208,10 @@ class RoadGeom(_GroundGeom):
 
 
 class PointSetGeom(Geom):
-    """Points that are only drawn.
+    """Points that are only rendered.
 
     Args:
-        body: what they go with.
+        body: which they follow.
         space: the model's space; nothing touches the points.
         n: how many.
         points: in the geom's frame [m], shape (n, 3).
@@ -226,6 +221,4 @@ class PointSetGeom(Geom):
         super().__init__(body, space)
         self.points: NDArray[np.float64] = np.array(points, dtype=np.float64).reshape(-1, 3)
         if len(self.points) != n or not np.isfinite(self.points).all():
-            raise ParameterError(
-                f"a point set of {n} was given {len(self.points)} points; all must be there and finite"
-            )
+            raise ParameterError(f"a point set of {n} got {len(self.points)} points; all must be given and finite")

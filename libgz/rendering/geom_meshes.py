@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from libgz.ode.types import ContactRule
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import (
     BoxGeom,
@@ -75,7 +76,7 @@ def meshes_of(geom: Geom, segments: int, local_lights: bool = False) -> list[Mes
     With `local_lights`, large boxes and planes of classic worlds are split into patches, because OpenGL computes light
     at vertices only. The old server used the corners of its boxes.
     """
-    if local_lights and geom.body.engine.classic:
+    if local_lights and geom.body.engine.contact_rule is ContactRule.CLASSIC:
         if type(geom) is BoxGeom:
             x, y, z = geom.size
             return [mesh.box(x, y, z, PATCH)]

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
+from libgz.ode.types import ContactRule
 from libgz.physics.geom import Geom
 from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
@@ -346,7 +347,7 @@ def _colors(geom: Geom) -> tuple[Color, Color, Color, Color, float]:
     """Ambient, diffuse, specular colour, emission, shininess. In classic worlds, no shininess means no highlights."""
     a = geom.appearance
     red, green, blue, alpha = a.diffuse
-    dull = geom.body.engine.classic and a.shininess <= 0.0
+    dull = geom.body.engine.contact_rule is ContactRule.CLASSIC and a.shininess <= 0.0
     specular = (0.0, 0.0, 0.0, 1.0) if dull else tuple(a.specular)
     return (
         tuple(a.ambient),

@@ -152,8 +152,8 @@ class Scene:
     def _refresh(self) -> None:
         """Collect the content again, if geoms were added, removed, or changed their appearance."""
         engine = self.world.engine
-        if engine.surface_edits != self._edits:
-            self._edits = engine.surface_edits
+        if engine.tables.geoms.edits != self._edits:
+            self._edits = engine.tables.geoms.edits
             self._geoms = [geom for _, geom in sorted(engine.geoms.items())]
             self._geoms.sort(key=lambda geom: geom.body.number)
             self._looks = [geom.appearance for geom in self._geoms]

@@ -169,13 +169,12 @@ class Mechanism:
     def count_from(self, position: float, index: int) -> None:
         """Write a position into the engine's table: turns are counted from it."""
         if self.joint is not None:
-            self.joint.engine.joint_state[self.joint.row, self.column(index)] = position
-            self.joint.engine.joint_moved(self.joint.row)
+            self.joint.count_turns_from(self.column(index), position)
 
     def restore(self) -> None:
         """Count turns from zero again."""
         if self.joint is not None:
-            self.joint.engine.join(self.joint.row, self.joint.id)
+            self.joint.reset_turns()
 
     def update(self) -> None:
         """Prepare the coming step."""

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator
 from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
-from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
 from libgz.physics.mass import given_mass
+from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, read_joint
 from libgz.sdfworld.joint import SdfJoint

@@ -13,12 +13,12 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.physics.check import positive
-from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.mesh_files import MeshPart, read_mesh
 from libgz.physics.meshes import grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
+from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 

@@ -22,7 +22,6 @@ def set_surface(geom: Geom, element: Element) -> None:
     surface = element.child("surface")
     contact, bounce, all_friction = surface.child("contact"), surface.child("bounce"), surface.child("friction")
     ode, friction = contact.child("ode"), all_friction.child("ode")
-    engine, row = geom.body.engine, geom.row
     geom.SetFriction(_coefficient(friction, "mu"), _coefficient(friction, "mu2"))
     geom.SetHardness(ode.Get(float, "kp"), abs(finite(ode.Get(float, "kd"), "kd [N s/m]")))
     x, y, z = finite_tuple(friction.Get(GzVector, "fdir1"), 3, "fdir1", LARGEST)
@@ -48,7 +47,7 @@ def set_surface(geom: Geom, element: Element) -> None:
             Surface.RADIUS: _size(torsional, "surface_radius"),
         }
     for column, value in values.items():
-        engine.set_surface(row, column, float(value))
+        geom.set_surface(column, float(value))
 
 
 def _size(element: Element, key: str) -> float:
@@ -71,5 +70,5 @@ def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> No
     ode = last.child("surface").child("contact").child("ode")
     speed = 0.0 if still else max(0.0, finite(ode.Get(float, "max_vel"), "max_vel [m/s]"))
     for geom in geoms:
-        geom.body.engine.set_surface(geom.row, Surface.MAX_VEL, speed)
-        geom.body.engine.set_surface(geom.row, Surface.MIN_DEPTH, _size(ode, "min_depth"))
+        geom.set_surface(Surface.MAX_VEL, speed)
+        geom.set_surface(Surface.MIN_DEPTH, _size(ode, "min_depth"))

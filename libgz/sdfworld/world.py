@@ -6,6 +6,7 @@ import logging
 from collections.abc import Iterable
 
 from libgz.errors import Diagnostics, GazeboError, NotFoundError, WorldFileError, nearest
+from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.light import SdfLight
@@ -48,7 +49,8 @@ class SdfWorld(Era):
         """Make the world one of classic: its contact rule, its time convention, the name of the document's world."""
         world = self.world
         world.era = self
-        world.engine.classic = True
+        world.engine.contact_rule = ContactRule.CLASSIC
+        world.engine.count_turns = world.engine.check_divergence = True
         self.file = file
         named = next(file.root.named("world"), None)
         world.name = named.Get(str, "name") if named is not None else world.name

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
-from libgz.physics.engine import Space
+from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
 
 if TYPE_CHECKING:

@@ -17,8 +17,9 @@ from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
 from libgz.physics.body import Body
 from libgz.physics.check import finite, not_negative
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
+from libgz.physics.space import Space
 from libgz.simulation.agenda import Agenda
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion

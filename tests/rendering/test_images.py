@@ -17,7 +17,7 @@ from PIL import Image
 import libgz
 from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
-from libgz.physics.engine import Space
+from libgz.physics.space import Space
 from libgz.rendering import mesh
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context

@@ -121,7 +121,7 @@ def test_a_height_map_carries(load, tmp_path):
     geom = made.model("ground").bodies[0].geoms[0]
     assert geom.vertices[:, 2].min() == 1.0
     assert geom.vertices[:, 2].max() == pytest.approx(3.0)
-    assert made.engine.surface[geom.row, Surface.MAX_VEL] == 0.0
+    assert made.engine.tables.geoms.surface[geom.row, Surface.MAX_VEL] == 0.0
     with pytest.raises(WorldFileError, match=r"<uri> is missing|needs the <uri>"):
         load(world(model("m", link("l", collision("<heightmap/>")))))
 

@@ -29,10 +29,10 @@ class FrictionPyramid:
         self._geom = geom
 
     def _get(self, column: Surface) -> float:
-        return float(self._geom.body.engine.surface[self._geom.row, column])
+        return self._geom.surface(column)
 
     def _set(self, column: Surface, value: float) -> None:
-        self._geom.body.engine.set_surface(self._geom.row, column, value if value >= 0.0 else math.inf)
+        self._geom.set_surface(column, value if value >= 0.0 else math.inf)
 
     def MuPrimary(self) -> float:
         """The coefficient along the first direction."""
@@ -86,7 +86,7 @@ class SurfaceParams:
     def __getattr__(self, name: str) -> Any:
         if name not in self._COLUMNS:
             raise AttributeError(f"a surface has no {name!r}; it has {', '.join(self._COLUMNS)}")
-        value = float(self._geom.body.engine.surface[self._geom.row, self._COLUMNS[name]])
+        value = self._geom.surface(self._COLUMNS[name])
         return int(value) if name == "collideBitmask" else value
 
     def __setattr__(self, name: str, value: float) -> None:
@@ -94,7 +94,7 @@ class SurfaceParams:
             raise AttributeError(f"a surface has no {name!r}; it has {', '.join(self._COLUMNS)}")
         if not value >= 0.0:
             raise ParameterError(f"{name} is {value!r}; it must not be negative")
-        self._geom.body.engine.set_surface(self._geom.row, self._COLUMNS[name], float(value))
+        self._geom.set_surface(self._COLUMNS[name], float(value))
 
     def FrictionPyramid(self) -> FrictionPyramid:
         """The friction coefficients."""
@@ -113,7 +113,7 @@ class Collision(Entity):
         super().__init__(link.GetWorld(), name, link)
         self.link, self.geom = link, geom
         self._sdf = link.model.geom_sdf(geom)
-        self._bits = float(geom.body.engine.surface[geom.row, Surface.BITS])
+        self._bits = geom.surface(Surface.BITS)
 
     def pose(self) -> GzPose:
         """Global pose [m]."""
@@ -176,18 +176,17 @@ class Collision(Entity):
         """
         if mode not in MODES:
             raise ParameterError(f"collide mode {mode!r} is not known; allowed are {', '.join(MODES)}")
-        engine, row = self.geom.body.engine, self.geom.row
-        now = float(engine.surface[row, Surface.BITS])
+        now = self.geom.surface(Surface.BITS)
         self._bits = now or self._bits  # 0 while the mode allows no contacts
-        engine.set_surface(row, Surface.BITS, self._bits if MODES[mode] else 0.0)
+        self.geom.set_surface(Surface.BITS, self._bits if MODES[mode] else 0.0)
 
     def SetMaxContacts(self, maxContacts: int) -> None:
         """Set the maximum number of contact points with another collision."""
-        self.geom.body.engine.set_surface(self.geom.row, Surface.MAX_CONTACTS, float(maxContacts))
+        self.geom.set_surface(Surface.MAX_CONTACTS, float(maxContacts))
 
     def GetMaxContacts(self) -> int:
         """The maximum number of contact points with another collision."""
-        return int(self.geom.body.engine.surface[self.geom.row, Surface.MAX_CONTACTS])
+        return int(self.geom.surface(Surface.MAX_CONTACTS))
 
     def SetLaserRetro(self, retro: float) -> None:
         """Set the laser retro value: the intensity of returned laser rays."""

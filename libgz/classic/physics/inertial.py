@@ -25,7 +25,7 @@ class Inertial:
             held = body.GetMass()
             i = held.I
             self._matrix = MassMatrix3d(held.mass, (i[0], i[5], i[10]), (i[1], i[2], i[6]))
-            self._centre = Vector3d(*body.engine.com[body.row].tolist())
+            self._centre = Vector3d(*body.com)
 
     def matrix(self) -> OdeMass:
         """ODE's mass matrix in the link frame."""

@@ -94,12 +94,12 @@ class Link(Entity):
 
     def WorldLinearAccel(self) -> Vector3d:
         """Linear acceleration of the centre of mass in the last step [m/s^2]; measured from the first call on."""
-        self.body.engine.watch_motion = True
+        self.body.engine.record_motion = True
         return Vector3d(*self.body.GetLinearAccel())
 
     def WorldAngularAccel(self) -> Vector3d:
         """Angular acceleration in the last step [rad/s^2]; measured from the first call on."""
-        self.body.engine.watch_motion = True
+        self.body.engine.record_motion = True
         return Vector3d(*self.body.GetAngularAccel())
 
     # Forces ------------------------------------------------------------------------------------------------------

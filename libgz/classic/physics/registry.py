@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.errors import NotFoundError
+from libgz.ode.types import ContactRule
 from libgz.simulation.event import owner
 from libgz.simulation.world import World as CoreWorld
 
@@ -18,7 +19,7 @@ def worlds() -> list[World]:
     """All SDF worlds that run in this process, oldest first."""
     found = []
     for core in CoreWorld.all_running():
-        if core.engine.classic:
+        if core.engine.contact_rule is ContactRule.CLASSIC:
             core.attach_era()
             found.append(core.view)
     return found

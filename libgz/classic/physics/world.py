@@ -57,7 +57,6 @@ class World(Base):
 
     def __init__(self, core: CoreWorld, server: WorldServices) -> None:
         self.core, self.server = core, server
-        self.scene: object = None  # set by libgz.classic.rendering
         super().__init__(self, core.name, None)
 
     def Name(self) -> str:

@@ -48,9 +48,11 @@ NOON = 10.0  # [h] time of day of a sky that is switched on
 
 def scene_of(world: World) -> Scene:
     """The scene of a world."""
-    if not isinstance(world.scene, Scene):
-        world.scene = Scene(world)
-    return world.scene
+    return world.core.extension(_new_scene)
+
+
+def _new_scene(core: CoreWorld) -> Scene:
+    return Scene(core.view)
 
 
 def get_scene(name: str = "") -> Scene:

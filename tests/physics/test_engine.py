@@ -1,17 +1,15 @@
-"""Physics against formulas, and the native step against the Python one."""
+"""Physics against formulas."""
 
 import math
-import zlib
 
 import numpy as np
 import pytest
-from engine_parts import G, box, cylinder, ground, solid
+from engine_parts import G, box, busy_world, ground, solid
 
 import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError
-from libgz.ode.lib import ode
-from libgz.ode.native_step import native_path
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 
 def test_free_fall_is_semi_implicit_euler():
@@ -167,86 +165,6 @@ def test_universal_and_ball_and_fixed_hold():
             assert body.GetPosition().x == pytest.approx(0.5, abs=1e-4)
 
 
-def busy_world():
-    engine = Engine(seed=7, solver="quick")
-    ground(engine)
-    generator = np.random.default_rng(3)
-    makers = (
-        box(0.3, 0.2, 0.4),
-        cylinder,
-        lambda b, s: libgz.SphereGeom(b, s, 0.2),
-        lambda b, s: libgz.CapsuleGeom(b, s, 0.1, 0.3),
-    )
-    bodies = [
-        solid(engine, makers[i % 4], position=(*generator.uniform(-0.5, 0.5, 2), 0.5 + 0.5 * i), friction=0.7)
-        for i in range(16)
-    ]
-    for one, two in zip(bodies[::4], bodies[1::4], strict=True):
-        hinge = libgz.HingeJoint(engine)
-        hinge.Attach(one, two)
-        hinge.SetAnchor(one.GetPosition())
-        hinge.SetAxis((0, 1, 0))
-    return engine
-
-
-def run_busy_world(solver, steps=400):
-    engine = busy_world()
-    engine.solver = solver
-    contacts = 0
-    for _ in range(steps):
-        engine.step()
-        contacts += engine.contact_count
-    rays = np.array([[0, 0, 0.3, math.cos(a), math.sin(a), 0, 6.0] for a in np.linspace(0, 6, 50)])
-    ranges, rows = np.empty(50), np.empty(50, dtype=np.int64)
-    engine.scan(np.array([-2.0, 0, 0, 1, 0, 0, 0]), rays, 0, ranges, rows)
-    joints = [j.GetAngleRate() for j in engine.joints.values()]
-    return engine.step_form.name, (engine.states.tobytes(), ranges.tobytes(), rows.tobytes(), tuple(joints), contacts)
-
-
-@pytest.mark.parametrize("solver", ["world", "quick"])
-def test_native_and_python_step_agree_to_the_bit(solver, monkeypatch):
-    if native_path() is None:
-        pytest.skip("the native step was not built: there is no C compiler here")
-    monkeypatch.setenv("LIBGZ_STEP", "native")
-    native = run_busy_world(solver)
-    monkeypatch.setenv("LIBGZ_STEP", "python")
-    python = run_busy_world(solver)
-    assert (native[0], python[0]) == ("native", "python")
-    assert native[1] == python[1]
-    assert native[1][4] > 1000  # contacts there were
-
-
-def test_two_worlds_do_not_disturb_each_other():
-    alone = run_busy_world("quick", 200)[1][0]
-    first, second = busy_world(), busy_world()
-    for _ in range(200):
-        first.step()
-        second.step()
-        second.step()
-    assert zlib.crc32(first.states.tobytes()) == zlib.crc32(alone)
-
-
-def test_python_step_raises_what_a_callback_raises(monkeypatch):
-    monkeypatch.setenv("LIBGZ_STEP", "python")
-    engine = Engine()
-    ground(engine)
-    solid(engine, box(1, 1, 1), position=(0, 0, 0.4))
-
-    def broken(*_):
-        raise RuntimeError("inside the callback")
-
-    monkeypatch.setattr(engine.step_form, "_look_up_pair", broken)
-    engine.step_form._near = engine.step_form._make_near()
-    with pytest.raises(RuntimeError, match="inside the callback"):
-        engine.step()
-
-
-def test_unknown_step_form(monkeypatch):
-    monkeypatch.setenv("LIBGZ_STEP", "fast")
-    with pytest.raises(ParameterError, match="auto, native, python"):
-        Engine()
-
-
 @pytest.mark.parametrize(
     "misuse",
     [
@@ -316,29 +234,6 @@ def test_worlds_are_freed_without_being_closed():
     del engine
     gc.collect()
     assert gone() is None
-
-
-def test_undeclared_and_absent_functions_explain_themselves(monkeypatch):
-    library = ode()
-    with pytest.raises(AttributeError, match="did you mean 'dWorldStep'"):
-        _ = library.dWorldStepp
-    monkeypatch.setitem(library._declared, "dNoSuchFunction", (None, []))
-    with pytest.raises(libgz.LibraryError, match="has no function dNoSuchFunction"):
-        library.dNoSuchFunction()
-
-
-def test_all_declared_functions_exist():
-    library = ode()
-    missing = [name for name in library._declared if not hasattr(library._shared, name)]
-    assert missing == []
-
-
-def test_a_missing_library_says_how_to_install_it(monkeypatch):
-    from libgz.ode import lib
-
-    monkeypatch.setenv("LIBGZ_ODE", "libnothere.so.1")
-    with pytest.raises(libgz.LibraryError, match="apt-get install libode8"):
-        lib.OdeLibrary()
 
 
 @pytest.mark.parametrize(

@@ -1,42 +1,20 @@
-"""What contacts and joints did: records of contact points, and feedback of joints."""
+"""Records of contact points, and feedback of joints."""
 
 import numpy as np
 import pytest
+from engine_parts import dressed_box as box, dressed_ground as ground, in_both_forms, use_classic
 
 import libgz
-from libgz.ode.native_step import native_path
-from libgz.ode.types import Surface
-from libgz.physics.engine import Engine, Space
-
-FORMS = ["python"] + (["native"] if native_path() is not None else [])
+from libgz.ode.types import ContactRule
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 
 
-@pytest.fixture(params=FORMS)
-def engine(request, monkeypatch):
-    monkeypatch.setenv("LIBGZ_STEP", request.param)
-    made = Engine(step_time=0.001, gravity=(0, 0, -10))
-    made.classic = True
-    made.record_contacts = True
-    return made
-
-
-def ground(engine, **surface):
-    return dress(libgz.PlaneGeom(libgz.Body(engine, dummy=True), Space(engine), 0.0, (0, 0, 1)), **surface)
-
-
-def dress(geom, mu=1.0, **more):
-    for name, value in {"KP": 1e12, "KD": 1.0, "MAX_VEL": 0.01, "BOUNCE_VEL": 1e5, **more}.items():
-        geom.body.engine.set_surface(geom.row, Surface[name], value)
-    geom.SetFriction(mu)
-    return geom
-
-
-def box(engine, position, mass=1.0, height=1.0, **surface):
-    body = libgz.Body(engine)
-    geom = libgz.BoxGeom(body, Space(engine), 1, 1, height)
-    geom.SetMass(mass)
-    body.SetPosition(position)
-    return dress(geom, **surface)
+@pytest.fixture
+def engine(classic_engine):
+    classic_engine.gravity = (0, 0, -10)
+    classic_engine.record_contacts = True
+    return classic_engine
 
 
 def steps(engine, count):
@@ -96,7 +74,7 @@ def test_after_collide_alone_the_points_are_there_and_the_forces_are_not(engine)
     assert (engine.contacts["force1"] + engine.contacts["force2"])[:, 2].sum() > 1.0
 
 
-def test_ghosts_are_told_and_do_not_push(engine):
+def test_ghosts_are_recorded_without_effect(engine):
     ground(engine, GHOST_BITS=1)
     falls = box(engine, (0, 0, 0.5), GHOST=1, GHOST_BITS=1)
     unseen = box(engine, (3, 0, 0.5), GHOST=1, GHOST_BITS=2)
@@ -115,7 +93,7 @@ def test_records_are_off_at_first_and_change_nothing(engine):
     for record in (False, True):
         for solver in ("world", "quick"):
             twin = Engine(step_time=0.001, solver=solver, seed=7)
-            twin.classic = True
+            use_classic(twin)
             assert not twin.record_contacts
             twin.record_contacts = record
             ground(twin)
@@ -128,7 +106,7 @@ def test_records_are_off_at_first_and_change_nothing(engine):
 
 
 def test_legacy_worlds_are_recorded_too(engine):
-    engine.classic = False
+    engine.contact_rule = ContactRule.LEGACY
     ground(engine)
     box(engine, (0, 0, 0.5), mass=2.0)
     steps(engine, 200)
@@ -136,13 +114,10 @@ def test_legacy_worlds_are_recorded_too(engine):
 
 
 def test_both_forms_record_the_same_bits(monkeypatch):
-    if len(FORMS) < 2:
-        pytest.skip("the native step was not built: there is no C compiler here")
-    ends = []
-    for form in FORMS:
-        monkeypatch.setenv("LIBGZ_STEP", form)
+    def run():
         twin = Engine(step_time=0.001, solver="quick", seed=3)
-        twin.classic = twin.record_contacts = twin.cone = twin.watch_motion = True
+        use_classic(twin)
+        twin.record_contacts = twin.cone = twin.record_motion = True
         ground(twin, mu=0.8, TORSION=0.5)
         for i in range(40):
             place, spin = (0.4 * (i % 7), 0.3 * (i // 7), 0.6 + 1.1 * (i // 7)), {"MAX_CONTACTS": 3 + i % 5}
@@ -155,9 +130,11 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         for _ in range(120):
             twin.step()
             kept.append(twin.contacts.tobytes())
-        ends.append((kept, twin.states.tobytes() + twin.body_start.tobytes()))
-    assert ends[0] == ends[1]
-    assert any(ends[0][0])
+        return kept, twin.states.tobytes() + twin.tables.bodies.start.tobytes()
+
+    native, python = in_both_forms(run, monkeypatch)
+    assert native == python
+    assert any(native[0])
 
 
 def test_records_outlive_the_engine_that_made_them(engine):
@@ -183,11 +160,11 @@ def test_feedback_of_a_joint_that_carries_a_body(engine, first):
     assert all(tuple(v) == (0, 0, 0) for v in joint.feedback)
     joint.provide_feedback(True)
     engine.step()
-    told = joint.feedback
-    force, torque = told[:2] if first else told[2:]
+    result = joint.feedback
+    force, torque = result[:2] if first else result[2:]
     assert tuple(force) == pytest.approx((0, 0, 20.0))
     assert tuple(torque) == pytest.approx((0, 0, 0), abs=1e-9)
-    assert all(tuple(v) == (0, 0, 0) for v in (told[2:] if first else told[:2]))
+    assert all(tuple(v) == (0, 0, 0) for v in (result[2:] if first else result[:2]))
     joint.provide_feedback(False)
     assert tuple(joint.feedback[0]) == (0, 0, 0)
 
@@ -226,7 +203,7 @@ def test_accelerations_and_applied_forces(engine):
     body.SetPosition((0, 0, 5))
     engine.step()
     assert tuple(body.GetLinearAccel()) == (0, 0, 0)
-    engine.watch_motion = True
+    engine.record_motion = True
     body.SetLinearVel((3.0, 0, 0))
     body.AddForce(4.0, 0, 0)
     body.AddTorque(0, 0, 1.0)

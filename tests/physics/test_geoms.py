@@ -6,7 +6,8 @@ from engine_parts import box, cylinder, ground, solid
 
 import libgz
 from libgz.physics.body import Body
-from libgz.physics.engine import Engine, Space
+from libgz.physics.engine import Engine
+from libgz.physics.space import Space
 from libgz.physics.surfaces import PointSetGeom
 
 
@@ -141,7 +142,7 @@ def test_point_sets_are_drawn_and_touch_nothing():
     points = PointSetGeom(Body(engine, dummy=True), Space(engine), 2, [(0, 0, 0), (1, 2, 3)])
     assert points.points.tolist() == [[0, 0, 0], [1, 2, 3]]
     assert points.GetGeomId() == 0
-    with pytest.raises(libgz.ParameterError, match="a point set of 3 was given 2"):
+    with pytest.raises(libgz.ParameterError, match="a point set of 3 got 2 points"):
         PointSetGeom(points.body, None, 3, points.points)
     engine.close()
 

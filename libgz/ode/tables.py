@@ -1,0 +1,359 @@
+"""The state tables: arrays with one row for each body, joint and geom, which both forms of the step read and fill.
+
+Setters mark rows as stale, getters read a stale row from ODE first. step.c gets the addresses of the arrays and
+describes their columns.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.geometry import rotate
+from libgz.ode.context import StepContext
+from libgz.ode.lib import OdeLibrary
+from libgz.ode.types import SURFACE_COLUMNS, JointType, Surface, dInfinity
+
+__all__ = ["BodyTable", "GeomTable", "JointTable", "Tables", "unwound"]
+
+_FIRST_SIZE = 16  # rows
+
+# Of a new geom: kp 1e4 N/m, no damper, infinite friction.
+_DEFAULT_SURFACE = np.zeros(SURFACE_COLUMNS)
+_DEFAULT_SURFACE[[Surface.KP, Surface.MU, Surface.MU2, Surface.TORSION]] = 1e4, dInfinity, dInfinity, dInfinity
+_DEFAULT_SURFACE[[Surface.MAX_CONTACTS, Surface.MAX_VEL, Surface.BITS]] = 10, dInfinity, 0xFFFFFFFF
+_DEFAULT_SURFACE[[Surface.GHOST_BITS, Surface.BY_PATCH]] = 0xFFFFFFFF, 1
+
+
+class _Table:
+    """The objects of one kind by row. Rows of closed objects are used again."""
+
+    def __init__(self, reserved: int = 0) -> None:
+        self.objects: dict[int, Any] = {}
+        self.used = reserved  # rows in use, free ones between them included
+        self._size = _FIRST_SIZE
+        self._free: list[int] = []
+
+    def _take_row(self, thing: object) -> int:
+        if self._free:
+            row = self._free.pop()
+        else:
+            if self.used == self._size:
+                self._size *= 2
+                self._grow()
+            row = self.used
+            self.used += 1
+        self.objects[row] = thing
+        return row
+
+    def _grow(self) -> None:
+        """Double the arrays."""
+        raise NotImplementedError
+
+    def _free_row(self, row: int) -> None:
+        del self.objects[row]
+        self._free.append(row)
+
+
+class BodyTable(_Table):
+    """Bodies.
+
+    Attributes:
+        ids: ODE handles; 0 for a free row.
+        com: centres of mass in the body frame [m], shape (rows, 3).
+        state: see `Engine.states`, shape (rows, 16).
+        start: velocities and applied efforts as the last step began, shape (rows, 12).
+        fresh: whether `state` is up to date, a byte per row.
+        values: `state` as one row of numbers: single ones are read faster than through numpy.
+    """
+
+    def __init__(self, ode_: OdeLibrary) -> None:
+        super().__init__()
+        self._ode = ode_
+        self.ids = np.zeros(_FIRST_SIZE, dtype=np.uintp)
+        self.com = np.zeros((_FIRST_SIZE, 3))
+        self.state = np.zeros((_FIRST_SIZE, 16))
+        self.start = np.zeros((_FIRST_SIZE, 12))
+
+    def _grow(self) -> None:
+        self.ids, self.com = _doubled(self.ids), _doubled(self.com)
+        self.state, self.start = _doubled(self.state), _doubled(self.start)
+
+    def add(self, body: object, handle: int) -> int:
+        """Register a body; returns its row."""
+        row = self._take_row(body)
+        self.ids[row] = handle
+        self.com[row] = 0.0
+        self.start[row] = 0.0
+        return row
+
+    def remove(self, row: int) -> None:
+        """Free the row of a closed body."""
+        self.ids[row] = 0
+        self._free_row(row)
+
+    def publish(self, context: StepContext, fresh: bool) -> None:
+        """Hand the arrays to the step; `fresh` is what rows are after one."""
+        context.bodies, context.com = self.ids.ctypes.data, self.com.ctypes.data
+        context.body_state, context.body_start = self.state.ctypes.data, self.start.ctypes.data
+        context.body_count = self.used
+        self.values = _flat(self.state)
+        self.fresh = bytearray(self._size)
+        self._after_step = (b"\1" if fresh else b"\0") * self._size
+
+    def step_done(self) -> None:
+        """Mark all rows as a step leaves them."""
+        self.fresh[:] = self._after_step
+
+    def read(self, row: int) -> None:
+        """Copy the state of one body from ODE."""
+        ode_, body, state = self._ode, int(self.ids[row]), self.state[row]
+        address = self.state.ctypes.data + row * state.nbytes
+        # ODE writes 4 values for a position: into columns 7 - 10, before the velocity takes column 10.
+        ode_.dBodyCopyPosition(body, address + 7 * 8)
+        ode_.dBodyCopyQuaternion(body, address + 3 * 8)
+        state[10:13] = ode_.dBodyGetLinearVel(body).contents[:3]
+        state[13:16] = ode_.dBodyGetAngularVel(body).contents[:3]
+        position = state[7:10].tolist()
+        offset = rotate(state[3:7].tolist(), self.com[row].tolist())
+        state[0:3] = [p - o for p, o in zip(position, offset, strict=True)]
+        self.fresh[row] = 1
+
+
+class JointTable(_Table):
+    """Joints.
+
+    Attributes:
+        ids: ODE handles; 0 for a free row and for a joint without bodies, on some of which ODE crashes.
+        types: `JointType`.
+        state: angle or position 1 and 2 [rad or m], rate 1 and 2 [rad/s or m/s], shape (rows, 4).
+        springs: stiffness, damping and reference of hinges and sliders, shape (rows, 3).
+        sprung: rows with a spring or damper.
+        fresh: whether `state` is up to date, a byte per row.
+        values: `state` as one row of numbers.
+    """
+
+    def __init__(self, ode_: OdeLibrary, context: StepContext) -> None:
+        super().__init__()
+        self._context = context
+        self._getters = _joint_getters(ode_)
+        self.ids = np.zeros(_FIRST_SIZE, dtype=np.uintp)
+        self.types = np.zeros(_FIRST_SIZE, dtype=np.int64)
+        self.state = np.zeros((_FIRST_SIZE, 4))
+        self.springs = np.zeros((_FIRST_SIZE, 3))
+        self.sprung: set[int] = set()
+
+    def _grow(self) -> None:
+        self.ids, self.types = _doubled(self.ids), _doubled(self.types)
+        self.state, self.springs = _doubled(self.state), _doubled(self.springs)
+
+    def add(self, joint: object, kind: JointType) -> int:
+        """Register a joint, which has no bodies yet; returns its row."""
+        row = self._take_row(joint)
+        self.types[row] = kind
+        self.set_handle(row, 0)
+        self.set_spring(row, (0.0, 0.0, 0.0))
+        return row
+
+    def remove(self, row: int) -> None:
+        """Free the row of a closed joint."""
+        self.ids[row] = 0
+        self._free_row(row)
+
+    def set_handle(self, row: int, handle: int) -> None:
+        """Read this joint from now on; with handle 0 no more."""
+        self.ids[row] = handle
+        self.state[row] = 0.0
+
+    def set_spring(self, row: int, spring: tuple[float, ...]) -> None:
+        """Stiffness, damping and reference."""
+        self.springs[row] = spring
+        if spring[0] or spring[1]:
+            self.sprung.add(row)
+        else:
+            self.sprung.discard(row)
+
+    def publish(self, context: StepContext, fresh: bool) -> None:
+        """Hand the arrays to the step; `fresh` is what rows are after one."""
+        context.joints, context.joint_types = self.ids.ctypes.data, self.types.ctypes.data
+        context.joint_state, context.springs = self.state.ctypes.data, self.springs.ctypes.data
+        context.joint_count = self.used
+        self.values = _flat(self.state)
+        self.fresh = bytearray(self._size)
+        self._stale = bytes(self._size)
+        self._after_step = (b"\1" if fresh else b"\0") * self._size
+
+    def step_done(self) -> None:
+        """Mark all rows as a step leaves them."""
+        self.fresh[:] = self._after_step
+
+    def all_moved(self) -> None:
+        """Mark all rows as stale."""
+        self.fresh[:] = self._stale
+
+    def read(self, row: int) -> None:
+        """Copy angles and rates of one joint from ODE."""
+        joint, kind, state = int(self.ids[row]), int(self.types[row]), self.state[row]
+        self.fresh[row] = 1
+        if not joint:
+            return
+        turning = _TURNING.get(kind, ()) if self._context.count_turns else ()
+        for column, get in self._getters.get(kind, ()):
+            value = get(joint)
+            state[column] = unwound(float(state[column]), value) if column in turning else value
+
+
+def _joint_getters(ode_: OdeLibrary) -> dict[int, tuple[tuple[int, Callable[[int], float]], ...]]:
+    """For each kind of joint: column of the state table, and the ODE function that gives its value."""
+    return {
+        JointType.HINGE: ((0, ode_.dJointGetHingeAngle), (2, ode_.dJointGetHingeAngleRate)),
+        JointType.SLIDER: ((0, ode_.dJointGetSliderPosition), (2, ode_.dJointGetSliderPositionRate)),
+        JointType.HINGE2: (
+            (0, ode_.dJointGetHinge2Angle1),
+            (1, ode_.dJointGetHinge2Angle2),
+            (2, ode_.dJointGetHinge2Angle1Rate),
+            (3, ode_.dJointGetHinge2Angle2Rate),
+        ),
+        JointType.UNIVERSAL: (
+            (0, ode_.dJointGetUniversalAngle1),
+            (1, ode_.dJointGetUniversalAngle2),
+            (2, ode_.dJointGetUniversalAngle1Rate),
+            (3, ode_.dJointGetUniversalAngle2Rate),
+        ),
+        JointType.PISTON: (
+            (0, ode_.dJointGetPistonAngle),
+            (1, ode_.dJointGetPistonPosition),
+            (2, ode_.dJointGetPistonAngleRate),
+            (3, ode_.dJointGetPistonPositionRate),
+        ),
+    }
+
+
+# Columns with angles, which are within -pi to pi in ODE.
+_TURNING: dict[int, tuple[int, ...]] = {
+    JointType.HINGE: (0,),
+    JointType.HINGE2: (0, 1),
+    JointType.UNIVERSAL: (0, 1),
+    JointType.PISTON: (0,),
+}
+_TURN = 6.2831853071795862  # 2 pi
+
+
+def unwound(before: float, angle: float) -> float:
+    """The angle that is nearest to the one before; unwind in step.c. Python rounds halves to even, as rint does."""
+    turns = (before - angle) / _TURN
+    return angle + _TURN * round(turns) if math.isfinite(turns) else angle
+
+
+class GeomTable(_Table):
+    """Geoms. Row 0 is for ODE geoms without an object.
+
+    Attributes:
+        surface: contact properties, the columns of `Surface`.
+        owner: numbers of the bodies they belong to.
+        edits: grows with each change.
+    """
+
+    def __init__(self) -> None:
+        super().__init__(reserved=1)
+        self.surface = np.tile(_DEFAULT_SURFACE, (_FIRST_SIZE, 1))
+        self.owner = np.zeros(_FIRST_SIZE, dtype=np.int64)
+        self.edits = 0
+
+    def _grow(self) -> None:
+        self.surface, self.owner = _doubled(self.surface), _doubled(self.owner)
+
+    def add(self, geom: object, owner: int) -> int:
+        """Register a geom of the body numbered `owner`; returns its row."""
+        row = self._take_row(geom)
+        self.owner[row] = owner
+        self.surface[row] = _DEFAULT_SURFACE
+        self.edits += 1
+        return row
+
+    def remove(self, row: int) -> None:
+        """Free the row of a closed geom."""
+        self.edits += 1
+        self._free_row(row)
+
+    def set_surface(self, row: int, column: int, value: float) -> None:
+        """Change one contact property."""
+        self.surface[row, column] = value
+        self.edits += 1
+
+    def publish(self, context: StepContext) -> None:
+        """Hand the arrays to the step."""
+        context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
+
+
+class Tables:
+    """The tables of one world."""
+
+    def __init__(self, context: StepContext, ode_: OdeLibrary) -> None:
+        self._context = context
+        self.bodies = BodyTable(ode_)
+        self.joints = JointTable(ode_, context)
+        self.geoms = GeomTable()
+        self.fresh_after_step = False  # whether a step leaves all rows up to date
+        self.touched = True  # whether `step_done` has rows to mark
+        self.publish()
+
+    def publish(self) -> None:
+        """Hand the arrays to the step, after one was added to."""
+        self.bodies.publish(self._context, self.fresh_after_step)
+        self.joints.publish(self._context, self.fresh_after_step)
+        self.geoms.publish(self._context)
+        self.touched = True
+
+    def add_body(self, body: object, handle: int) -> int:
+        """Register a body; returns its row."""
+        row = self.bodies.add(body, handle)
+        self.publish()
+        return row
+
+    def add_joint(self, joint: object, kind: JointType) -> int:
+        """Register a joint; returns its row."""
+        row = self.joints.add(joint, kind)
+        self.publish()
+        return row
+
+    def add_geom(self, geom: object, owner: int) -> int:
+        """Register a geom of the body numbered `owner`; returns its row."""
+        row = self.geoms.add(geom, owner)
+        self.publish()
+        return row
+
+    def attach_joint(self, row: int, handle: int) -> None:
+        """Read a joint from now on; with handle 0 no more."""
+        self.joints.set_handle(row, handle)
+        self.joint_moved(row)
+
+    def body_moved(self, row: int) -> None:
+        """Mark a body whose state was set, and all joints, as stale."""
+        self.touched = True
+        self.bodies.fresh[row] = 0
+        self.joints.all_moved()
+
+    def joint_moved(self, row: int) -> None:
+        """Mark a joint that was changed as stale."""
+        self.touched = True
+        self.joints.fresh[row] = 0
+
+    def step_done(self) -> None:
+        """Mark all rows as a step leaves them."""
+        self.bodies.step_done()
+        self.joints.step_done()
+        self.touched = not self.fresh_after_step
+
+
+def _doubled(table: NDArray[Any]) -> NDArray[Any]:
+    return np.concatenate([table, np.zeros_like(table)])
+
+
+def _flat(table: NDArray[np.float64]) -> memoryview[float]:
+    buffer: Any = table.reshape(-1)
+    return memoryview(buffer)

@@ -333,7 +333,7 @@ def test_truth_of_0x050_speaks_in_angles(caplog):
         truth.data.cmd_rot[:], truth.data.cmd_new = (math.inf, 0, 0), 1
         world.step()
         assert tuple(truth.data.rot) == pytest.approx((0.1, 0.2, 0.3))
-        assert "which is no pose" in caplog.text
+        assert "not a valid pose" in caplog.text
 
 
 # Sonars ----------------------------------------------------------------------------------------------------------
@@ -422,7 +422,7 @@ def test_a_radio_has_at_most_sixteen_links_the_strongest():
 
 def test_radio_addresses_are_checked(caplog):
     with world_of(radio("a", 0, "<ip>10.0.0.1</ip>") + radio("b", 1, "<ip>10.0.0.1</ip>")):
-        assert "the address 10.0.0.1 is that of 'a' already" in caplog.text
+        assert "the address 10.0.0.1 is already used by 'a'" in caplog.text
     with pytest.raises(libgz.WorldFileError, match="at most 31 bytes"):
         world_of(radio("a", 0, f"<ip>{'1' * 32}</ip>"))
 

@@ -89,7 +89,7 @@ def test_pioneer2at_drives_as_measured():
         assert yaws[2] == pytest.approx(1.940, abs=0.03)
         assert yaws[3] - yaws[2] == pytest.approx(1.078, abs=0.03)
         assert places[4][:2] == pytest.approx((1.885, 0.923), abs=0.1)
-        assert robot.odometry[2] == pytest.approx(2.480 + 1.508 + 0.012, abs=0.03)
+        assert robot.odometry.pose[2] == pytest.approx(2.480 + 1.508 + 0.012, abs=0.03)
         assert robot.battery.level == pytest.approx(12.38666, abs=1e-4)
 
 
@@ -181,9 +181,9 @@ def test_told_to_go_straight(model, z):
         position.command(vx=0.3)
         world.run(10.0)
         # The last sample is up to a tenth of a second old.
-        assert robot.odometry[0] == pytest.approx(3.0, rel=0.02)
+        assert robot.odometry.pose[0] == pytest.approx(3.0, rel=0.02)
         assert position.pose[0] == pytest.approx(3.0, abs=0.06 + 0.03)
-        assert robot.GetPose().pos.x - start == pytest.approx(robot.odometry[0], rel=0.03)
+        assert robot.GetPose().pos.x - start == pytest.approx(robot.odometry.pose[0], rel=0.03)
         assert abs(robot.GetPose().pos.y) < 0.02
         assert position.vel_pos[0] == pytest.approx(0.3, rel=0.02)
 
@@ -269,7 +269,7 @@ def test_insane_commands_do_no_harm(bad, caplog):
         assert np.isfinite(world.engine.states).all()
         assert caplog.text.count("a client wrote position.r: cmd_vel_pos[0]") == 1
         if not math.isfinite(bad):
-            assert world.model("r").command == (0.2, 0.0)
+            assert world.model("r").position.command == (0.2, 0.0)
 
 
 # Laser -----------------------------------------------------------------------------------------------------------

@@ -114,7 +114,7 @@ def test_a_road_that_is_none_is_one_warning(tmp_path, caplog, text, words):
     (tmp_path / "road.txt").write_text(text)
     with world_of(tmp_path, ROAD.format(""), SETTINGS) as world:
         world.step(2)
-    assert [words in r.getMessage() and "no road here" in r.getMessage() for r in caplog.records] == [True]
+    assert [words in r.getMessage() and "no road is built" in r.getMessage() for r in caplog.records] == [True]
 
 
 def test_lines_that_are_no_records_are_left_out_with_one_warning(tmp_path, caplog):

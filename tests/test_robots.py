@@ -172,7 +172,7 @@ def test_insane_commands_do_no_harm(model, bad, caplog):
         assert np.isfinite(position.pos).all()
         assert caplog.text.count("a client wrote position.r: cmd_vel_pos[0]") == 1
         if not math.isfinite(bad):
-            assert robot.command[:2] == (0.2, 0.0)
+            assert robot.position.command[:2] == (0.2, 0.0)
             assert fastest(world) < 1.0
         assert robot.GetPose().pos.z < 12.0
 

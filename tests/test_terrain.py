@@ -134,7 +134,7 @@ def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
     assert len(terrain.damage) == 1
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")):
         assert [r.getMessage().count("is damaged: ") for r in caplog.records] == [1]
-        assert "were set right" in caplog.text
+        assert "were repaired" in caplog.text
 
 
 def test_triangles_that_cannot_be_are_left_out(tmp_path, caplog):
@@ -147,16 +147,16 @@ def test_triangles_that_cannot_be_are_left_out(tmp_path, caplog):
     path.write_bytes(data)
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")) as world:
         assert len(world.models[0].ground.triangles) == len(triangles) - 2
-    assert "1 triangles name a vertex that there is not" in caplog.text
+    assert "1 triangles refer to a vertex that does not exist" in caplog.text
 
 
 @pytest.mark.parametrize(
     ("damage", "words"),
     [
-        (lambda d: d[:-9], "does not fit its counts"),
-        (lambda d: b"", "is no terrain file"),
-        (lambda d: b"\x89PNG" + d, "is no terrain file"),
-        (lambda d: d[:28] + b"\xff" * 4 + d[32:], "does not fit its counts"),
+        (lambda d: d[:-9], "; its counts, "),
+        (lambda d: b"", "is not a terrain file"),
+        (lambda d: b"\x89PNG" + d, "is not a terrain file"),
+        (lambda d: d[:28] + b"\xff" * 4 + d[32:], "; its counts, "),
         (lambda d: d[:28] + b"\0" * 12, "needs at least one triangle"),
     ],
 )
@@ -166,7 +166,7 @@ def test_a_damaged_terrain_is_one_warning_and_no_ground(tmp_path, caplog, damage
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0") + ball(5, 5, 3)) as world:
         world.step(3)
         assert world.model("ball").GetPose().pos.z < 3.0
-    assert [words in r.getMessage() and "no ground here" in r.getMessage() for r in caplog.records] == [True]
+    assert [words in r.getMessage() and "no ground is built" in r.getMessage() for r in caplog.records] == [True]
 
 
 def test_a_terrain_needs_a_file(tmp_path, caplog):
@@ -214,7 +214,7 @@ def test_grey_pictures_of_all_kinds(tmp_path):
     Image.new("RGBA", (4, 4), (0, 0, 0, 0)).save(tmp_path / "clear.png")
     assert (read_grey(tmp_path / "clear.png") == 255).all()
     (tmp_path / "no.png").write_text("no picture")
-    with pytest.raises(libgz.ParameterError, match="cannot read picture"):
+    with pytest.raises(libgz.ParameterError, match="cannot read image"):
         read_grey(tmp_path / "no.png")
     Image.new("1", (2049, 2048)).save(tmp_path / "huge.png")
     with pytest.raises(libgz.ParameterError, match="pixels"):

@@ -145,7 +145,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["-t", "nan", "x.world"], "invalid number of seconds value"),
         (["--seed", "-1", "x.world"], "--seed"),
         (["--steps", "-1", str(WORLD)], "--steps is -1"),
-        (["--wire-version", "0.4", "x.world"], "'0.4' is no wire version; allowed are 0x050, 0.5, 0x060"),
+        (["--wire-version", "0.4", "x.world"], "'0.4' is not a wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
         (["/tmp"], "worldfile '/tmp' is a directory"),
         (["/dev/null"], "worldfile '/dev/null' is not a plain file"),

@@ -53,7 +53,7 @@ def test_picture_of_a_later_time(tmp_path):
     ("words", "complaint"),
     [
         (("--camera", "cam2"), "no camera has the id 'cam2'; there are cam1, observer; did you mean 'cam1'?"),
-        (("--gl", "none"), "took no picture: OpenGL is switched off"),
+        (("--gl", "none"), "has no image: rendering is disabled"),
         (("-o", "picture.nonsense"), "picture picture.nonsense cannot be written"),
         (("--time", "-1"), "it must not be negative"),
     ],
@@ -90,7 +90,7 @@ def test_doctor_shows_which_contexts_work():
     lines = {line.split()[1]: line for line in libgz("doctor").stdout.splitlines()}
     for name in ("osmesa", "egl"):
         assert lines[name].startswith("ok")
-        assert "draws pictures" in lines[name]
+        assert "renders: " in lines[name]
 
 
 SDF = """

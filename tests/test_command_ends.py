@@ -73,7 +73,7 @@ def test_a_log_file_on_a_full_disk_is_told_once(wire):
         timeout=60,
     )
     assert done.returncode == 0
-    assert done.stderr == f"error   : log file /dev/full ends here: {FULL}\n"
+    assert done.stderr == f"error   : log file /dev/full cannot be written any more: {FULL}\n"
 
 
 def test_a_log_file_is_not_left_for_another_fault(tmp_path, capsys):

@@ -88,7 +88,7 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
             ["--iters", "1", "--record_resources", "--lockstep"],
             0,
             "stderr",
-            "--record_resources has no effect: models and meshes stay where they are",
+            "--record_resources has no effect: models and meshes are not copied",
         ),
         (["--iters", "1", "-e", "bullet"], 0, "stderr", "Unregistered physics engine [bullet], the default will be"),
         (["--iters", "1", "-o", "fast"], 0, "stderr", "Specified profile [fast] was not found"),

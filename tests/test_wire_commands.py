@@ -121,12 +121,12 @@ def test_counts_of_a_mad_server_are_bounded(capsys, server):
         (["positron.robot1"], "there is no interface type 'positron'"),
         (["position.robot2"], "its position interfaces are 'robot1'; did you mean 'robot1'"),
         (["position.robot1", "poss"], "position.robot1 has no field 'poss'; it has time, pos,"),
-        (["position.robot1", "pos[3]"], "'pos[3]' is not there; the field is pos[3]"),
-        (["joint.arm", "joints[0].ankle"], "joints has no part 'ankle'"),
+        (["position.robot1", "pos[3]"], "there is no 'pos[3]'; the field is pos[3]"),
+        (["joint.arm", "joints[0].ankle"], "joints has no member 'ankle'"),
         (["position.robot1", "--rate", "0"], "--rate is 0"),
         (["position.robot1", "--count", "0"], "--count is 0"),
-        (["position"], "which position? 'position' names none; write TYPE.ID; its position interfaces are 'robot1'"),
-        (["position.robot1", "pos", "--plot", "x.png"], "--plot needs an end"),
+        (["position"], "'position' has no id; write TYPE.ID; its position interfaces are 'robot1'"),
+        (["position.robot1", "pos", "--plot", "x.png"], "--plot needs a duration"),
         (["position.robot1", "--plot", "x.png"], "--plot needs a field"),
     ],
 )
@@ -141,7 +141,7 @@ def test_echo_says_what_is_wrong(capsys, server, words, sentence):
 def test_echo_ends(capsys, server, seconds):
     code, out, err = command(capsys, "echo", "-s", server.server_id, "position.robot1", "--seconds", seconds)
     assert (code, out) == (1, "")
-    assert f"--seconds is {seconds}; it must not be negative, nor endless" in err
+    assert f"--seconds is {seconds}; it must be finite and not negative" in err
 
 
 def test_only_what_is_required_is_said_to_be(capsys):
@@ -184,7 +184,7 @@ def test_echo_draws(capsys, gazebo, tmp_path):
         server.id,
     ]
     code, out, err = command(capsys, *words)
-    assert (code, out) == (0, f"8 samples drawn in {path}\n"), err
+    assert (code, out) == (0, f"8 samples plotted to {path}\n"), err
     assert path.read_bytes().startswith(b"\x89PNG")
     words[-4:-2] = ["--plot", "/no/such/place.png"]
     assert "cannot be written to '/no/such/place.png'" in command(capsys, *words)[2]
@@ -265,14 +265,14 @@ def test_clean_removes_what_a_dead_server_left(capsys, wire):
     assert not folder.exists()
     with pytest.raises(FileNotFoundError):
         SemaphoreSet.attach(wire)
-    assert command(capsys, "clean", "-s", wire) == (0, "dead servers left nothing behind\n", "")
+    assert command(capsys, "clean", "-s", wire) == (0, "no stale files of dead servers\n", "")
 
 
 def test_clean_finds_servers_by_itself(capsys, wire, monkeypatch):
-    from libgz.transport import leavings
+    from libgz.transport import stale_files
 
     # Semaphores are one name space for the whole machine: leave those of other tests alone.
-    monkeypatch.setattr(leavings, "_SEMAPHORES", Path("/nonexistent"))
+    monkeypatch.setattr(stale_files, "_SEMAPHORES", Path("/nonexistent"))
     for number in (wire, wire + 1):
         subprocess.run([sys.executable, "-c", DYING.format(number)], timeout=30, check=False)
     out = command(capsys, "clean")[1]
@@ -293,7 +293,7 @@ def test_orphaned_semaphores_are_found(wire):
 
 def test_clean_never_touches_a_live_server(capsys, server):
     before = sorted(Path(server.path).iterdir())
-    assert "nothing" in command(capsys, "clean", "-s", server.server_id)[1]
+    assert "no stale files" in command(capsys, "clean", "-s", server.server_id)[1]
     assert sorted(Path(server.path).iterdir()) == before
     # Nor one that lost its directory: its semaphores say that it lives.
     assert libgz.Client.query(server.server_id)
@@ -304,7 +304,7 @@ def test_clean_neither_follows_links_nor_removes_what_is_not_a_servers(capsys, w
     victim.write_text("precious")
     folder = Path(server_directory(wire))
     folder.symlink_to(tmp_path)
-    assert "nothing" in command(capsys, "clean", "-s", wire)[1]
+    assert "no stale files" in command(capsys, "clean", "-s", wire)[1]
     folder.unlink()
     folder.mkdir(mode=0o700)
     (folder / "position.link").symlink_to(victim)

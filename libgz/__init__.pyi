@@ -13,6 +13,7 @@ from libgz.errors import (
     ServerGoneError as ServerGoneError,
     WorldFileError as WorldFileError,
 )
+from libgz.front import World as World
 from libgz.geometry import (
     DTOR as DTOR,
     NORMALIZE as NORMALIZE,
@@ -397,7 +398,6 @@ from libgz.physics.two_axes import (
     UniversalJoint as UniversalJoint,
 )
 from libgz.simulation.rate import UpdateRate as UpdateRate
-from libgz.simulation.world import World as World
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE as GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION as LIBGAZEBO_VERSION,

@@ -9,6 +9,7 @@ from xml.sax.saxutils import unescape
 from libgz.errors import GazeboError
 from libgz.interfaces.factory import Factory as FactoryInterface
 from libgz.legacy.model import Model
+from libgz.legacy.world import LegacyWorld
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
 from libgz.worldfile.file import WorldFile
@@ -68,7 +69,7 @@ class Factory(Model):
             if deletion:
                 self.world.DeleteModel(unescape(deletion[1]).strip())
             else:
-                for model in self.world.InsertModel(text, f"factory.{self.GetId()}"):
+                for model in self.world.extension(LegacyWorld).insert(text, f"factory.{self.GetId()}"):
                     log.info("factory %r added %r", self.GetId(), model)
         except GazeboError as error:
             log.warning("factory %r: a client's request failed: %s", self.GetId(), error)

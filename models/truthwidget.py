@@ -9,6 +9,7 @@ from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
+from libgz.simulation.entity import Entity
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -56,7 +57,7 @@ class TruthWidget(Model):
         self._publish()
 
     @property
-    def _subject(self) -> Model:
+    def _subject(self) -> Entity:
         return self.parent or self
 
     def _publish(self) -> None:

@@ -166,7 +166,7 @@ def test_what_fails_after_a_step_does_not_end_it(load, plugin, caplog):
     core, _ = load(plugin("late", text))
     core.step(3)
     assert core.iterations == 3
-    assert "in what was to be done after a step of plugin with name[late]" in caplog.text
+    assert "in a deferred change of plugin with name[late]" in caplog.text
     assert caplog.text.count("ZeroDivisionError") == 1
 
 

@@ -204,9 +204,9 @@ def test_what_fails_outside_plugins_is_told_in_one_wording(core, view, caplog):
     told = [record.getMessage().partition("\n")[0] for record in caplog.records if "ValueError" in record.getMessage()]
     name = fail.__qualname__
     assert sorted(told) == [
-        "a callback of event WorldUpdateEnd failed and is called no more:",
-        f"the callback {name} of topic /gazebo/errors/x failed and is called no more:",
-        "the end of the animation of box failed and is called no more:",
+        "a callback of event WorldUpdateEnd failed and is not called any more:",
+        f"the callback {name} of topic /gazebo/errors/x failed and is not called any more:",
+        "the end of the animation of box failed and is not called any more:",
     ]
 
 

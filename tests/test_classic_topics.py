@@ -7,7 +7,7 @@ import pytest
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Color, Pose3d, Vector3d
-from libgz.sdfworld.settings import settings_of
+from libgz.sdfworld.world import SdfWorld
 
 BOX = """
 <model name='{name}'><pose>{pose}</pose>
@@ -161,7 +161,7 @@ def test_requests_are_answered(view, node, core):
     assert msgs.Physics.FromString(answers[3].serialized_data).max_step_size == 0.001
     text = msgs.GzString.FromString(answers[4].serialized_data).data
     copy = libgz.World.from_string(text)
-    assert [model.GetId() for model in copy.models] == ["ground_plane", "box", "arm", "lamp"]
+    assert [model.GetId() for model in copy.entities] == ["ground_plane", "box", "arm", "lamp"]
     copy.close()
     scene = msgs.Scene.FromString(answers[5].serialized_data)
     assert [model.name for model in scene.model] == ["ground_plane", "box", "arm"]
@@ -228,7 +228,7 @@ def test_contacts_are_recorded_as_long_as_somebody_listens(core, view, node):
 
 def test_the_magnetic_field_has_one_truth(core, view, say):
     view.SetMagneticField((1e-5, 2e-5, 3e-5))
-    assert settings_of(core).magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
+    assert core.extension(SdfWorld).settings.magnetic_field == view.MagneticField() == Vector3d(1e-5, 2e-5, 3e-5)
     message = msgs.Physics(real_time_factor=0.5)
     msgs.Set(message.magnetic_field, Vector3d(0, 0, 1e-5))
     say("~/physics", message)

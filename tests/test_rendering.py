@@ -327,7 +327,7 @@ def test_the_sky_dome_shows_the_hour(tmp_path):
             world.step()
             assert look(world, **up)[60, 80, 0] == pytest.approx(115, abs=8)
             assert look(world, at=(5, 0, 1))[60, 80, 1] > 150
-            world._simTime = 6 * 3600.0
+            world.clock.sim_time = 6 * 3600.0
             world.step()
             assert look(world, **up)[60, 80, 0] == pytest.approx(later * 10 - 5, abs=8)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from libgz.apps.console import writing
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
-from libgz.simulation.world import World
+from libgz.front import World
 from libgz.worldfile.file import WorldFile, write_whole
 
 __all__ = ["configure", "run"]

@@ -15,9 +15,9 @@ from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero
 from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, ServerError
+from libgz.front import World
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
-from libgz.simulation.world import World
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import dataclasses
 import logging
 import os
 import signal
@@ -33,9 +32,9 @@ from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError
+from libgz.front import World
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
-from libgz.simulation.world import World
 
 __all__ = ["main"]
 
@@ -124,7 +123,7 @@ class Server:
         try:
             core.LoadFile(path)
             if options.pause:
-                core.settings = dataclasses.replace(core.settings, pause=True)
+                core.starts_paused = True
             if core.engine.classic:
                 self._choose_profile(attach(core).world)
             core.Initialize()
@@ -134,10 +133,11 @@ class Server:
         return core
 
     def _open_log(self, path: str) -> World:
-        self._play = LogPlay(path, World(self.options.server_id))
+        core = World(self.options.server_id)
+        self._play = LogPlay(path, core)
         log.info("playing [%s], recorded by %s", path, self._play.reader.header.gazebo_version)
-        self._play.core.paused = self.options.pause
-        return self._play.core
+        core.paused = self.options.pause
+        return core
 
     def _choose_profile(self, world: WorldView) -> None:
         name = self.options.profile

@@ -14,6 +14,7 @@ from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.classic.sensors import CameraSensor
 from libgz.classic.server import attach
 from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
+from libgz.front import World
 from libgz.geometry import GzPose
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
@@ -21,7 +22,6 @@ from libgz.interfaces.stereo import Stereo
 from libgz.rendering.camera import Camera as FreeCamera
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
-from libgz.simulation.world import World
 
 __all__ = ["configure", "run"]
 

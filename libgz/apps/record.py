@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
-from libgz.simulation.world import World
+from libgz.front import World
 
 __all__ = ["Recorder"]
 

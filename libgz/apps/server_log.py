@@ -11,7 +11,7 @@ from pathlib import Path
 from libgz.apps.console import number_from_zero
 from libgz.classic.log import ENCODINGS, LogPlay, LogRecord, PlaybackControl, RecordControl
 from libgz.classic.server import attach
-from libgz.simulation.world import World
+from libgz.front import World
 
 __all__ = ["add_log_options", "keep_log"]
 

@@ -5,12 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from libgz.classic.common import Time, UpdateInfo
 from libgz.errors import nearest
 from libgz.simulation.event import Connection, Event, WorldEvents, everywhere, owner
 
 __all__ = ["Connection", "ConnectionPtr", "Event", "EventT", "Events"]
 
 ConnectionPtr = Connection
+
+
+def _update_info(world: str, sim_time: float, real_time: float) -> UpdateInfo:
+    return UpdateInfo(world, Time(sim_time), Time(real_time))
+
+
+WorldEvents.update_info = staticmethod(_update_info)
 EventT = Event
 
 

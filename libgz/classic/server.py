@@ -16,9 +16,7 @@ from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzVector
 from libgz.sdf.element import Element
-from libgz.sdfworld.loader import SdfLight, WorldJoints
-from libgz.sdfworld.settings import settings_of
-from libgz.simulation.changes import delete_models
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -28,7 +26,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.sensors.manager import WorldSensors
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
 
@@ -44,7 +42,6 @@ def attach(core: CoreWorld) -> WorldServer:
             return companion
     server = WorldServer(core)
     core.companions.append(server)
-    core.update_info = server.world.update_info
     if core.running:
         server.start()
     return server
@@ -62,7 +59,8 @@ class WorldServer:
 
     def __init__(self, core: CoreWorld, quiet: bool = False) -> None:
         self.core = core
-        root = core.sdf.root if core.sdf is not None else None
+        file = core.extension(SdfWorld).file
+        root = file.root if file is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = World(core, self)
         self._world_plugins: list[LoadedPlugin] = []
@@ -71,7 +69,7 @@ class WorldServer:
         self.visuals: VisualPlugins | None = None
         self.stopped = False
         self._to_step, self._lent = 0, False  # iterations that a pause is lifted for, and whether it is lifted
-        self._new: list[CoreModel] = list(core.models)
+        self._new: list[CoreModel] = list(core.entities)
         self._started = False
 
     @property
@@ -169,7 +167,7 @@ class WorldServer:
         return self.visuals
 
     def _models(self, cores: list[CoreModel]) -> list[Model]:
-        return [self.world.view(core) for core in cores if not isinstance(core, SdfLight | WorldJoints)]
+        return [self.world.view(core) for core in cores if core.is_model]
 
     def _load_model_plugins(self, added: list[CoreModel]) -> None:
         for model in self._models(added):
@@ -243,7 +241,7 @@ class WorldServer:
         self._new = [new for new in self._new if new is not model]
         self.world.changed()
         self.core.events["DeleteEntity"](model.GetId())
-        if isinstance(model, SdfLight | WorldJoints):
+        if not model.is_model:
             return
         view = self.world.view(model)
         for plugin in view.plugins:
@@ -265,7 +263,7 @@ class WorldServer:
 
     def remove(self, family: list[CoreModel]) -> None:
         """Take models out, those first that are inside others."""
-        delete_models(self.core, list(reversed(family)))
+        self.core.remove(list(reversed(family)))
 
     def update(self) -> None:
         """Joint controllers and animations."""
@@ -324,15 +322,15 @@ class WorldServer:
 
     def magnetic_field(self) -> Vector3d:
         """The field [T]."""
-        return Vector3d(*settings_of(self.core).magnetic_field)
+        return Vector3d(*self.core.extension(SdfWorld).settings.magnetic_field)
 
     def set_magnetic_field(self, field: tuple[float, ...]) -> None:
         """Replace the field [T]."""
-        settings_of(self.core).magnetic_field = GzVector(*field)
+        self.core.extension(SdfWorld).settings.magnetic_field = GzVector(*field)
 
     def spherical_coordinates(self) -> SphericalCoordinates:
         """Where the file says the world lies."""
-        place = settings_of(self.core).spherical_coordinates
+        place = self.core.extension(SdfWorld).settings.spherical_coordinates
         if place is None:
             return SphericalCoordinates()
         latitude, longitude, heading = (

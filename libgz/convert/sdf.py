@@ -17,12 +17,12 @@ from libgz.convert.joints import add_joint, ends_of
 from libgz.convert.sensors import add_sensors
 from libgz.convert.shapes import PUSH_OUT, Meshes, add_geom, is_shape
 from libgz.errors import ParameterError
+from libgz.front import World
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.physics.joint import Joint
-from libgz.simulation.world import World
 
 __all__ = ["RAY_TYPES", "Converted", "convert"]
 
@@ -240,11 +240,9 @@ def _owner(model: Model) -> str:
     return f"{where}<model:{model.GetName()}> {model.GetId()!r}"
 
 
-def _with_attached(model: Model) -> Iterator[Model]:
+def _with_attached(model: Model) -> list[Model]:
     """A model and all that is attached to it, at any depth."""
-    yield model
-    for child in model.children:
-        yield from _with_attached(child)
+    return [entity for entity in model.with_attached() if isinstance(entity, Model)]
 
 
 def _link_name(top: Model, owner: Model, body: Body) -> str:

@@ -2,27 +2,45 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
-from collections.abc import Callable
+import pkgutil
+from collections.abc import Callable, Mapping
 from importlib import metadata
-from typing import TYPE_CHECKING, Any, TypeVar
+from pathlib import Path
+from typing import Any, TypeVar
 
 from libgz.errors import ParameterError
+from libgz.legacy.model import Model
 from libgz.simulation.plugins import Plugin, collect
+from libgz.simulation.world import World
 
-if TYPE_CHECKING:
-    from libgz.legacy.model import Model
-    from libgz.simulation.world import World
-
-__all__ = ["GZ_REGISTER_PLUGIN", "GZ_REGISTER_STATIC", "ModelFactory"]
+__all__ = ["GZ_REGISTER_PLUGIN", "GZ_REGISTER_STATIC", "ModelFactory", "builtin_folder", "register_builtin"]
 
 log = logging.getLogger("libgz.simulation")
 
 M = TypeVar("M", bound="Callable[..., Any]")
 
 ENTRY_POINTS = "libgz.models"  # the group under which installed packages offer models
+_builtin: dict[str, str] = {}  # name in worldfiles -> "module:Class"
+_builtin_folder = Path()
 _static: dict[str, Callable[[World], Model]] = {}
+
+
+def register_builtin(models: Mapping[str, str], folder: Path) -> None:
+    """Offer the built-in models to all worlds.
+
+    Args:
+        models: name in worldfiles -> ``"module:Class"``; modules are imported when they are used.
+        folder: where the modules are; worlds may name them as plugins.
+    """
+    global _builtin_folder
+    _builtin.update(models)
+    _builtin_folder = folder
+
+
+def builtin_folder() -> Path:
+    """The folder of the built-in models."""
+    return _builtin_folder
 
 
 def GZ_REGISTER_PLUGIN(name: str, model: M) -> M:
@@ -58,20 +76,19 @@ class ModelFactory:
         self.RegisterAll()
 
     def RegisterAll(self) -> None:
-        """Take in the built-in models; their modules are imported when a world asks for them."""
-        # By name, for the models stand above this package: they import it, it does not import them.
-        self._builtin = dict(importlib.import_module("libgz.models").MODELS)
+        """Register the built-in models."""
+        self._builtin = dict(_builtin)
 
     def RegisterModel(self, type: str, classname: str, fn: Callable[[World], Model]) -> None:
-        """Take in one class or function World -> Model; `type` is a word for the log."""
+        """Register one class or function World -> Model; `type` is a word for the log."""
         if classname in self._builtin or classname in self._plugins:
-            log.debug("%s is registered already; the first registration holds", classname)
+            log.debug("%s is registered already; the first registration is used", classname)
             return
         self._plugins[classname] = fn
         log.debug("registered %s (%s)", classname, type)
 
     def register_plugin(self, plugin: Plugin) -> None:
-        """Take in all that a plugin file registered."""
+        """Register all classes of a plugin file."""
         for name, kind in plugin.registered:
             if name in self._builtin:
                 log.warning(
@@ -82,8 +99,7 @@ class ModelFactory:
     def find(self, classname: str) -> Callable[[World], Model] | None:
         """The class or function of a name, or None if it is unknown."""
         if classname in self._builtin:
-            module, _, attribute = self._builtin[classname].partition(":")
-            return getattr(importlib.import_module(module), attribute)  # type: ignore[no-any-return]
+            return pkgutil.resolve_name(self._builtin[classname])  # type: ignore[no-any-return]
         kind = self._plugins.get(classname) or _static.get(classname)
         if kind is None and classname in self._offered():
             kind = self._offered()[classname].load()
@@ -95,7 +111,7 @@ class ModelFactory:
         return None if kind is None else kind(world)
 
     def knows(self, classname: str) -> bool:
-        """Whether a name is built in or was registered; packages that are not in use are not asked."""
+        """Whether a name is built in or was registered; packages that are not in use are not searched."""
         return classname in self._builtin or classname in self._plugins or classname in _static
 
     def _offered(self) -> dict[str, metadata.EntryPoint]:

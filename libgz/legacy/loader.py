@@ -1,65 +1,65 @@
-"""Loader: models out of the elements of a worldfile."""
+"""ModelLoader: builds models from the elements of a worldfile."""
 
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, cast
 
 from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory
+from libgz.legacy.model import Model
 from libgz.legacy.origin import to_world
-from libgz.legacy.poses import Poses
+from libgz.legacy.plugin_search import find_plugin
 from libgz.legacy.settings import is_settings
 from libgz.legacy.world_joints import move_with_world_joints
-from libgz.simulation.plugins import find_plugin, load_plugin, own_traceback
+from libgz.physics.body import Body
+from libgz.simulation.plugins import load_plugin, own_traceback
+from libgz.simulation.world import World
 from libgz.transport.paths import check_id
+from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.spelling import NAMES_ONLY
 
-if TYPE_CHECKING:
-    from libgz.legacy.model import Model
-    from libgz.physics.body import Body
-    from libgz.simulation.world import World
-    from libgz.worldfile.node import WorldFileNode
-
-__all__ = ["Loader"]
+__all__ = ["ModelLoader"]
 
 log = logging.getLogger("libgz.simulation")
 
 
-class Loader(Poses):
-    """Base of World: builds models."""
+class ModelLoader:
+    """Builds the models of a world.
 
-    factory: ModelFactory
+    Args:
+        world: where.
+        factory: the model classes by name.
+    """
 
-    def adopt(self, model: Model) -> None:
-        """Take a model in that is built."""
-        raise NotImplementedError
+    def __init__(self, world: World, factory: ModelFactory) -> None:
+        self.world = world
+        self.factory = factory
 
     def visit(self, node: WorldFileNode) -> None:
         """Load the models of an element and of what is in it; a model inside a model is its child."""
         if node.GetNSPrefix() == "model":
-            self.LoadModel(node)
+            self.load_model(node)
             return
-        self._note_slip(node)
+        self._warn_of_slip(node)
         for child in node.children:
             self.visit(child)
 
-    def _note_slip(self, node: WorldFileNode) -> None:
-        """Warn of an element that does nothing, but has almost the name of one that does."""
+    def _warn_of_slip(self, node: WorldFileNode) -> None:
+        """Warn of an element without effect that has almost the name of one with an effect."""
         if node.parent is not None and node.name in node.parent.asked:
             return  # an attribute
         if node.prefix in ("param", "params") and not is_settings(node):
-            node.warn("holds no settings of the world, and nothing in it counts; only <param:Global> does")
+            node.warn("has no effect: it holds no settings of the world; only <param:Global> does")
             _skip(node)
         elif node.prefix is None and self.factory.knows(node.name):
             node.warn(f"is not used; a model needs the prefix: <model:{node.name}>")
             _skip(node)
 
-    def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
+    def load_model(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
         """Build the model of an element, and those inside it; None if there is none to build.
 
-        What is wrong becomes an error of the worldfile: an unknown model a warning, anything else an error.
+        Problems are reported on the worldfile: an unknown model is a warning, anything else an error.
         """
         try:
             model = self._new_model(node)
@@ -69,7 +69,7 @@ class Loader(Poses):
             node.error(str(error))
             model = None
         except Exception as error:
-            log.debug("the Load that failed", exc_info=True)
+            log.debug("Load failed", exc_info=True)
             node.error(f"Load failed with\n{own_traceback(error)}")
             model = None
         if model is None:
@@ -77,7 +77,7 @@ class Loader(Poses):
             return None
         for child in node.children:
             if child.GetNSPrefix() == "model":
-                self.LoadModel(child, model)
+                self.load_model(child, model)
             else:
                 self.visit(child)
         return model
@@ -90,7 +90,7 @@ class Loader(Poses):
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
             self.factory.register_plugin(load_plugin(path))
-        model = self.factory.NewModel(cast("World", self), node.GetName())
+        model = self.factory.NewModel(self.world, node.GetName())
         if model is not None and not hasattr(model, "modelSpaceId"):
             raise ParameterError(
                 f"{type(model).__name__} must be a subclass of Model; its __init__, if any, must call "
@@ -113,7 +113,7 @@ class Loader(Poses):
         try:
             model.MasterLoad(node.file, node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
-            move_with_world_joints(model, lambda: self.SetModelPose(model, model.initPose))
+            move_with_world_joints(model, lambda: self.world.SetModelPose(model, model.initPose))
             model.Attach()
         except BaseException:
             model.Detach()
@@ -121,7 +121,7 @@ class Loader(Poses):
             raise
         if model.fixed:
             model.modelSpaceId.set_fixed()
-        self.adopt(model)
+        self.world.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
 
 
@@ -135,7 +135,7 @@ def _check_id(model: Model, node: WorldFileNode) -> None:
 
 
 def _parent_body(node: WorldFileNode, parent: Model) -> Body:
-    """The body that an element names; if there is none, an error, and another body so that loading finds more."""
+    """The body that an element names; if there is none, an error, and the canonical body, so that loading continues."""
     try:
         return parent.GetBody((node.GetString("parentBody", "canonical") or "").strip())
     except NotFoundError as error:
@@ -144,9 +144,9 @@ def _parent_body(node: WorldFileNode, parent: Model) -> Body:
 
 
 def _skip(node: WorldFileNode, models: bool = False) -> None:
-    """Mark an element that is not built, and what is in it, so that none of it is called unused; models, too, if told.
+    """Mark an element that is not built, and what is in it, so that none of it is reported as unused.
 
-    Models inside an element that is none are built all the same.
+    Models inside an element that is not a model are built all the same, unless `models` is set.
     """
     node.used = True
     for child in node.children:

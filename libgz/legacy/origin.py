@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
-
-if TYPE_CHECKING:
-    from libgz.legacy.model import Model
+from libgz.legacy.model import Model
 
 __all__ = ["to_file", "to_world"]
 
@@ -28,6 +24,6 @@ def _convert(model: Model, pose: GzPose, sign: float) -> GzPose:
     file = model.node.file
     own = GzPose(GzVector(0.0, 0.0, sign * file.origin_height(model.node)))
     pose = GzCoordPoseAdd(own, pose)
-    if model.parent is not None and model.parent.node is not None:
+    if isinstance(model.parent, Model) and model.parent.node is not None:
         pose.pos.z -= sign * file.origin_height(model.parent.node)
     return pose

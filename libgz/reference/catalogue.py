@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from libgz.errors import NotFoundError, nearest
+from libgz.front import World
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import CommonAttributes, Model
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, WheelGeom
-from libgz.simulation.world import World
 from libgz.worldfile.attributes import Attribute, attributes_of, written
 from libgz.worldfile.file import WorldFile
 

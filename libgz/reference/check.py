@@ -7,8 +7,8 @@ import os
 from collections.abc import Iterator
 
 from libgz.errors import Diagnostic, GazeboError, WorldFileError
+from libgz.front import World
 from libgz.legacy.model import Model
-from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]

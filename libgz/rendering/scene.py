@@ -134,7 +134,7 @@ class Scene:
         self._planes: tuple[Geom, ...] = tuple(of_kind(PlaneGeom))
         domes = of_kind(DomeGeom)
         self._dome: DomeGeom | None = domes[0] if domes else None
-        owner = {body: model.GetIntId() for model in self.world.models for body in model.bodies}
+        owner = {body: model.GetIntId() for model in self.world.entities for body in model.bodies}
         items, bodies = [], []
         for body in dict.fromkeys(geom.body for geom in shown):
             seen = [geom for geom in body.geoms if geom.appearance.visible and not isinstance(geom, NOT_ITEMS)]

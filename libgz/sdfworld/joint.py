@@ -14,107 +14,130 @@ from libgz.geometry import (
     GzVector,
     GzVectorAdd,
     GzVectorCross,
-    GzVectorDot,
-    GzVectorMag,
     GzVectorMul,
     GzVectorSub,
     rotate,
 )
 from libgz.physics.body import Body
 from libgz.physics.check import finite, unit_axis
-from libgz.physics.couplings import Gears, PistonJoint, Thread, TieJoint
 from libgz.physics.engine import Engine
-from libgz.physics.joint import BallJoint, FixedJoint, HingeJoint, Joint, SliderJoint
-from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
-from libgz.sdfworld.axis import Axis, JointPlan
-from libgz.sdfworld.limits import JointLimits
-from libgz.sdfworld.links import links_behind, move_links, push_links
+from libgz.physics.joint import Joint
+from libgz.sdfworld.axis import HALF_TURN, UNLIMITED, Axis, JointPlan
+from libgz.sdfworld.links import accelerate_links, links_behind, move_links
+from libgz.sdfworld.mechanism import (
+    PARAMETERS,
+    GearboxMechanism,
+    Links,
+    Mechanism,
+    ScrewMechanism,
+    check_ratio,
+    mechanism_class,
+    ode_number,
+)
 
-__all__ = ["KINDS", "SdfJoint"]
+__all__ = ["SdfJoint"]
 
-KINDS: dict[str, type[Joint]] = {
-    "revolute": HingeJoint,
-    "prismatic": SliderJoint,
-    "ball": BallJoint,
-    "universal": UniversalJoint,
-    "revolute2": Hinge2Joint,
-    "fixed": FixedJoint,
-    "screw": PistonJoint,
-    "gearbox": TieJoint,
+TURN = 2.0 * math.pi
+# h^2 k / m and h d / m up to which an implicit spring and damper are applied as efforts, which is stable up to 4 and 2.
+GENTLE = 0.05
+# What makes sense to ODE; values outside are replaced by the nearest bound.
+RANGES = {
+    **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
+    **dict.fromkeys(("cfm", "stop_cfm", "suspension_cfm"), (0.0, 1e10)),
+    "fmax": (0.0, 1e16),
+    "vel": (-1e6, 1e6),
 }
-UNKNOWN = "is not a kind of joint here; allowed are " + ", ".join(KINDS)
-PARALLEL = 0.999  # cosine from which two axes count as parallel
-SKEW = 1e-3  # cosine up to which two axes are at right angles
-TWO_AXES = ("universal", "revolute2", "gearbox")
 
 
-def _is_real(body: Body | None) -> bool:
-    return body is not None and not body.dummy
-
-
-class SdfJoint(JointLimits):
+class SdfJoint:
     """A joint between two links, or a link and the world.
 
     Positive motion is that of the child against the parent, about or along the axis. A screw has two positions: the
     angle, and the way along the axis; a gearbox has the angles of parent and child against its reference body.
 
+    While it holds links together it has a `Mechanism` of its kind.
+
     Args:
         engine: where.
         plan: what to make; see `libgz.sdfworld.axis.read_joint`.
+
+    Attributes:
+        dof: how many positions there are.
+        acts: whether `update` has anything to do.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
 
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
-        if plan.kind not in KINDS:
-            raise ParameterError(f"type {plan.kind!r} {UNKNOWN}{nearest(plan.kind, KINDS)}")
+        self.links = Links(plan.parent, plan.child)
+        kind = mechanism_class(plan, self.links)
+        kind.check(plan)
+        self.dof = kind.dof(plan)
         self.engine = engine
         self.plan = plan
         self.name, self.kind, self.axes = plan.name, plan.kind, plan.axes
-        self._check()
-        self.parent, self.child = plan.parent, plan.child
         self.implicit = plan.implicit
-        self.joint: Joint | None = None
-        self._coupling: Thread | Gears | None = None
+        self.acts = False
+        self._mechanism: Mechanism | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
-        self._before, self._before_at = [0.0, 0.0], -1  # those of the push before
-        self._laid: dict[int, float] = {}
-        self._step_time = engine.step_time
-        self._held: dict[int, bool] = {}  # implicit axes: whether stops stand for a spring
-        self.acts = self._engine_pushes = False
-        self._given = {}
+        self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
+        self._engine_springs = False  # whether the engine applies its springs
+        self._set: dict[tuple[str, int], float] = {}  # ODE's parameters as users set them, by key and axis
+        self._stop_turns: dict[int, float] = {}  # axis -> turns [rad] that its stops were set for
+        self._spring_stops: dict[int, bool] = {}  # axis -> whether two stops at one place act as its spring
+        self._step_time = engine.step_time  # [s] that `_refresh` has used
         self._attach(plan.anchor)
         for index, axis in enumerate(self.axes):
             if axis.initial != 0.0 and self.joint is not None:
                 self.set_position(axis.initial, index)
 
-    def _check(self) -> None:
-        needed = {"ball": 0, "fixed": 0}.get(self.kind, 1)
-        if len(self.axes) < needed:
-            raise ParameterError(f"joint {self.name!r}: a {self.kind} joint needs an <axis>")
-        if self.kind in TWO_AXES and len(self.axes) == 1:
-            first = self.axes[0]
-            if self.kind != "gearbox":
-                raise ParameterError(f"joint {self.name!r}: a {self.kind} joint needs an <axis2>")
-            self.axes.append(Axis(GzVector(*first.direction)))
-        if self.kind in ("universal", "revolute2") and self._cosine() > PARALLEL:
-            raise ParameterError(f"joint {self.name!r}: the axes of a {self.kind} joint must not be parallel")
-        if self.kind == "screw":
-            del self.axes[1:]
-            self.check_coupling("thread_pitch", self.plan.pitch)
-        if self.kind == "gearbox":
-            self.check_coupling("gearbox_ratio", self.plan.ratio)
+    @property
+    def parent(self) -> Body | None:
+        """The parent link; None is the world."""
+        return self.links.parent
 
-    # Bodies ------------------------------------------------------------------------------------------------------
+    @property
+    def child(self) -> Body | None:
+        """The child link; None is the world."""
+        return self.links.child
+
+    @property
+    def joint(self) -> Joint | None:
+        """ODE's joint while it holds links together; a gearbox has none."""
+        return self._mechanism.joint if self._mechanism is not None else None
+
+    def axis_at(self, index: int) -> Axis:
+        """An axis; a screw's second motion has none of its own.
+
+        Raises:
+            ParameterError: there is none of this index.
+        """
+        if not 0 <= index < len(self.axes):
+            raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {len(self.axes)}")
+        return self.axes[index]
+
+    def _axis_of(self, index: int) -> Axis:
+        """The axis that a position belongs to."""
+        return self.axes[min(index, len(self.axes) - 1)]
+
+    def _check_index(self, index: int) -> None:
+        if not 0 <= index < self.dof:
+            raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {self.dof}")
+
+    # Links -----------------------------------------------------------------------------------------------------------
 
     def _attach(self, anchor: GzPose) -> None:
-        """Make the joint between the links as they stand, with its frame at a global pose."""
+        """Make the mechanism between the links as they stand, with the joint's frame at a global pose."""
         self._place(anchor)
-        if not (_is_real(self.parent) or _is_real(self.child)):
+        if not self.links.movable:
             return
         try:
-            self._make(anchor.pos)
+            self._mechanism = mechanism_class(self.plan, self.links)(self.engine, self.plan, self.links, anchor.pos)
+            if self.joint is not None:
+                self._set_parameters()
+                self.provide_feedback(self.plan.feedback)
+            self._refresh()
         except GazeboError:  # a joint that holds nothing must not stay: ODE crashes on it
             self.detach()
             raise
@@ -126,151 +149,84 @@ class SdfJoint(JointLimits):
         inverse = GzQuaternInverse(anchor.rot)
         self._local = [rotate(inverse, axis.direction) for axis in self.axes]
 
-    def _make(self, anchor: GzVector) -> None:
-        """Make ODE's joint between the links, at a global point."""
-        if self.kind == "gearbox":
-            self._attach_gears()
-            self._refresh()
-            return
-        kind = UniversalJoint if self.kind == "revolute2" and not self._needs_hinge2() else KINDS[self.kind]
-        self.joint = kind(self.engine, name=self.name)
-        self._join(self.joint, anchor)
-        self._set_parameters()
-        if isinstance(self.joint, PistonJoint):
-            self._coupling = Thread(self.joint, self.plan.pitch)
-        self.provide_feedback(self.plan.feedback)
-        self._refresh()
-
-    def _cosine(self) -> float:
-        """Of the angle between both axes, without its sign."""
-        first, second = (axis.direction for axis in self.axes)
-        return abs(GzVectorDot(first, second)) / (GzVectorMag(first) * GzVectorMag(second))
-
-    def _needs_hinge2(self) -> bool:
-        """Whether two axes are ODE's Hinge2: it has a suspension, and its axes may meet at any angle.
-
-        But its second axis knows no stops, and it wants two bodies. Else a universal joint is the same and does more.
-        """
-        sprung = any(key.startswith("suspension") for key in self.plan.parameters)
-        return (sprung or self._cosine() > SKEW) and _is_real(self.parent) and _is_real(self.child)
-
-    def _join(self, joint: Joint, anchor: GzVector) -> None:
-        """Anchor and axes, so that positive motion is that of the child."""
-        axes = [axis.direction for axis in self.axes]
-        if isinstance(joint, Hinge2Joint):
-            # ODE ties the first axis to the first body, and measures the other way round.
-            joint.Attach(self.parent, self.child)
-            joint.SetAnchor(anchor)
-            joint.SetAxes(GzVectorMul(-1.0, axes[0]), GzVectorMul(-1.0, axes[1]))
-            return
-        joint.Attach(self.child, self.parent)
-        joint.SetAnchor(anchor)
-        if isinstance(joint, HingeJoint | PistonJoint):
-            joint.SetAxis(axes[0])
-        elif isinstance(joint, SliderJoint):
-            joint.SetAxis(*axes[0])
-        elif isinstance(joint, UniversalJoint):
-            # The first axis is fixed to the parent, which is ODE's second body.
-            joint.SetAxis2(axes[0])
-            joint.SetAxis1(axes[1])
-        elif isinstance(joint, FixedJoint):
-            joint.SetFixed()
-
-    def _attach_gears(self) -> None:
-        if self.parent is None or self.child is None or self.parent.dummy or self.child.dummy:
-            raise ParameterError(f"joint {self.name!r}: a gearbox joins two links that move")
-        directions = (self.axes[0].direction, self.axes[1].direction)
-        self._coupling = Gears(self.engine, (self.parent, self.child), directions, self.plan.ratio, self.plan.reference)
-
     def attach(self, parent: Body | None, child: Body | None) -> None:
         """Join two links, as they stand now; None is the world. The joint's frame keeps its place in the child."""
         self.detach()
-        self.parent, self.child = parent, child
+        self.links = Links(parent, child)
         frame = child.GetPose() if child is not None else GzPose()
         anchor = GzCoordPoseAdd(self._in_child, frame)
         for axis, local in zip(self.axes, self._local, strict=True):
             axis.direction = rotate(anchor.rot, local)
-        self._check()
+        mechanism_class(self.plan, self.links).check(self.plan)
         self._attach(anchor)
 
     def detach(self) -> None:
-        """Let both links go; `attach` joins links again."""
-        if self._coupling is not None:
-            self._coupling.close()
-        if self.joint is not None:
-            self.joint.close()
-        self.joint = self._coupling = None
+        """Release both links; `attach` joins links again."""
+        if self._mechanism is not None:
+            self._mechanism.close()
+        self._mechanism = None
         self.acts = False
-        self._held.clear()
+        self._spring_stops.clear()
 
     close = detach
 
     def restore(self) -> None:
-        """Count turns from zero again, after links were put back where they began."""
-        self._held.clear()
-        self._laid.clear()
-        if self.attached and self.joint is not None:
-            self.engine.join(self.joint.row, self.joint.id)
-        if isinstance(self._coupling, Gears):
-            self._coupling.restore()
+        """Count turns from zero again, after links were returned to where they began."""
+        self._spring_stops.clear()
+        self._stop_turns.clear()
+        if self.attached and self._mechanism is not None:
+            self._mechanism.restore()
 
     @property
     def attached(self) -> bool:
         """Whether it holds links together; not any more when one of them was deleted."""
-        self.let_go_of_deleted()
-        return self.joint is not None or self._coupling is not None
+        self.release_deleted()
+        return self._mechanism is not None
 
-    def let_go_of_deleted(self) -> None:
-        """Hold nothing any more if one of the links was deleted."""
-        if self.joint is not None and not self.joint.closed:
+    def release_deleted(self) -> None:
+        """Detach if one of the links was deleted."""
+        mechanism = self._mechanism
+        if mechanism is not None and mechanism.joint is not None and not mechanism.joint.closed:
             return  # it would have been destroyed with either link
-        parent, child = self.parent, self.child
-        if (parent is not None and parent.closed) or (child is not None and child.closed) or self.broken:
+        deleted = any(body is not None and body.closed for body in (self.parent, self.child))
+        if deleted or (mechanism is not None and mechanism.closed):
             self.detach()
-            self.parent, self.child = (None if b is None or b.closed else b for b in (parent, child))
+            self.links = Links(*(None if b is None or b.closed else b for b in (self.parent, self.child)))
 
-    # Motion ------------------------------------------------------------------------------------------------------
-
-    def _column(self, index: int) -> int:
-        """Where the position of an axis stands in the joint's row."""
-        if not 0 <= index < self.dof:
-            raise ParameterError(f"joint {self.name!r} has no axis {index}; it has {self.dof}")
-        return 1 - index if isinstance(self.joint, UniversalJoint) else index
+    # Motion ----------------------------------------------------------------------------------------------------------
 
     def position(self, index: int = 0) -> float:
         """Angle [rad], turns counted, or position [m] of an axis; NaN for a ball or fixed joint."""
-        self.let_go_of_deleted()
-        if isinstance(self._coupling, Gears):
-            return self._coupling.angles[self._column(index)]
+        self.release_deleted()
         if not self.axes:
             return math.nan
-        return self._sign(index) * self.joint._value(self._column(index)) if self.joint is not None else 0.0
-
-    def _sign(self, index: int) -> float:
-        """ODE measures the second angle of a Hinge2 against its own rate."""
-        return -1.0 if index == 1 and isinstance(self.joint, Hinge2Joint) else 1.0
+        if self._mechanism is None:
+            return 0.0
+        self._check_index(index)
+        return self._mechanism.position(index)
 
     def velocity(self, index: int = 0) -> float:
         """Rate of an axis [rad/s] or [m/s]; NaN for a ball or fixed joint."""
-        self.let_go_of_deleted()
-        if isinstance(self._coupling, Gears):
-            return self._coupling.rates()[self._column(index)]
+        self.release_deleted()
         if not self.axes:
             return math.nan
-        return self.joint._value(2 + self._column(index)) if self.joint is not None else 0.0
+        if self._mechanism is None:
+            return 0.0
+        self._check_index(index)
+        return self._mechanism.velocity(index)
 
     def add_force(self, effort: float, index: int = 0) -> None:
-        """Push along an axis for one step [N m] or [N]; pushes of one step add up.
+        """Apply an effort to an axis for one step [N m] or [N]; those of one step add up.
 
-        It is cut to the axis' effort limit, and nothing where it would drive the axis beyond its velocity limit.
+        It is limited to the axis' effort limit, and zero where it would drive the axis beyond its velocity limit.
 
         Raises:
             ParameterError: there is no such axis, or the effort is not finite.
         """
         effort = finite(effort, "effort [N m or N]")
-        self.let_go_of_deleted()
-        self._column(index)
-        axis = self.axes[min(index, len(self.axes) - 1)]
+        self.release_deleted()
+        self._check_index(index)
+        axis = self._axis_of(index)
         if axis.effort >= 0.0:
             effort = max(-axis.effort, min(axis.effort, effort))
         if axis.velocity >= 0.0 and abs(rate := self.velocity(index)) > axis.velocity and rate * effort > 0.0:
@@ -279,100 +235,61 @@ class SdfJoint(JointLimits):
             self._before, self._before_at = self._applied, self._applied_at
             self._applied, self._applied_at = [0.0, 0.0], self.engine.steps
         self._applied[index] += effort
-        self._push(effort, index)
+        self._apply(effort, index)
 
     def force(self, index: int = 0) -> float:
-        """What was pushed with in the last step that was pushed in [N m] or [N]."""
-        self._column(index)
+        """The effort of the last step in which one was applied [N m] or [N]."""
+        self._check_index(index)
         return self._applied[index]
 
-    def _push(self, effort: float, index: int) -> None:
-        joint = self.joint
-        if isinstance(self._coupling, Gears):
-            body, direction = self._coupling.bodies[index], self._coupling.direction(index)
-            body.AddTorque(*GzVectorMul(effort, direction))
+    def _apply(self, effort: float, index: int) -> None:
+        if self._mechanism is None:
             return
-        if joint is None:
-            return
-        self._wake()
-        if isinstance(joint, HingeJoint):
-            joint.SetTorque(effort)
-        elif isinstance(joint, SliderJoint):
-            joint.SetSliderForce(effort)
-        elif isinstance(joint, Hinge2Joint | UniversalJoint):
-            first = (index == 0) == isinstance(joint, Hinge2Joint)
-            joint.SetTorque(*((effort, 0.0) if first else (0.0, effort)))
-        elif isinstance(joint, PistonJoint):
-            self._push_screw(joint, effort, index)
-
-    def _push_screw(self, joint: PistonJoint, effort: float, index: int) -> None:
-        axis, anchor = joint.GetAxis(), self.anchor()
-        for body, sign in ((self.child, 1.0), (self.parent, -1.0)):
-            if body is None:
-                continue
-            push = GzVectorMul(sign * effort, axis)
-            if index == 0:
-                body.AddTorque(*push)
-            else:  # ODE's own function for this turns both bodies, too
-                body.AddForceAtPos(*push, *anchor)
-
-    def _wake(self) -> None:
         for body in (self.parent, self.child):
             if body is not None and body.auto_disable:
                 body.Enable(True)
-
-    def _behind(self) -> list[Body]:
-        """The links that move with the child when the joint moves."""
-        return links_behind(self.child, self.parent)
+        self._mechanism.apply(effort, index, self.anchor)
 
     def set_position(self, position: float, index: int = 0, *, preserve_world_velocity: bool = False) -> None:
-        """Move all links behind the joint so that an axis is at a position [rad] or [m], cut to its limits.
+        """Move all links behind the joint so that an axis is at a position [rad] or [m], within its limits.
 
         Their velocities turn with them unless they are to be preserved.
         """
         target = finite(position, "position [rad or m]")
-        column = self._column(index)
+        self._check_index(index)
         if index < len(self.axes):
             axis = self.axes[index]
             target = max(axis.lower, min(axis.upper, target)) if axis.lower <= axis.upper else target
-        if self.joint is None:
+        if self._mechanism is None or self.joint is None:
             return
-        change = target - self.position(index)
-        turn, slide = self._motion(change, index)
-        move_links(self._behind(), self.anchor(), turn, slide, preserve_world_velocity)
-        self.engine.joint_state[self.joint.row, column] = self._sign(index) * target  # turns are counted from here
-        self.engine.joint_moved(self.joint.row)
+        turn, slide = self._motion(target - self.position(index), index)
+        move_links(links_behind(self.child, self.parent), self.anchor(), turn, slide, preserve_world_velocity)
+        self._mechanism.count_from(target, index)
 
     def set_velocity(self, velocity: float, index: int = 0) -> None:
-        """Give all links behind the joint at once the velocities that make an axis move so [rad/s] or [m/s]."""
+        """Set at once the velocities of all links behind the joint that make an axis move so [rad/s] or [m/s]."""
         change = finite(velocity, "velocity [rad/s or m/s]") - self.velocity(index)
         if self.joint is None:
             return
         turn, slide = self._motion(change, index)
-        push_links(self._behind(), self.anchor(), turn, slide)
+        accelerate_links(links_behind(self.child, self.parent), self.anchor(), turn, slide)
 
     def _motion(self, change: float, index: int) -> tuple[GzVector, GzVector]:
         """(rotation vector, translation), global, of a change of an axis' position."""
         axis = self.axis(min(index, len(self.axes) - 1))
-        if isinstance(self.joint, SliderJoint):
-            return GzVector(), GzVectorMul(change, axis)
-        if isinstance(self.joint, PistonJoint):
-            turn = change if index == 0 else -change * self.plan.pitch
-            return GzVectorMul(turn, axis), GzVectorMul(-turn / self.plan.pitch, axis)
-        return GzVectorMul(change, axis), GzVector()
+        return self._mechanism.motion(change, index, axis) if self._mechanism is not None else (GzVector(), GzVector())
 
-    # Places ------------------------------------------------------------------------------------------------------
+    # Places ----------------------------------------------------------------------------------------------------------
 
     def frame(self) -> GzPose:
-        """Global pose of the joint's frame, which goes with the child [m]."""
+        """Global pose of the joint's frame, which is fixed to the child [m]."""
         return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
 
     def anchor(self, index: int = 0) -> GzVector:
-        """Global anchor [m]; of index 1 that on the second link, which a suspension sets apart."""
-        self.let_go_of_deleted()
-        if index == 1 and isinstance(self.joint, Hinge2Joint):
-            return self.joint.GetAnchor2()
-        return self.frame().pos
+        """Global anchor [m]; of index 1 that on the second link, which a suspension moves apart."""
+        self.release_deleted()
+        second = self._mechanism.second_anchor() if self._mechanism is not None and index == 1 else None
+        return self.frame().pos if second is None else second
 
     def set_frame(self, pose: GzPose) -> None:
         """Where the joint's frame is to lie in the child [m]; `attach` makes it so."""
@@ -380,22 +297,15 @@ class SdfJoint(JointLimits):
 
     def set_anchor(self, anchor: Iterable[float]) -> None:
         """Move the anchor to a global point [m]; positions count from where the links stand now."""
-        self.let_go_of_deleted()
-        frame = self.frame()
-        self._again(GzPose(GzVector(*anchor), frame.rot), {})
+        self.release_deleted()
+        self._attach_anew(GzPose(GzVector(*anchor), self.frame().rot), {})
 
     def axis(self, index: int = 0) -> GzVector:
         """An axis as it lies now, global."""
-        self.let_go_of_deleted()
+        self.release_deleted()
         self.axis_at(index)
-        joint = self.joint
-        if isinstance(joint, HingeJoint | SliderJoint | PistonJoint):
-            return joint.GetAxis()
-        if isinstance(joint, UniversalJoint):
-            return (joint.GetAxis2, joint.GetAxis1)[index]()
-        if isinstance(joint, Hinge2Joint):
-            return GzVectorMul(-1.0, (joint.GetAxis1, joint.GetAxis2)[index]())
-        return rotate(self.frame().rot, self._local[index])
+        axis = self._mechanism.axis(index) if self._mechanism is not None else None
+        return rotate(self.frame().rot, self._local[index]) if axis is None else axis
 
     def local_axis(self, index: int = 0) -> GzVector:
         """An axis in the joint's frame, as it was when the joint was made."""
@@ -405,10 +315,10 @@ class SdfJoint(JointLimits):
     def set_axis(self, index: int, axis: Iterable[float]) -> None:
         """Replace an axis, global; positions count from where the links stand now."""
         self.axis_at(index)
-        self._again(self.frame(), {index: GzVector(*unit_axis(axis, "axis"))})
+        self._attach_anew(self.frame(), {index: GzVector(*unit_axis(axis, "axis"))})
 
-    def _again(self, frame: GzPose, new: dict[int, GzVector]) -> None:
-        """Attach anew, if it holds links, with the frame at a global pose, and with new axes where there are any."""
+    def _attach_anew(self, frame: GzPose, new: dict[int, GzVector]) -> None:
+        """Attach again, if it is attached, with the frame at a global pose and with new axes where there are any."""
         held = self.attached
         directions = [new.get(i) or self.axis(i) for i in range(len(self.axes))]
         self.detach()
@@ -417,43 +327,245 @@ class SdfJoint(JointLimits):
         if not held:
             self._place(frame)
             return
-        self._check()
+        mechanism_class(self.plan, self.links).check(self.plan)
         self._attach(frame)
 
-    # Feedback ----------------------------------------------------------------------------------------------------
+    # Parameters ------------------------------------------------------------------------------------------------------
+
+    def _number(self, key: str, index: int) -> int | None:
+        """ODE's number of a parameter; None where this joint has no such parameter."""
+        if self._mechanism is None:
+            return ode_number(key, index)
+        return self._mechanism.number(key, index)
+
+    def _known_number(self, key: str, index: int) -> int:
+        number = self._number(key, index)
+        if number is None:
+            known = ", ".join((*PARAMETERS, "friction", "thread_pitch", "gearbox_ratio"))
+            raise ParameterError(
+                f"joint {self.name!r}: a {self.kind} joint has no {key!r} of axis {index}; keys are {known}"
+                + nearest(key, PARAMETERS)
+            )
+        return number
+
+    def _set_parameters(self) -> None:
+        """Stops, friction, ODE's parameters of the file, and what users have set."""
+        users = dict(self._set)
+        for index, axis in enumerate(self.axes):
+            self._set_stops(index)
+            if axis.friction > 0.0:
+                self.set_param("friction", axis.friction, index)
+        for key, value in self.plan.parameters.items():
+            for index in range(max(1, len(self.axes))):
+                if self._number(key, index) is not None and (value != 0.0 or key not in ("fmax", "vel")):
+                    self.set_param(key, value, index)
+        for (key, index), value in users.items():  # set before the joint was attached anew
+            if self._number(key, index) is not None:
+                self.set_param(key, value, index)
+
+    def get_param(self, key: str, index: int = 0) -> float:
+        """A parameter by its classic key; see `set_param`.
+
+        Raises:
+            ParameterError: there is no such key, or this kind of joint has none.
+        """
+        if key in ("hi_stop", "lo_stop", "friction"):
+            axis = self.axis_at(index)
+            return {"hi_stop": axis.upper, "lo_stop": axis.lower, "friction": axis.friction}[key]
+        if key in ("thread_pitch", "gearbox_ratio"):
+            return self.plan.pitch if key == "thread_pitch" else self.plan.ratio
+        number = self._known_number(key, index)
+        return self.joint.GetParam(number) if self.attached and self.joint is not None else 0.0
+
+    def set_param(self, key: str, value: float, index: int = 0) -> None:
+        """Set a parameter by its classic key.
+
+        fmax [N m or N] and vel [rad/s or m/s] are the motor; hi_stop, lo_stop [rad or m]; friction [N m or N]; erp,
+        cfm, stop_erp, stop_cfm, suspension_erp, suspension_cfm, fudge_factor, bounce; thread_pitch [rad/m];
+        gearbox_ratio.
+
+        Raises:
+            ParameterError: there is no such key, this kind of joint has none, or the value is NaN.
+        """
+        number = float(value)
+        if math.isnan(number):
+            raise ParameterError(f"joint {self.name!r}: {key} is NaN")
+        self.release_deleted()
+        if key == "hi_stop":
+            self.axis_at(index).upper = number
+            self._stops_changed(index)
+        elif key == "lo_stop":
+            self.axis_at(index).lower = number
+            self._stops_changed(index)
+        elif key == "friction":
+            # Friction is a motor with the target velocity zero.
+            self.axis_at(index).friction = number
+            self.set_param("vel", 0.0, index)
+            self.set_param("fmax", number, index)
+        elif key == "thread_pitch":
+            check_ratio(self.name, key, number)
+            self.plan.pitch = number
+            if isinstance(self._mechanism, ScrewMechanism):
+                self._mechanism.thread.pitch = number
+        elif key == "gearbox_ratio":
+            check_ratio(self.name, key, number)
+            self.plan.ratio = number
+            if isinstance(self._mechanism, GearboxMechanism):
+                self._mechanism.gears.set_ratio(number)
+        else:
+            ode_parameter = self._known_number(key, index)
+            least, most = RANGES.get(key, (-math.inf, math.inf))
+            number = min(max(number, least), most)
+            self._set[key, index] = number
+            if self.joint is not None:
+                self.joint.SetParam(ode_parameter, number)
+
+    # Stops -----------------------------------------------------------------------------------------------------------
+
+    def _turns(self, index: int) -> float:
+        """Whole turns of an axis [rad], which ODE does not count."""
+        turning = self._mechanism is not None and self._mechanism.turns(index)
+        return TURN * round(self.position(index) / TURN) if turning else 0.0
+
+    def _stops_changed(self, index: int) -> None:
+        self._set_stops(index)
+        self._refresh()
+
+    def _set_stops(self, index: int) -> None:
+        """Set ODE's stops to an axis' limits, in its own count of turns."""
+        axis, turns = self.axes[index], self._turns(index)
+        low = axis.lower - turns if abs(axis.lower) < UNLIMITED else -math.inf
+        high = axis.upper - turns if abs(axis.upper) < UNLIMITED else math.inf
+        if turns or (axis.wide and self._mechanism is not None and self._mechanism.turns(index)):
+            # A stop that is half a turn away or more is none, unless the axis lies beyond it: it turns towards it.
+            low = min(low, math.pi) if low >= -math.pi else -math.inf
+            high = max(high, -math.pi) if high <= math.pi else math.inf
+        self._set_ode_stops(index, low, high)
+        self._spring_stops[index] = False
+        self._stop_turns[index] = turns
+
+    def _set_ode_stops(self, index: int, low: float, high: float) -> None:
+        low_number, high_number = self._number("lo_stop", index), self._number("hi_stop", index)
+        if self.joint is None or low_number is None or high_number is None:
+            return
+        for number, value in ((high_number, high), (low_number, low), (high_number, high)):
+            self.joint.SetParam(number, value)
+
+    # Springs ---------------------------------------------------------------------------------------------------------
+
+    def set_spring(self, index: int, stiffness: float, damping: float, reference: float = 0.0) -> None:
+        """Spring [N m/rad or N/m] and damper [N m s/rad or N s/m] about a reference [rad or m]."""
+        axis = self.axis_at(index)
+        axis.stiffness, axis.damping = finite(stiffness, "stiffness"), finite(damping, "damping")
+        self.release_deleted()
+        axis.reference = finite(reference, "reference")
+        if self.joint is not None:
+            self._set_stops(index)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        """Decide what applies springs: the engine the explicit ones of hinges and sliders, `update` all others.
+
+        An implicit spring that is gentle is explicit, too: solved with the constraints it would lose energy.
+        """
+        self._engine_springs, self._step_time = False, self.engine.step_time
+        mechanism, joint = self._mechanism, self.joint
+        if mechanism is not None and joint is not None and mechanism.engine_springs:
+            axis = self.axes[0]
+            self._engine_springs = not self.implicit or self._gentle(axis)
+            share = float(self._engine_springs)
+            joint.set_spring(share * axis.stiffness, share * abs(axis.damping), axis.reference)
+            if self._engine_springs and self._spring_stops.get(0):
+                self._end_spring_stops(0)
+        springs = any(axis.springs for axis in self.axes) and (self.implicit or not self._engine_springs)
+        turning = mechanism is None or mechanism.turns(0)
+        wide = turning and any(axis.wide for axis in self.axes)
+        self.acts = (mechanism is not None and mechanism.must_update) or springs or wide
+
+    def _gentle(self, axis: Axis) -> bool:
+        """Whether spring and damper are far from what would be unstable with steps of this length."""
+        ends = [body for body in self.links.movable if not body.kinematic]
+        if not ends:
+            return False
+        turning, step = self._mechanism is not None and self._mechanism.turns(0), self.engine.step_time
+        inertias = [min(b.GetMass().I[i] for i in (0, 5, 10)) if turning else b.mass for b in ends]
+        inertia = 1.0 / sum(1.0 / value for value in inertias)
+        return max(step * step * abs(axis.stiffness), step * abs(axis.damping)) <= GENTLE * inertia
+
+    def update(self) -> None:
+        """Apply what the joint does by itself in the coming step: springs, dampers, threads, gears."""
+        if not self.attached or self._mechanism is None:
+            return
+        if self.implicit and self.engine.step_time != self._step_time:
+            self._refresh()
+        self._mechanism.update()
+        if self.joint is None:
+            return
+        for index, axis in enumerate(self.axes):
+            explicit = not self._engine_springs and not (self.implicit and self._spring_by_stops(index, axis))
+            if axis.springs and explicit:
+                spring = axis.stiffness * (axis.reference - self.position(index))
+                self._apply(spring - abs(axis.damping) * self.velocity(index), index)
+            if axis.wide and not self._spring_stops.get(index) and self._turns(index) != self._stop_turns.get(index):
+                self._set_stops(index)
+
+    def _spring_by_stops(self, index: int, axis: Axis) -> bool:
+        """Let two stops at one place act as spring and damper, unless a limit is met; whether that is possible.
+
+        erp = h k / (h k + d), cfm = 1 / (h k + d), as for contacts.
+        """
+        at, turns = self.position(index), self._turns(index)
+        target = axis.reference - turns if axis.stiffness else at - turns
+        if self._number("lo_stop", index) is None or (turns and abs(target) > HALF_TURN):
+            return False
+        if not axis.lower < at < axis.upper:
+            if self._spring_stops.get(index):
+                self._end_spring_stops(index)
+            return True
+        spring = self.engine.step_time * axis.stiffness
+        total = spring + abs(axis.damping)
+        self.set_param("stop_erp", spring / total, index)
+        self.set_param("stop_cfm", 1.0 / total, index)
+        self._set_ode_stops(index, target, target)
+        self._spring_stops[index] = True
+        return True
+
+    def _end_spring_stops(self, index: int) -> None:
+        """Let the stops be limits again."""
+        self._set_stops(index)
+        for key, default in (("stop_erp", 0.2), ("stop_cfm", 0.0)):
+            self.set_param(key, self.plan.parameters.get(key, default), index)
+
+    # Feedback --------------------------------------------------------------------------------------------------------
 
     def provide_feedback(self, on: bool) -> None:
         """Whether `wrench` is filled in each step."""
-        self.let_go_of_deleted()
+        self.release_deleted()
         self.plan.feedback = on
-        if self.joint is not None:
-            self.joint.provide_feedback(on)
-        if isinstance(self._coupling, Thread):
-            self._coupling.provide_feedback(on)
+        if self._mechanism is not None:
+            self._mechanism.provide_feedback(on)
 
     @property
     def wrench(self) -> tuple[GzVector, GzVector, GzVector, GzVector]:
-        """(force, torque) on the parent, then on the child, that the joint put on them in the last step.
+        """(force, torque) on the parent, then on the child, that the joint applied to them in the last step.
 
         Forces [N]; torques about the anchor [N m]; global. Efforts of `add_force` are in it, explicit springs are not.
         """
-        if not self.attached or not self.plan.feedback:
+        if not self.attached or not self.plan.feedback or self._mechanism is None:
             return GzVector(), GzVector(), GzVector(), GzVector()
-        force1, torque1, force2, torque2 = self._feedback()
-        swap = isinstance(self.joint, Hinge2Joint)
-        on_child, on_parent = ((force2, torque2), (force1, torque1)) if swap else ((force1, torque1), (force2, torque2))
-        anchor = self.anchor()
+        on_child, on_parent = self._mechanism.feedback()
+        anchor, movable = self.anchor(), self.links.movable
         result: list[GzVector] = []
         for body, (force, torque) in ((self.parent, on_parent), (self.child, on_child)):
-            if body is not None and not body.dummy:
+            if body is not None and body in movable:
                 arm = GzVectorSub(body.GetCoMPose().pos, anchor)
                 torque = GzVectorAdd(torque, GzVectorCross(arm, force))
             result += [force, torque]
-        if not _is_real(self.parent):
+        if self.parent not in movable:
             result[:2] = [GzVectorMul(-1.0, v) for v in result[2:]]
-        elif not _is_real(self.child):
+        elif self.child not in movable:
             result[2:] = [GzVectorMul(-1.0, v) for v in result[:2]]
-        force, torque = self._effort_on_child(anchor)
+        force, torque = self._effort_on_child(self._mechanism, anchor)
         return (
             GzVectorSub(result[0], force),
             GzVectorSub(result[1], torque),
@@ -461,30 +573,21 @@ class SdfJoint(JointLimits):
             GzVectorAdd(result[3], torque),
         )
 
-    def _feedback(self) -> tuple[GzVector, ...]:
-        """What ODE tells of its joint, and of the thread that goes with it."""
-        told: tuple[GzVector, ...] = self.joint.feedback if self.joint is not None else ()
-        if isinstance(self._coupling, Thread):
-            told = tuple(GzVectorAdd(a, b) for a, b in zip(told, self._coupling.feedback, strict=True))
-        return told
-
-    def _effort_on_child(self, anchor: GzVector) -> tuple[GzVector, GzVector]:
-        """(force, torque about the anchor) of what `add_force` pushed with in the last step, global."""
+    def _effort_on_child(self, mechanism: Mechanism, anchor: GzVector) -> tuple[GzVector, GzVector]:
+        """(force, torque about the anchor) of what `add_force` applied in the last step, global."""
         last = self.engine.steps - 1
         efforts = {self._before_at: self._before, self._applied_at: self._applied}.get(last, [0.0, 0.0])
         force, torque = GzVector(), GzVector()
         for index, effort in enumerate(efforts[: self.dof]):
             if effort == 0.0:
                 continue
-            push = GzVectorMul(effort, self.axis(min(index, len(self.axes) - 1)))
-            if not isinstance(self.joint, SliderJoint) and not (self.kind == "screw" and index == 1):
-                torque = GzVectorAdd(torque, push)
+            applied = GzVectorMul(effort, self.axis(min(index, len(self.axes) - 1)))
+            if not mechanism.is_force(index):
+                torque = GzVectorAdd(torque, applied)
                 continue
-            force = GzVectorAdd(force, push)
-            # A screw is pushed at its anchor, a slider along a line half way between both centres of mass.
-            ends = (self.parent, self.child) if isinstance(self.joint, SliderJoint) else ()
-            centres = [body.GetCoMPose().pos for body in ends if body is not None and not body.dummy]
+            force = GzVectorAdd(force, applied)
+            centres = [body.GetCoMPose().pos for body in self.links.movable] if mechanism.between_centres else []
             for centre in centres:
                 arm = GzVectorMul(1.0 / len(centres), GzVectorSub(centre, anchor))
-                torque = GzVectorAdd(torque, GzVectorCross(arm, push))
+                torque = GzVectorAdd(torque, GzVectorCross(arm, applied))
         return force, torque

@@ -21,11 +21,11 @@ from libgz.physics.couplings import LineJoint, TieJoint
 if TYPE_CHECKING:
     from libgz.physics.body import Body
 
-__all__ = ["links_behind", "move_links", "push_links"]
+__all__ = ["accelerate_links", "links_behind", "move_links"]
 
 
 def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
-    """A joint's child and all that hangs on it; where that leads back to the parent, the child alone."""
+    """A joint's child and all that is joined to it; the child alone where that leads back to the parent."""
     if child is None or child.dummy:
         return []
     found: dict[Body, None] = {child: None}
@@ -46,7 +46,7 @@ def links_behind(child: Body | None, parent: Body | None) -> list[Body]:
 
 
 def move_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector, keep_velocities: bool) -> None:
-    """Turn links about an anchor [m] by a rotation vector [rad], and slide them [m]; their velocities turn along."""
+    """Turn links about an anchor [m] by a rotation vector [rad], and slide them [m]; velocities turn with them."""
     rotation = GzQuaternFromAxis(turn.x, turn.y, turn.z, GzVectorMag(turn))
     for link in links:
         pose = link.GetPose()
@@ -58,7 +58,7 @@ def move_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: G
             link.SetAngularVel(rotate(rotation, angular))
 
 
-def push_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector) -> None:
+def accelerate_links(links: Iterable[Body], anchor: GzVector, turn: GzVector, slide: GzVector) -> None:
     """Add a rigid motion to the velocities of links: about an anchor [m] by a rate [rad/s], and along [m/s]."""
     for link in links:
         arm = GzVectorSub(link.GetCoMPose().pos, anchor)

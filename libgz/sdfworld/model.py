@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 
 from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
-from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
 from libgz.physics.geom import Geom
@@ -17,12 +16,13 @@ from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
+from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "model_pose"]
 
 
-class SdfModel(Model):
+class SdfModel(Entity):
     """A model built from a `<model>` element.
 
     Its pose is that of the model frame; links keep their names. Static models have dummy bodies: they stand still
@@ -62,7 +62,7 @@ class SdfModel(Model):
             self._guard(link, self._add_link, link, pose)
         for element in self.sdf.named("model"):
             self._guard(element, self._add_nested, element, pose)
-        self._canonical = next((body for model in self.family() for body in model.bodies), None)
+        self._canonical = next((body for model in self.nested_family() for body in model.bodies), None)
         if self._canonical is None and self.parent is None:
             self._note(self.sdf, "a model needs at least one link", "error")
         elif self._canonical is not None:
@@ -87,11 +87,11 @@ class SdfModel(Model):
         for body in self.bodies:
             body.set_auto_disable(allow and not busy and not body.kinematic)
 
-    def family(self) -> Iterator[SdfModel]:
+    def nested_family(self) -> Iterator[SdfModel]:
         """This model and all that are nested in it."""
         yield self
         for model in self.nested.values():
-            yield from model.family()
+            yield from model.nested_family()
 
     def _note(self, element: Element, message: str, severity: str = "warning") -> None:
         self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
@@ -209,15 +209,15 @@ class SdfModel(Model):
         found = self._own_link(name) or self._own_link(name.removeprefix(f"{self.name}::"))
         if found is not None:
             return found
-        model = self.parent
+        model: Entity | None = self.parent
         while isinstance(model, SdfModel):
             found = model._own_link(name)
             if found is not None:
                 return found
             model = model.parent
         owner, _, link = name.rpartition("::")
-        for other in self.world.models if owner else ():
-            if other.GetId() == owner and (isinstance(other, SdfModel) or hasattr(other, "GetBody")):
+        for other in self.world.entities if owner else ():
+            if other.GetId() == owner:
                 return other.GetBody(link)
         known = ", ".join(self.link_names())
         raise NotFoundError(f"there are {known or 'none'}")
@@ -276,8 +276,8 @@ class SdfModel(Model):
         joint.close()
         return True
 
-    def Update(self, step: float) -> None:
-        """Damping, springs, threads and gears of the joints."""
+    def MasterUpdate(self, step: float) -> None:
+        """Apply damping, springs, threads and gears of the joints."""
         if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
@@ -294,7 +294,7 @@ class SdfModel(Model):
     def SetPose(self, pose: GzPose) -> None:
         """Move all links, and nested models, as one; all velocities become zero."""
         before = self.GetPose()
-        for model in self.family():
+        for model in self.nested_family():
             if model._canonical is None:
                 model._frame = GzCoordPoseAdd(GzCoordPoseSub(model._frame, before), pose)
             for body in model.bodies:
@@ -304,7 +304,7 @@ class SdfModel(Model):
 
     def restore(self) -> None:
         """Put all links, and those of nested models, back to where they began in the world, at rest."""
-        for model in self.family():
+        for model in self.nested_family():
             model._frame, elsewhere = model.initPose, model.initPose != model._start
             for body, place, start in model._places:
                 body.SetPose(GzCoordPoseAdd(place, model.initPose) if elsewhere else start)
@@ -312,7 +312,7 @@ class SdfModel(Model):
                 body.SetAngularVel((0.0, 0.0, 0.0))
                 body.SetForce((0.0, 0.0, 0.0))
                 body.SetTorque(0.0, 0.0, 0.0)
-        for model in self.family():
+        for model in self.nested_family():
             for joint in model.sdf_joints.values():
                 joint.restore()
 

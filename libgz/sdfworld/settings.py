@@ -2,49 +2,42 @@
 
 from __future__ import annotations
 
-import weakref
 from dataclasses import dataclass, field
 
-from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostic, Diagnostics, ParameterError
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import apply_scene
 from libgz.simulation.world import World
 
-__all__ = ["SdfSettings", "apply_profile", "apply_settings", "settings_of"]
+__all__ = ["SdfSettings", "apply_physics", "apply_settings", "default_settings"]
 
 
 @dataclass
 class SdfSettings:
-    """What a `<world>` says besides its entities."""
+    """What a `<world>` says beside its entities."""
 
     element: Element  # the `<world>`
-    physics: Element  # the profile in force
+    physics: Element  # the profile that is applied
     profiles: dict[str, Element] = field(default_factory=dict)
     magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T], now
     spherical_coordinates: Element | None = None
     scene: Element | None = None
 
 
-_settings: weakref.WeakKeyDictionary[World, SdfSettings] = weakref.WeakKeyDictionary()
-
-
-def settings_of(world: World) -> SdfSettings:
-    """What the file of a world said, and was set since; SDF's defaults for one that was not loaded from SDF."""
-    if world not in _settings:
-        element = Element("world", describe(VERSIONS[-1])["world"])
-        _settings[world] = SdfSettings(element, element.child("physics"))
-    return _settings[world]
+def default_settings() -> SdfSettings:
+    """SDF's defaults, for a world that was not loaded from SDF."""
+    element = Element("world", describe(VERSIONS[-1])["world"])
+    return SdfSettings(element, element.child("physics"))
 
 
 def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> SdfSettings:
-    """Read the settings of a `<world>`, and put them into force."""
+    """Read the settings of a `<world>`, and apply them."""
     found = list(element.named("physics")) or [element.child("physics")]
     profiles = {p.Get(str, "name") or "default_physics": p for p in reversed(found)}
     chosen = next((p for p in found if p.Get(bool, "default")), found[0])
     settings = SdfSettings(element, chosen, dict(reversed(profiles.items())))
-    _settings[world] = settings
     # Gravity and magnetic field moved out of <physics> in 1.6.
     outside = element.description is None or "gravity" in element.description.children
     world.engine.gravity = tuple((element if outside else chosen).Get(GzVector, "gravity"))
@@ -56,41 +49,26 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
     try:
-        _apply_physics(world, chosen, diagnostics)
+        apply_physics(world, chosen, diagnostics)
     except ParameterError as error:
         diagnostics.add(Diagnostic(chosen.file, chosen.line, chosen.name, str(error), "error"))
     return settings
 
 
-def apply_profile(world: World, name: str) -> None:
-    """Put another `<physics>` of the file into force.
-
-    Raises:
-        NotFoundError: there is none of this name.
-    """
-    settings = settings_of(world)
-    if name not in settings.profiles:
-        known = ", ".join(settings.profiles) or "none"
-        hint = nearest(name, settings.profiles)
-        raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
-    settings.physics = settings.profiles[name]
-    _apply_physics(world, settings.physics, Diagnostics())
-
-
-def _apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> None:
+def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> None:
     """Step, solver, contacts and pacing."""
     engine = world.engine
     engine.step_time = physics.Get(float, "max_step_size")
     engine.max_contacts = physics.Get(int, "max_contacts")
     kind = physics.Get(str, "type")
     if kind != "ode":
-        _warn(diagnostics, physics, f"type {kind!r} is not here; ODE is used instead")
+        _warn(diagnostics, physics, f"type {kind!r} is not supported; ODE is used instead")
     solver = physics.child("ode").child("solver")
     engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
     engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
     model = solver.Get(str, "friction_model") or "pyramid_model"
     if model not in ("pyramid_model", "cone_model"):
-        _warn(diagnostics, solver, f"friction_model {model!r} is not here; pyramid_model and cone_model are")
+        _warn(diagnostics, solver, f"friction_model {model!r} is not supported; pyramid_model and cone_model are")
     engine.cone = model == "cone_model"
     constraints = physics.child("ode").child("constraints")
     engine.set_constraints(

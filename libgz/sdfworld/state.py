@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError
 from libgz.geometry import GzPose, GzVector
-from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.model import SdfModel
+from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
 __all__ = ["apply_state"]
@@ -36,21 +36,22 @@ def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
     for deletions in state.named("deletions"):
         for element in deletions.named("name"):
             name = element.Get(str)
-            gone = next((model for model in world.models if model.GetId() == name), None)
+            gone = next((model for model in world.entities if model.GetId() == name), None)
             if gone is not None:
                 world.DeleteModel(gone)
 
 
-def _find(world: World, element: Element, diagnostics: Diagnostics) -> Model | None:
+def _find(world: World, element: Element, diagnostics: Diagnostics) -> Entity | None:
     name = element.Get(str, "name")
     try:
-        return world.model(name)
+        found: Entity = world.model(name)
+        return found
     except NotFoundError as error:
         diagnostics.add(Diagnostic(element.file, element.line, element.name, f"of <state>: {error}", "warning"))
         return None
 
 
-def _apply_model(world: World, model: Model, element: Element, diagnostics: Diagnostics) -> None:
+def _apply_model(world: World, model: Entity, element: Element, diagnostics: Diagnostics) -> None:
     if element.HasElement("pose"):
         world.SetModelPose(model, element.Get(GzPose, "pose"))
     for link in element.named("link"):

@@ -1,4 +1,4 @@
-"""Event: callbacks that are called together; a connection ends when it is dropped."""
+"""Event: callbacks that are called together; a connection ends when its last reference is dropped."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import logging
 import time
 from collections.abc import Callable
 from contextvars import ContextVar
-from typing import Any, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
 
 from libgz.errors import ParameterError
@@ -19,6 +19,7 @@ __all__ = [
     "Ends",
     "Event",
     "Owner",
+    "UpdateInfo",
     "WorldEvents",
     "checked",
     "everywhere",
@@ -28,27 +29,27 @@ __all__ = [
 
 log = logging.getLogger("libgz.simulation")
 
-HASTE = 1e-3  # [s] a connection dropped within this was not kept by mistake
+HASTE = 1e-3  # [s]; a connection dropped sooner was probably meant to be kept
 
 
 class Ends(Protocol):
     """A connection to an event, or a subscription to a topic."""
 
     def disconnect(self) -> None:
-        """End it."""
+        """Disconnect."""
 
 
 class Owner(Protocol):
-    """Who connects callbacks: a plugin. It is told when one of them raises."""
+    """What connects callbacks: a plugin. `stop` is called when one of them raises."""
 
-    events: WorldEvents | None  # of its world; None for all worlds'
+    events: WorldEvents | None  # of its world; None for those of all worlds
     connections: WeakSet[Ends]
 
     def stop(self, where: str, error: BaseException) -> None:
         """One of its callbacks raised."""
 
 
-owner: ContextVar[Owner | None] = ContextVar("owner", default=None)  # whose code is running
+owner: ContextVar[Owner | None] = ContextVar("owner", default=None)  # of the code that is running
 
 
 class _Entry:
@@ -62,12 +63,12 @@ class _Entry:
 
 
 class Callback:
-    """A function that is called later, in the name of the plugin that gave it; it is not called after one that failed.
+    """A function that is called later, on behalf of the plugin that gave it, until it fails once.
 
     Args:
         what: for messages, such as ``the update function of battery 'main'``.
         function: what to call.
-        read: makes of what the function returns what is wanted; it may raise.
+        read: converts what the function returns; it may raise.
 
     Raises:
         ParameterError: it cannot be called.
@@ -81,11 +82,11 @@ class Callback:
             self._owner.connections.add(self)
 
     def disconnect(self) -> None:
-        """Call it no more."""
+        """Stop to call it."""
         self.connected = False
 
     def __call__(self, *values: Any, otherwise: Any = None) -> Any:
-        """What the function returns; `otherwise` if it raises, which is reported, or is called no more."""
+        """What the function returns; `otherwise` if it raises, which is reported, or is disconnected."""
         if not self.connected:
             return otherwise
         token = owner.set(self._owner)
@@ -101,17 +102,17 @@ class Callback:
 
 
 def report_failure(by: Owner | None, what: str, error: Exception) -> None:
-    """Report what a callback raised, and stop the plugin that gave it; who calls it calls it no more.
+    """Report what a callback raised, and stop the plugin that gave it; the caller must not call it again.
 
     Args:
-        by: whose callback it is; None outside plugins.
-        what: it is, such as ``a callback of event Pause``.
+        by: the plugin; None for a callback of other code.
+        what: what the callback is, such as ``a callback of event Pause``.
         error: what it raised.
     """
     if by is not None:
         by.stop(what, error)
     else:
-        log.error("%s failed and is called no more:\n%s", what, own_traceback(error))
+        log.error("%s failed and is not called any more:\n%s", what, own_traceback(error))
 
 
 def checked(callback: Any, what: str) -> Callable[..., Any]:
@@ -126,14 +127,14 @@ def checked(callback: Any, what: str) -> Callable[..., Any]:
 
 
 class Connection:
-    """A callback's place at an event. `Disconnect` ends it, and so does dropping the last reference to it."""
+    """A callback of an event. `Disconnect` ends it, and so does dropping the last reference to it."""
 
     def __init__(self, event: Event, entry: _Entry) -> None:
         self._event, self._entry = event, entry
         self._made = time.monotonic()
 
     def Disconnect(self) -> None:
-        """Take the callback off the event. Can be called twice."""
+        """Remove the callback from the event. Can be called twice."""
         self._event.remove(self._entry)
 
     disconnect = Disconnect
@@ -154,14 +155,14 @@ class Connection:
 
 
 class Event:
-    """Something that happens, and who wants to know.
+    """Something that happens, and the callbacks that are called then.
 
     A callback may take fewer arguments than the event has. One that raises is reported with its traceback, and its
     plugin is stopped; outside plugins only that callback is.
 
     Args:
         name: for messages.
-        above: an event whose callbacks are called, too, before this one's own.
+        above: an event whose callbacks are called before this one's own.
     """
 
     def __init__(self, name: str, above: Event | None = None) -> None:
@@ -175,7 +176,7 @@ class Event:
         return bool(self._own or (self._above is not None and self._above._own))
 
     def Connect(self, callback: Callable[..., object]) -> Connection:
-        """Call `callback` whenever this happens, as long as the connection is kept.
+        """Call `callback` at each signal, as long as the connection is kept.
 
         Raises:
             ParameterError: it cannot be called.
@@ -199,13 +200,13 @@ class Event:
         return len(self._calls())
 
     def remove(self, entry: _Entry) -> None:
-        """Take a callback off; it is not called any more, not even in a signal that is under way."""
+        """Remove a callback; it is not called any more, not even in a signal that is under way."""
         entry.connected = False
         self._own = tuple(kept for kept in self._own if kept is not entry)
         self._all = None
 
     def clear(self) -> None:
-        """Take all callbacks off."""
+        """Remove all callbacks."""
         for entry in self._own:
             entry.connected = False
         self._own, self._all = (), None
@@ -217,10 +218,10 @@ class Event:
         return self._all
 
     def Signal(self, *values: Any) -> None:
-        """Call all callbacks, in the order of connection; those that connect meanwhile are called the next time."""
+        """Call all callbacks, in the order of connection; new ones from the next signal on."""
         before = current = owner.get()
         for entry in self._calls():
-            if not entry.connected:  # an earlier callback took it off, or stopped its plugin
+            if not entry.connected:  # an earlier callback removed it, or stopped its plugin
                 continue
             if entry.owner is not current:
                 current = entry.owner
@@ -245,7 +246,7 @@ def _parameters(callback: Callable[..., object]) -> int:
     """How many positional arguments a callback takes."""
     try:
         found = inspect.signature(callback).parameters.values()
-    except (TypeError, ValueError):  # some built-in functions do not tell
+    except (TypeError, ValueError):  # some built-in functions have no signature
         return 0
     if any(p.kind is p.VAR_POSITIONAL for p in found):
         return 9
@@ -279,14 +280,29 @@ NAMES = (
 )
 
 
+class UpdateInfo(NamedTuple):
+    """What the callbacks of update events are given, unless an era has a type of its own for it."""
+
+    world_name: str
+    sim_time: float  # [s]
+    real_time: float  # [s]
+
+
 class WorldEvents(dict[str, Event]):
-    """The events of one world, by Gazebo's names; `everywhere` are those of all worlds."""
+    """The events of one world, by Gazebo's names; `everywhere` are those of all worlds.
+
+    Attributes:
+        update_info: makes what callbacks of update events are given from the world's name, sim time [s] and real time
+            [s]; Gazebo classic, whose callbacks expect a type of its own, registers that here.
+    """
+
+    update_info: ClassVar[Callable[[str, float, float], object]] = UpdateInfo
 
     def __init__(self, above: WorldEvents | None = None) -> None:
         super().__init__((name, Event(name, above[name] if above is not None else None)) for name in NAMES)
 
     def close(self) -> None:
-        """Take all callbacks off."""
+        """Remove all callbacks."""
         for event in self.values():
             event.clear()
 

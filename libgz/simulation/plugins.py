@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextvars
 import importlib.util
-import os
 import sys
 import traceback
 import zlib
@@ -16,7 +15,7 @@ from typing import Any
 
 from libgz.errors import PluginError
 
-__all__ = ["Plugin", "collect", "find_plugin", "load_plugin", "own_traceback", "plugin_directories", "search"]
+__all__ = ["Plugin", "collect", "load_plugin", "own_traceback", "search"]
 
 _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
 _loaded: dict[Path, Plugin] = {}
@@ -41,19 +40,6 @@ def collect(name: str, kind: Any) -> bool:
     return True
 
 
-def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
-    """(why, directory) of all places where plugins are looked for, in order."""
-    named = [("GAZEBOPATH", Path(d)) for d in os.environ.get("GAZEBOPATH", "").split(os.pathsep) if d]
-    home = (Path(worldfile).parent if worldfile else Path()).resolve()
-    models = importlib.util.find_spec("libgz.models")
-    return [
-        *named,
-        ("the worldfile's directory", home),
-        ("the installed plugins", Path(sys.prefix) / "lib" / "gazebo" / "plugins"),
-        ("the installed models", Path(models.origin).parent if models and models.origin else Path("libgz/models")),
-    ]
-
-
 def _file_names(name: str) -> list[str]:
     """The Python files that a plugin's name may mean, best first: X.so and libX.so are both X.py."""
     stem = name.removesuffix(".so").removesuffix(".py")
@@ -69,25 +55,6 @@ def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
     wanted = {name.lower() for name in names if "/" not in name}
     with_other_case = sorted(folder.iterdir()) if folder.is_dir() else []
     yield from (path for path in with_other_case if path.name.lower() in wanted)
-
-
-def find_plugin(name: str, worldfile: str | None) -> Path:
-    """The Python file of a plugin that a legacy worldfile names.
-
-    An absolute name (or one that begins with `~`) means that file only; others are looked for in each directory of
-    GAZEBOPATH, the worldfile's directory, the installed plugins, and the installed models.
-
-    Raises:
-        PluginError: it is nowhere; the message lists every path tried, and why it did not do.
-    """
-    name = name.strip()
-    if not name:
-        raise PluginError("<plugin> is empty; it must name a Python file, such as ExampleModel.py")
-    tried: list[str] = []
-    found = search(name, plugin_directories(worldfile), tried)
-    if found is None:
-        raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
-    return found
 
 
 def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path | None:

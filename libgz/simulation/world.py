@@ -1,62 +1,61 @@
-"""World: models on an engine, stepped together, with the interfaces they serve."""
+"""World: entities on an engine, stepped together, with the interfaces they serve."""
 
 from __future__ import annotations
 
-import importlib
 import logging
-import os
 import time
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
-from libgz.errors import ClosedError, GazeboError, PluginError
-from libgz.geometry import GzVector
+from libgz.errors import ClosedError, GazeboError, InterfaceError, NotFoundError, nearest
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
-from libgz.legacy.factory import ModelFactory
-from libgz.legacy.loader import Loader
-from libgz.legacy.settings import GlobalAttributes, read_global, read_quirks
 from libgz.physics.appearance import Backdrop
+from libgz.physics.body import Body
 from libgz.physics.check import finite, not_negative
-from libgz.physics.engine import Engine
-from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.physics.engine import Engine, Space
+from libgz.physics.joint import Joint
 from libgz.simulation.agenda import Agenda
-from libgz.simulation.changes import delete_models, end_model, family_of, insert_models, unlock_interfaces
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
+from libgz.simulation.entity import Entity
+from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
-from libgz.simulation.lookup import Lookup
 from libgz.simulation.plugins import own_traceback
+from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
-from libgz.worldfile.file import WorldFile
-
-if TYPE_CHECKING:
-    from libgz.legacy.model import Model
 
 __all__ = ["World"]
 
 log = logging.getLogger("libgz.simulation")
 
+E = TypeVar("E")
 
-class World(Lookup, Loader, Clock, Agenda):
-    """A simulated world.
 
-    In process, without the wire::
-
-        with libgz.World.from_file("worlds/pioneer2at.world") as world:
-            world.interface("position", "robot1").command(vx=0.3)
-            world.step(1000)
-            print(world.model("robot1").GetPose())
+class World:
+    """A simulated world: what both eras share. `libgz.World` loads files into it.
 
     Args:
         server_id: serve the models' interfaces to other programs under this id; None keeps them in this process.
-        force: take over a server id whose owner cannot be told to be dead.
+        force: take over a server id whose owner may still be alive.
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+
+    Attributes:
+        engine: the ODE world.
+        clock: simulated and real time.
+        agenda: changes deferred until a step is over.
+        events: Gazebo's events of this world.
+        entities: everything in the world, in order of the file; `models` and `lights` are those of them.
+        companions: what runs beside the world, notified of its events.
+        era: how time is counted, and what a reset does.
+        view: what a layer above shows this world as.
 
     Raises:
         LibraryError: ODE is absent or unfit.
@@ -81,76 +80,36 @@ class World(Lookup, Loader, Clock, Agenda):
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
         self.random = np.random.SeedSequence(seed)
-        self.factory = ModelFactory()
-        self.file: WorldFile | None = None
-        self.models: list[Model] = []
+        self.name = "default"
+        self.clock = Clock()
+        self.agenda = Agenda()
+        self.events = WorldEvents(everywhere)
+        self.era = Era()
+        self.companions: list[Companion] = []
+        self.entities: list[Entity] = []
+        self.models: list[Any] = []
         self.sim = Sim()
-        self._updating: list[Model] = []
-        self._followers: list[Model] = []
-        Clock.__init__(self)
-        Agenda.__init__(self)
+        self.physics_enabled = True
+        self.starts_paused = False
+        self.view: Any = None
+        self._updating: list[Entity] = []
+        self._followers: list[Entity] = []
+        self._extensions: dict[Callable[[World], Any], Any] = {}
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
-        self.name = "default"
-        self.sdf: SdfFile | None = None
-        self.physics_enabled = True
-        self.events = WorldEvents(everywhere)
-        self.companions: list[Companion] = []
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
-        self._apply(GlobalAttributes(), False)
-
-    def _apply(self, values: GlobalAttributes, fog: bool) -> None:
-        """Take on the settings of a worldfile."""
-        self.settings = values
-        self.simSpeed = values.speed
-        self.utcOffset = values.utcOffset
-        self.utmZone = GzVector(values.utmZone, 0.0, 0.0)
-        self.utmOffset = values.utmOffset
-        self.skyColor = values.skyColor
-        self.fogEnable = fog
-        self.fogDensity = values.fogDensity
+        # Surroundings, by the old API's names.
+        self.simSpeed = 1.0  # simulated seconds per second of real time; 0: as fast as possible
+        self.utcOffset = 0.0  # UTC at sim time 0 [s]
+        self.utmZone = GzVector()
+        self.utmOffset = GzVector()  # of the world's origin [m]
+        self.skyColor = GzColor(0.7, 0.7, 0.9)
+        self.fogEnable, self.fogDensity = False, 0.25
         self.backdrop = Backdrop()
-        self.engine.step_time = values.stepTime
-        self.engine.gravity = tuple(values.gravity)
 
-    @classmethod
-    def from_file(cls, filename: str | os.PathLike[str], **options: Any) -> World:
-        """Load a worldfile and make it ready to step.
-
-        Args:
-            filename: the worldfile.
-            **options: those of World.
-
-        Raises:
-            WorldFileError: the worldfile has errors; the message lists them all.
-            PluginError: a model's Init failed.
-            ServerError: the server id is in use.
-        """
-        return cls._ready(lambda world: world.LoadFile(filename), options)
-
-    @classmethod
-    def from_string(cls, text: str, **options: Any) -> World:
-        """The same from the text of a legacy worldfile or an SDF document."""
-        if is_sdf_text(text):
-            return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
-        file = WorldFile()
-        file.LoadString(text)
-        return cls._ready(lambda world: world.Load(file), options)
-
-    @classmethod
-    def _ready(cls, load: Callable[[World], object], options: dict[str, Any]) -> World:
-        world = cls(**options)
-        try:
-            load(world)
-            world.Initialize()
-        except BaseException:
-            world.close()
-            raise
-        return world
-
-    def __enter__(self) -> World:
+    def __enter__(self) -> Any:
         return self
 
     def __exit__(
@@ -163,133 +122,172 @@ class World(Lookup, Loader, Clock, Agenda):
         """What old plugins pass to joints: the engine."""
         return self.engine
 
-    # Load --------------------------------------------------------------------------------------------------------
+    def extension(self, kind: Callable[[World], E]) -> E:
+        """The one object of a class that extends this world; it is made by `kind(world)` when it is first asked for.
 
-    def Load(self, file: WorldFile) -> int:
-        """Build all models of a worldfile; 0.
+        Layers above keep here what they know of a world beside what this class knows.
+        """
+        if kind not in self._extensions:
+            self._extensions[kind] = kind(self)
+        extension: E = self._extensions[kind]
+        return extension
 
-        Errors are gathered over the whole file. Warnings are logged; attributes that nobody read are among them.
+    # What is in it ---------------------------------------------------------------------------------------------------
+
+    def GetNumModels(self) -> int:
+        """How many models there are."""
+        return len(self.models)
+
+    def GetModels(self) -> list[Any]:
+        """All models, in order of the file."""
+        return list(self.models)
+
+    def GetSpaceId(self) -> Space:
+        """The top space, which contains the models' own spaces."""
+        return self.engine.top
+
+    def model(self, id: str) -> Any:
+        """The first model, or light of an SDF world, with this id.
 
         Raises:
-            WorldFileError: there are errors; the message lists them all, one a line.
+            NotFoundError: there is none.
         """
-        self.file = file
-        values, fog = read_global(file)
-        self.engine.quirks = read_quirks(file, values.legacyQuirks)
-        self._apply(values, fog)
-        self.visit(file.GetRootNode())
-        file.note_foreign(not self.models)
-        file.GetRootNode().note_unused()
-        for warning in file.diagnostics.warnings:
-            log.warning("%s", warning)
-        file.diagnostics.raise_errors()
-        return 0
+        for entity in self.entities:
+            if entity.GetId() == id:
+                return entity
+        ids = [entity.GetId() for entity in self.entities]
+        raise NotFoundError(
+            f"there is no model {id!r}; there are {', '.join(map(repr, ids)) or 'none'}{nearest(id, ids)}"
+        )
 
-    def LoadFile(self, filename: str | os.PathLike[str]) -> int:
-        """Build all models of a legacy worldfile or an SDF file, told apart by the root element; 0.
+    def body(self, model: str, name: str = "canonical") -> Body:
+        """A body by the id of its model and its own name.
 
         Raises:
-            WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
+            NotFoundError: there is none.
         """
-        return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
+        body: Body = self.model(model).GetBody(name)
+        return body
 
-    def load_sdf(self, file: SdfFile) -> int:
-        """Build what an SDF document describes, and load Gazebo classic's part of it if it has any; 0.
+    def joint(self, model: str, name: str) -> Any:
+        """A joint by the id of its model and its own name.
 
         Raises:
-            WorldFileError: it has errors; the message lists them all.
+            NotFoundError: there is none.
         """
-        from libgz.sdfworld.loader import load_sdf
+        joint: Joint = self.model(model).GetJoint(name)
+        return joint
 
-        self.engine.classic = True
-        self.sdf = file
-        named = next(file.root.named("world"), None)
-        self.name = named.Get(str, "name") if named is not None else self.name
-        load_sdf(self, file)
-        if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
-            # By name, for classic stands above this package.
-            importlib.import_module("libgz.classic.server").attach(self)
-        return 0
+    def interface(self, type: str, id: str) -> Interface[Any]:
+        """An interface that a model serves, by its type and id; commands to it act at the model's next tick.
+
+        Raises:
+            InterfaceError: there is none.
+        """
+        found = self.gz_server.interfaces.get((type, id))
+        if found is None:
+            names = [f"{kind}.{name}" for kind, name in self.gz_server.interfaces]
+            raise InterfaceError(
+                f"no model serves {type}.{id}; there are {', '.join(names) or 'none'}" + nearest(f"{type}.{id}", names)
+            )
+        return found
+
+    def adopt(self, entity: Entity) -> None:
+        """Add an entity that is built: it takes part from the next step on."""
+        self.entities.append(entity)
+        if entity.is_model:
+            self.models.append(entity)
+        self._updating.append(entity)
+        if entity.follows:
+            self._followers.append(entity)
+        for companion in self.companions:
+            companion.model_added(entity)
+
+    def add_follower(self, entity: Entity) -> None:
+        """Let an entity that was attached at run time, and without a joint, follow its parent."""
+        if entity in self.entities and entity not in self._followers:
+            self._followers.append(entity)
+
+    def DeleteModel(self, model: Entity | str) -> None:
+        """Remove a model, by itself or its id, and all that is attached to it; during a step, after it.
+
+        Raises:
+            NotFoundError: there is none of this id.
+        """
+        found: Entity = self.model(model) if isinstance(model, str) else model
+        self.after_step(lambda: self.remove(found.with_attached()))
+
+    def remove(self, entities: Iterable[Entity]) -> None:
+        """Destroy entities at once: their interfaces, then their bodies and joints. Absent ones are passed over."""
+        leaving = [entity for entity in entities if entity in self.entities]
+        for entity in leaving:
+            entity.MasterFini(removed=True)
+            for interface in self._interfaces_of(entity):  # that its Fini forgot
+                interface.destroy()
+        for kept in (self.entities, self.models, self._updating, self._followers):
+            kept[:] = [entity for entity in kept if entity not in leaving]
+        for companion in self.companions:
+            for entity in leaving:
+                companion.model_removed(entity)
+        for entity in reversed(leaving):
+            entity.Detach()
+            entity.close()
+
+    def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
+        return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
+
+    # Start and end ---------------------------------------------------------------------------------------------------
 
     @property
     def running(self) -> bool:
         """Whether Initialize was called, and Finalize not yet."""
-        return self._start is not None
+        return self.clock.running
 
     @classmethod
     def all_running(cls) -> list[World]:
         """The worlds of this process that run, oldest first."""
         return [world for world in cls._all if world.running]
 
-    def adopt(self, model: Model) -> None:
-        """Take a model in that is built: it is updated from the next step on."""
-        self.models.append(model)
-        self._updating.append(model)
-        if model.follows:
-            self._followers.append(model)
-        for companion in self.companions:
-            companion.model_added(model)
-
-    def take_along(self, model: Model) -> None:
-        """Let a model that was attached at run time, and without a joint, follow its parent."""
-        if model in self.models and model not in self._followers:
-            self._followers.append(model)
-
-    # Start and end -----------------------------------------------------------------------------------------------
-
     def Initialize(self) -> int:
-        """Start the server, let all models make their interfaces, and offer `sim` last; 0.
+        """Start the server, initialize all models, and create the interface `sim` last; 0.
 
         Raises:
             ServerError: the server id is in use.
             PluginError: a model's Init failed.
         """
-        self._start = time.monotonic()
-        self._all.append(self)
+        self.clock.start()
+        World._all.append(self)
         self.gz_server.start()
-        file = self.file or WorldFile()
-        self.init_models(self.models, file)
+        self.initialize(self.entities)
         self.sim.create(self.gz_server, "default")
-        self.sim.data.pause = int(self.settings.pause)
-        if self.engine.classic:
-            self.engine.sort_geoms()
+        self.sim.data.pause = int(self.starts_paused)
+        self.era.start(self)
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
         return 0
 
-    def init_models(self, models: Iterable[Model], file: WorldFile) -> None:
-        """Let models make their interfaces; nothing to do before the server is started."""
-        # An Init may insert models, which are initialized then, and delete some.
-        for model in list(models) if self._start is not None else ():
-            if model in self.models:
-                self._init_model(model, file)
+    def initialize(self, entities: Iterable[Entity]) -> None:
+        """Initialize entities that were added; they wait for `Initialize` where that is still to come.
 
-    def _init_model(self, model: Model, file: WorldFile) -> None:
-        if model.node is None:
-            return
-        where = f"{file.label}:{model.node.line}: <{model.node.tag}>"
-        model.initialized = False
-        try:
-            model.MasterInit(file, model.node)
-            model.initialized = True
-        except GazeboError as error:
-            raise PluginError(f"{where}: Init of model {model.GetId()!r}: {error}") from error
-        except Exception as error:
-            raise PluginError(
-                f"{where}: Init of model {model.GetId()!r} failed with\n{own_traceback(error)}"
-            ) from error
+        Raises:
+            PluginError: one of them failed.
+        """
+        # An Init may insert models, which are initialized then, and delete some.
+        for entity in list(entities) if self.running else ():
+            if entity in self.entities:
+                entity.MasterStart()
 
     def Finalize(self) -> int:
-        """Let all models go, then the server; 0. Can be called twice."""
-        if self._start is None:
+        """End all models, then the server; 0. Can be called twice."""
+        if not self.running:
             return 0
-        self._start = None
-        self._all.remove(self)
+        self.clock.stop()
+        World._all.remove(self)
         for companion in self.companions:
             companion.close()
-        for model in self.models:
-            end_model(model)
+        for entity in self.entities:
+            entity.MasterFini()
         self.sim.destroy()
         self.gz_server.stop()
         return 0
@@ -309,15 +307,54 @@ class World(Lookup, Loader, Clock, Agenda):
         self.events.close()
         self.engine.close()
 
-    # Step --------------------------------------------------------------------------------------------------------
+    # Time ------------------------------------------------------------------------------------------------------------
+
+    def GetSimTime(self) -> float:
+        """Simulated time [s], pauses excluded."""
+        return self.clock.sim_time
+
+    def GetPauseTime(self) -> float:
+        """Simulated time spent paused [s]: one step for each paused step."""
+        return self.clock.pause_time
+
+    def GetRealTime(self) -> float:
+        """Wall-clock time since Initialize [s]."""
+        return self.clock.real_time
+
+    def GetWallTime(self) -> float:
+        """Unix time [s]."""
+        return time.time()
+
+    def GetDayTime(self) -> float:
+        """Time since midnight [s]: the world's dayTime plus real time, or the local clock's."""
+        return self.clock.time_of_day()
+
+    @property
+    def iterations(self) -> int:
+        """Steps done, pauses excluded."""
+        return self.clock.iterations
+
+    def set_sim_time(self, seconds: float) -> None:
+        """Set the sim time [s].
+
+        Raises:
+            ParameterError: it is NaN or infinite.
+        """
+        self.clock.set(seconds)
+
+    def _update_info(self) -> object:
+        """What the callbacks of update events are given."""
+        return type(self.events).update_info(self.name, self.clock.sim_time, self.clock.real_time)
+
+    # Step ------------------------------------------------------------------------------------------------------------
 
     def step(self, count: int = 1) -> None:
-        """Run `count` steps, as fast as they go."""
+        """Run `count` steps, as fast as possible."""
         for _ in range(count):
             self.Step()
 
     def run(self, seconds: float) -> None:
-        """Run until that much more sim time [s] has passed, as fast as it goes.
+        """Run until that much more sim time [s] has passed, as fast as possible.
 
         Raises:
             ParameterError: it is negative, NaN or infinite.
@@ -326,70 +363,70 @@ class World(Lookup, Loader, Clock, Agenda):
         self.step(round(finite(not_negative(seconds, what), what) / self.engine.step_time))
 
     def Step(self) -> int:
-        """One step: buttons, models, physics, followers, clock, news to clients; 0.
+        """One step: buttons, models, physics, followers, clock, post to clients; 0.
 
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
         """
-        if self._start is None:
+        if not self.clock.running:
             raise ClosedError("the world is closed" if self._closed else "Initialize comes before the first step")
         self._check_idle("stepped")
         self._inside = True
         try:
             self._step()
         finally:
-            self._inside = self._stepping = False
+            self._inside = self.agenda.stepping = False
         return 0
 
     def _check_idle(self, what: str) -> None:
         if self._inside:
             raise GazeboError(f"a world cannot be {what} in a callback: its step is under way")
-        if self._holding:
+        if self.agenda.holding:
             raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
 
     def _step(self) -> None:
+        agenda, clock = self.agenda, self.clock
         paused = self._read_buttons()
-        self._stepping = True
+        agenda.stepping = True
         if paused:
-            self._update_models(0.0)
-            self._pauseTime += self.engine.step_time
+            self._update_entities(0.0)
+            clock.pause_time += self.engine.step_time
         else:
             self._advance()
-        if self._afterwards:
-            self.act()
-        self._stepping = bool(self.companions)
+        if agenda.deferred:
+            agenda.act()
+        agenda.stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
-        if self._afterwards:
-            self.act()
+        if agenda.deferred:
+            agenda.act()
         if self.sim.lock():
             data = self.sim.data
-            data.sim_time, data.pause_time, data.real_time = self._simTime, self._pauseTime, self.GetRealTime()
+            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
             self.sim.unlock()
         self.gz_server.post()
 
     def _advance(self) -> None:
-        """Move everything by one step of sim time, and tell who listens."""
-        engine, step = self.engine, self.engine.step_time
-        self.iterations += 1
-        # Classic counts a step when it begins, the legacy server when its models have been updated.
-        early = engine.classic
-        self._simTime += step if early else 0.0
+        """Advance everything by one step of sim time, and signal the events of a step."""
+        engine, clock, step = self.engine, self.clock, self.engine.step_time
+        clock.iterations += 1
+        at_start = self.era.counts_at_start
+        clock.sim_time += step if at_start else 0.0
         if self._begin:
-            self._begin(self.update_info())
-        self._update_models(step)
-        self._simTime += 0.0 if early else step
+            self._begin(self._update_info())
+        self._update_entities(step)
+        clock.sim_time += 0.0 if at_start else step
         for companion in self.companions:
             companion.update()
         if self._contact and self.physics_enabled:
             engine.collide()
-            self._contact(self.update_info())
+            self._contact(self._update_info())
             engine.solve()
         elif self.physics_enabled:
             engine.step()
-        for model in self._followers:
-            model.follow()
+        for entity in self._followers:
+            entity.follow()
         if self._end:
             self._end()
 
@@ -408,26 +445,35 @@ class World(Lookup, Loader, Clock, Agenda):
             self.Save()
         return self._paused
 
-    def _update_models(self, step: float) -> None:
-        """Update all models in order. One that raises is reported and stopped; the others go on."""
+    def _update_entities(self, step: float) -> None:
+        """Update all entities in order. One that raises is reported and stopped; the others are still updated."""
         failed = False
-        for model in self._updating:
+        for entity in self._updating:
             try:
-                model.MasterUpdate(step)
+                entity.MasterUpdate(step)
             except Exception as error:  # noqa: BLE001 - a plugin may raise anything
                 failed = True
-                model.failed = error
+                entity.failed = error
                 log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s", model.GetId(), own_traceback(error)
+                    "model %r stopped, its motors off: its Update failed with\n%s", entity.GetId(), own_traceback(error)
                 )
         if failed:
-            for model in self._updating:
-                if isinstance(model.failed, BaseException):  # a subclass may mean something else by it
-                    model.motors_off()
-                    unlock_interfaces(self, model)
-            self._updating = [model for model in self._updating if not isinstance(model.failed, BaseException)]
+            for entity in self._updating:
+                if isinstance(entity.failed, BaseException):  # a subclass may mean something else by it
+                    entity.motors_off()
+                    for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
+                        interface.unlock()
+            self._updating = [e for e in self._updating if not isinstance(e.failed, BaseException)]
 
-    # Changes -----------------------------------------------------------------------------------------------------
+    # Changes ---------------------------------------------------------------------------------------------------------
+
+    def after_step(self, action: Callable[[], object]) -> None:
+        """Call `action` at once; during a step, or while plugins load or are reset, after that."""
+        self.agenda.after_step(action)
+
+    def hold(self) -> AbstractContextManager[None]:
+        """Hold changes back until the end; inside another hold or a step, until the end of that."""
+        return self.agenda.hold()
 
     @property
     def paused(self) -> bool:
@@ -444,53 +490,40 @@ class World(Lookup, Loader, Clock, Agenda):
             if changed:
                 self.events["Pause"](bool(value))
 
-    def Reset(self) -> None:
-        """Put everything back: in a legacy world the models' poses, in one of classic the clock and plugins, too.
+    def SetModelPose(self, model: Entity, pose: GzPose) -> None:
+        """Move a model, and all that is attached to it, to a pose relative to its parent body, or global [m].
 
-        During a step, after it.
+        All velocities become zero.
         """
-        self.after_step(self._reset if self.engine.classic else self.ResetModelPoses)
+        parent = model.parentBody
+        self._move(model, GzCoordPoseAdd(pose, parent.GetPose()) if parent is not None else pose)
+        if parent is not None:
+            model.relPose = pose
+            model.weld()
 
-    def _reset(self) -> None:
-        self.engine.seed = self.seed
-        self.reset_time()
-        for model in self.models:
-            if model.parent is None:
-                model.restore()
-        self.engine.sort_geoms()
-        self.engine.wake()
-        for companion in self.companions:
-            companion.reset()
-        self.events["WorldReset"]()
+    def _move(self, entity: Entity, target: GzPose) -> None:
+        """Move an entity to a global pose; its children move rigidly with the bodies they are attached to."""
+        places = [
+            (child, GzCoordPoseSub(child.GetPose(), child.parentBody.GetPose()))
+            for child in entity.children
+            if child.parentBody is not None
+        ]
+        entity.SetPose(target)
+        for child, relative in places:
+            if child.parentBody is not None:
+                self._move(child, GzCoordPoseAdd(relative, child.parentBody.GetPose()))
+
+    def ResetModelPoses(self) -> None:
+        """Return all models to their initial poses, at rest. The clock and the models' own memory stay."""
+        for entity in self.entities:
+            self.SetModelPose(entity, entity.initPose)
+
+    def Reset(self) -> None:
+        """Reset a legacy world's poses; in a world of classic the clock and plugins, too. During a step, after it."""
+        self.after_step(lambda: self.era.reset(self))
 
     reset = Reset
 
-    def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
-        """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.
-
-        Raises:
-            WorldFileError: the text has errors or no model; nothing was added.
-            PluginError: an Init failed; nothing was added.
-            GazeboError: a step is running; use `after_step`.
-        """
-        if self._stepping:
-            raise GazeboError("models cannot be inserted during a step; use World.after_step")
-        with self.hold():
-            return insert_models(self, text, label)
-
-    def DeleteModel(self, model: Model | str) -> None:
-        """Remove a model, by itself or its id, and all that is attached to it; during a step, after it.
-
-        Raises:
-            NotFoundError: there is none of this id.
-        """
-        found = self.model(model) if isinstance(model, str) else model
-        self.after_step(lambda: delete_models(self, family_of(found)))
-
-    def forget(self, models: list[Model]) -> None:
-        """Take models off the lists."""
-        for kept in (self.models, self._updating, self._followers):
-            kept[:] = [model for model in kept if model not in models]
-        for companion in self.companions:
-            for model in models:
-                companion.model_removed(model)
+    def Save(self) -> int:
+        """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
+        return self.era.save(self)

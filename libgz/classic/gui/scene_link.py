@@ -15,7 +15,7 @@ from libgz.classic.transport import Node, TopicManager, request
 from libgz.errors import GazeboError, ServerError
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
-from libgz.sdfworld.loader import load_sdf
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -88,13 +88,10 @@ class SceneLink:
 
     def _build(self, file: SdfFile) -> World:
         core = self._core
-        core.engine.classic, core.sdf = True, file
-        core.name = next(file.root.named("world")).Get(str, "name")
         try:
-            load_sdf(core, file)
+            core.extension(SdfWorld).load(file)
             server = WorldServer(core, quiet=True)
             core.companions.append(server)
-            core.update_info = server.world.update_info
             core.Initialize()
         except BaseException:
             core.close()
@@ -134,7 +131,7 @@ class SceneLink:
         here = {part.GetName() for part in self.world.children()}
         for name in here - there.keys():
             self.world.RemoveModel(name)
-        version = self._core.sdf.version if self._core.sdf is not None else "1.6"
+        version = file.version if (file := self._core.extension(SdfWorld).file) is not None else "1.6"
         for name, element in there.items():
             if name not in here:
                 self.world.InsertModelString(f"<sdf version='{version}'>{element.ToString()}</sdf>")

@@ -17,12 +17,13 @@ from libgz.classic.physics.link import Link
 from libgz.classic.server import attach
 from libgz.errors import WorldFileError
 from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.base import Entity
     from libgz.classic.physics.world import World
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["LogPlay", "read_states"]
 
@@ -71,7 +72,7 @@ class LogPlay:
         self._index, self._time, self._iterations = 0, 0.0, 0
         self._parts: dict[str, Entity | None] = {}  # by scoped name
         try:
-            self.core.load_sdf(self._first())
+            self.core.extension(SdfWorld).load(self._first())
             self.core.physics_enabled = False
             self.world: World = attach(self.core).world
             self.core.companions.append(self)
@@ -154,7 +155,7 @@ class LogPlay:
                 self.world.InsertModelSDF(element)
 
     def _insert(self, text: str) -> None:
-        version = self.core.sdf.version if self.core.sdf is not None else "1.6"
+        version = file.version if (file := self.core.extension(SdfWorld).file) is not None else "1.6"
         self.world.InsertModelSDF(self._read(f"<sdf version='{version}'>{text}</sdf>", "insertions"))
 
     def _apply_next(self) -> None:
@@ -203,7 +204,7 @@ class LogPlay:
     def update(self) -> None:
         """The time is the log's."""
         self.core.set_sim_time(self._time)
-        self.core.iterations = self._iterations
+        self.core.clock.iterations = self._iterations
 
     def step(self, paused: bool) -> None:
         """All is done."""

@@ -23,7 +23,7 @@ from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.physics.model import Model
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
     from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
@@ -155,7 +155,7 @@ class LogRecord:
         """Models and lights that have come, as they are now; those that came and went are not told."""
         new, self._new = self._new, []
         for core in new:
-            if core not in self._core.models or core.parent is not None:
+            if core not in self._core.entities or core.parent is not None:
                 continue
             part = next((p for p in self._world.children() if getattr(p, "core", None) is core), None)
             sdf = part.GetSDF() if part is not None else None

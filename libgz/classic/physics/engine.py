@@ -16,7 +16,7 @@ from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
-from libgz.sdfworld.settings import settings_of
+from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
@@ -194,7 +194,7 @@ class PhysicsEngine:
         if key in self._kept:
             return self._kept[key]
         path, default = KEPT[key]
-        holder = settings_of(self._world.core).physics
+        holder = self._world.core.extension(SdfWorld).settings.physics
         for name in path:
             holder = holder.child(name)
         return holder.Get(type(default), key, default)[0]

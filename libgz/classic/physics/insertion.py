@@ -11,7 +11,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
-from libgz.sdfworld.loader import insert_sdf
+from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -68,7 +68,7 @@ def insert_now(world: World, file: SdfFile) -> None:
         WorldFileError: it has errors, or holds no model or light.
     """
     _check_names(world, file.root)
-    insert_sdf(world.core, file)
+    world.core.extension(SdfWorld).insert(file)
     world.server.finish_added()
 
 

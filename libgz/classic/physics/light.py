@@ -10,7 +10,7 @@ from libgz.geometry import GzColor, GzPose, GzVector, VectorLike
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
-    from libgz.sdfworld.loader import SdfLight
+    from libgz.sdfworld.light import SdfLight
 
 __all__ = ["Light"]
 

@@ -13,10 +13,10 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
 from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
-from libgz.legacy.model import Model as CoreModel
 from libgz.physics.geom import Geom
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import SdfModel
+from libgz.simulation.entity import Entity as CoreModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import NumericAnimation

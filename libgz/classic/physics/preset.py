@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
-from libgz.sdfworld.settings import apply_profile, settings_of
+from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -47,7 +47,7 @@ class PresetManager:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
-        self._settings = settings_of(world.core)
+        self._settings = world.core.extension(SdfWorld).settings
         for name, element in self._settings.profiles.items():
             self._profiles[name] = read_profile(element)
             if element is self._settings.physics:
@@ -71,7 +71,7 @@ class PresetManager:
             return self._current
         parameters = self._profile(name)
         if name in self._settings.profiles:
-            apply_profile(self._world.core, name)
+            self._world.core.extension(SdfWorld).apply_profile(name)
         for key, value in parameters.items():  # as they were set since
             self._world.Physics().SetParam(key, value)
         self._current = name

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.classic.common import Battery, SphericalCoordinates, Time, UpdateInfo
+from libgz.classic.common import Battery, SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
 from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
@@ -23,8 +23,9 @@ from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
-from libgz.sdfworld.loader import SdfLight, WorldJoints
+from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
+from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import Event
 from libgz.simulation.world import World as CoreWorld
 
@@ -32,10 +33,10 @@ if TYPE_CHECKING:
     from libgz.classic import sdf as classic_sdf
     from libgz.classic.physics.joint_controller import JointController
     from libgz.classic.server import WorldServer
-    from libgz.legacy.model import Model as CoreModel
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
     from libgz.sdf.reader import SdfFile
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["World"]
 
@@ -109,12 +110,6 @@ class World(Base):
 
     GetIterations = Iterations
 
-    def update_info(self) -> UpdateInfo:
-        """What callbacks of an iteration are given; each time anew, for some keep it."""
-        return UpdateInfo(self.core.name, Time(self.core.GetSimTime()), Time(self.core.GetRealTime()))
-
-    # Run ---------------------------------------------------------------------------------------------------------
-
     def IsPaused(self) -> bool:
         """Whether time stands still."""
         return self.core.paused
@@ -177,7 +172,7 @@ class World(Base):
         self.core.after_step(self._reset_time)
 
     def _reset_time(self) -> None:
-        self.core.reset_time()
+        self.core.clock.reset()
         self.server.time_was_reset()
         self.core.events["TimeReset"]()
 
@@ -191,7 +186,7 @@ class World(Base):
 
     def all_models(self) -> list[Model]:
         """All models, nested ones included."""
-        return [self.view(core) for core in self.core.models if not isinstance(core, SdfLight | WorldJoints)]
+        return [self.view(core) for core in self.core.models]
 
     def view(self, core: CoreModel) -> Model:
         """The view on a model of the engine."""
@@ -215,7 +210,7 @@ class World(Base):
     def ModelByName(self, name: str) -> Model | None:
         """A model by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
-        found = (c for c in self.core.models if c.GetId() == name and not isinstance(c, SdfLight | WorldJoints))
+        found = (c for c in self.core.models if c.GetId() == name)
         core = next(found, None)
         return None if core is None else self.view(core)
 
@@ -251,7 +246,7 @@ class World(Base):
 
     def Lights(self) -> list[Light]:
         """All lights."""
-        cores = [core for core in self.core.models if isinstance(core, SdfLight)]
+        cores = self.core.extension(SdfWorld).lights
         return [self._light(core) for core in cores]
 
     def _light(self, core: SdfLight) -> Light:
@@ -281,7 +276,7 @@ class World(Base):
     def link_of(self, body: Body) -> Any:
         """The Link of a body; None for one of no model."""
         core = body.model
-        if core is None or core.world is not self.core or isinstance(core, SdfLight | WorldJoints):
+        if core is None or core.world is not self.core or not core.is_model:
             return None
         return self.view(core).link(body)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from libgz.classic.common import gzwarn
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+from libgz.legacy.world import LegacyWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World
@@ -33,7 +34,7 @@ class LegacyPlugin(WorldPlugin):
         """
         models = [element for element in sdf.children if element.GetName().startswith(PREFIX)]
         for element in models:
-            world.core.InsertModel(element.ToString(), element.where)
+            world.core.extension(LegacyWorld).insert(element.ToString(), element.where)
         if not models:
             gzwarn(f"{self.GetHandle()}: there is no <{PREFIX}...> element in it")
 

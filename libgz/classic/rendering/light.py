@@ -11,7 +11,7 @@ from libgz.physics.geoms import LightGeom
 from libgz.sdfworld.visual import KINDS
 
 if TYPE_CHECKING:
-    from libgz.sdfworld.loader import SdfLight
+    from libgz.sdfworld.light import SdfLight
 
 __all__ = ["Light"]
 

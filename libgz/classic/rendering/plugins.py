@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
-    from libgz.legacy.model import Model as CoreModel
+    from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["VisualPlugins"]
 

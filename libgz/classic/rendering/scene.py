@@ -20,15 +20,16 @@ from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
 from libgz.errors import LibraryError, ParameterError, nearest
 from libgz.geometry import GzColor, GzPose
-from libgz.legacy.model import Model as CoreModel
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.rendering.overlay import CORNERS, EDGES
 from libgz.rendering.renderer import FOGS
 from libgz.rendering.shot import Lines, View
-from libgz.sdfworld.loader import SdfLight
+from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.visual import set_sky
+from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.entity import Entity as CoreModel
 
 if TYPE_CHECKING:
     from libgz.classic.physics.link import Link
@@ -139,7 +140,7 @@ class Scene:
             number = int(camera.view.segmentation[y, x])
         except (IndexError, LibraryError):
             return None
-        core = next((core for core in self.world.core.models if core.GetIntId() == number), None)
+        core = next((core for core in self.world.core.entities if core.GetIntId() == number), None)
         return self.model_visual(core) if core is not None and not isinstance(core, SdfLight) else None
 
     GetVisualAt = GetModelVisualAt
@@ -208,7 +209,7 @@ class Scene:
 
     def lights(self) -> list[Light]:
         """All lights."""
-        cores = [core for core in self.world.core.models if isinstance(core, SdfLight)]
+        cores = self.world.core.extension(SdfWorld).lights
         return [core.__dict__.setdefault("classic_visual", Light(core)) for core in cores]
 
     def LightCount(self) -> int:

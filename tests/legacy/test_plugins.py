@@ -8,7 +8,7 @@ import pytest
 
 import libgz
 from libgz.errors import PluginError, WorldFileError
-from libgz.simulation.plugins import find_plugin
+from libgz.legacy.plugin_search import find_plugin
 
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
 <model:{model}><id>m1</id><plugin>{plugin}</plugin></model:{model}>
@@ -257,7 +257,7 @@ GZ_REGISTER_PLUGIN("Stray", Stray)
 def test_bodies_that_were_not_added_are_told_and_go_with_their_model(tmp_path, caplog):
     (tmp_path / "Stray.py").write_text(STRAY)
     with run(tmp_path, "Stray", "Stray.py") as world:
-        assert "<model:Stray>: has a body that no AddBody was told of" in caplog.text
+        assert "<model:Stray>: has a body that was not registered with AddBody" in caplog.text
         world.step()
         world.DeleteModel("m1")
         assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)

@@ -10,8 +10,7 @@ from libgz.errors import NotFoundError, WorldFileError
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.ode.native_step import native_path
 from libgz.sdf.reader import SdfFile
-from libgz.sdfworld.loader import insert_sdf
-from libgz.sdfworld.settings import apply_profile, settings_of
+from libgz.sdfworld.world import SdfWorld
 
 # Nested models ---------------------------------------------------------------------------------------------------
 
@@ -124,7 +123,7 @@ def test_profiles_scene_and_place_on_earth(load):
         "<longitude_deg>8.5</longitude_deg><elevation>400</elevation><heading_deg>0</heading_deg></spherical_coordinates>"
     )
     made = load(f"<world name='w'>{slow}{fast}<gravity>0 0 -5</gravity>{more}{model('m', link('l'))}</world>")
-    settings = settings_of(made)
+    settings = made.extension(SdfWorld).settings
     assert (made.engine.step_time, made.engine.gravity) == (0.002, (0, 0, -5))
     assert list(settings.profiles) == ["slow", "fast"]
     assert tuple(settings.magnetic_field) == (1, 2, 3)
@@ -132,23 +131,23 @@ def test_profiles_scene_and_place_on_earth(load):
     assert tuple(made.backdrop.ambient)[:3] == (0.1, 0.2, 0.3)
     assert not settings.scene.Get(bool, "shadows")
     assert (made.fogEnable, made.fogDensity, tuple(made.skyColor)[:3]) == (True, 0.5, (0.4, 0.5, 0.6))
-    apply_profile(made, "slow")
+    made.extension(SdfWorld).apply_profile("slow")
     assert made.engine.step_time == 0.01
     with pytest.raises(NotFoundError, match="no physics profile 'quick'; there are slow, fast"):
-        apply_profile(made, "quick")
+        made.extension(SdfWorld).apply_profile("quick")
 
 
 def test_models_join_a_running_world_whole_or_not_at_all(load):
     made = load(world(GROUND))
     made.run(0.1)
     text = f"<sdf version='1.6'>{model('late', link('l', collision('box')), pose='0 0 0.5 0 0 0')}</sdf>"
-    assert [m.GetId() for m in insert_sdf(made, SdfFile.from_string(text))] == ["late"]
+    assert [m.GetId() for m in made.extension(SdfWorld).insert(SdfFile.from_string(text))] == ["late"]
     made.run(0.5)
     assert made.body("late").GetPosition().z == pytest.approx(0.5, abs=1e-3)
     before = list(made.models)
     bad = f"<sdf version='1.6'>{model('x', link('a'), joint('j', 'screw', 'a', 'nowhere'))}</sdf>"
     with pytest.raises(WorldFileError, match="nowhere"):
-        insert_sdf(made, SdfFile.from_string(bad))
+        made.extension(SdfWorld).insert(SdfFile.from_string(bad))
     assert made.models == before
 
 

@@ -295,7 +295,7 @@ def test_unknown_shapes_and_engines_are_warnings(load, caplog):
     made = load("<world name='w'><physics type='bullet'/>" + body + "</world>")
     made.step()
     assert "<image>: this shape is not simulated, and is left out; box, sphere" in caplog.text
-    assert "type 'bullet' is not here; ODE is used instead" in caplog.text
+    assert "type 'bullet' is not supported; ODE is used instead" in caplog.text
 
 
 def test_collisions_are_seen_by_rays_and_visuals_are_not(load):

@@ -1,0 +1,157 @@
+"""World as users know it: it reads worldfiles of both eras, and gets from each era what its worlds need."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from libgz import models
+from libgz.legacy.factory import ModelFactory, register_builtin
+from libgz.legacy.model import Model
+from libgz.legacy.settings import GlobalAttributes
+from libgz.legacy.world import LegacyWorld
+from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.sdfworld.world import SdfWorld
+from libgz.simulation import world
+from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
+
+__all__ = ["World"]
+
+W = TypeVar("W", bound="World")
+
+register_builtin(models.MODELS, Path(models.__file__).parent)
+
+
+class World(world.World):
+    """A simulated world.
+
+    In process, without the wire::
+
+        with libgz.World.from_file("worlds/pioneer2at.world") as world:
+            world.interface("position", "robot1").command(vx=0.3)
+            world.step(1000)
+            print(world.model("robot1").GetPose())
+
+    Args:
+        server_id: serve the models' interfaces to other programs under this id; None keeps them in this process.
+        force: take over a server id whose owner may still be alive.
+        seed: of everything random in this world.
+        solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
+        wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+
+    Raises:
+        LibraryError: ODE is absent or unfit.
+        ParameterError: there is no such solver or version, or the seed is negative.
+    """
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        super().__init__(*arguments, **options)
+        self.legacy = self.extension(LegacyWorld)
+        self.legacy.apply(GlobalAttributes(), False)
+        self.era = self.legacy
+
+    @classmethod
+    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Any) -> W:
+        """Load a worldfile and make it ready to step.
+
+        Args:
+            filename: the worldfile.
+            **options: those of World.
+
+        Raises:
+            WorldFileError: the worldfile has errors; the message lists them all.
+            PluginError: a model's Init failed.
+            ServerError: the server id is in use.
+        """
+        return cls._ready(lambda world: world.LoadFile(filename), options)
+
+    @classmethod
+    def from_string(cls: type[W], text: str, **options: Any) -> W:
+        """Load the text of a legacy worldfile or an SDF document, as `from_file` does."""
+        if is_sdf_text(text):
+            return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
+        file = WorldFile()
+        file.LoadString(text)
+        return cls._ready(lambda world: world.Load(file), options)
+
+    @classmethod
+    def _ready(cls: type[W], load: Callable[[W], object], options: dict[str, Any]) -> W:
+        world = cls(**options)
+        try:
+            load(world)
+            world.Initialize()
+        except BaseException:
+            world.close()
+            raise
+        return world
+
+    def LoadFile(self, filename: str | os.PathLike[str]) -> int:
+        """Build all models of a legacy worldfile or an SDF file, distinguished by the root element; 0.
+
+        Raises:
+            WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
+        """
+        return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
+
+    def load_sdf(self, file: SdfFile) -> int:
+        """Build what an SDF document describes, and load Gazebo classic's part of it if it has any; 0.
+
+        Raises:
+            WorldFileError: it has errors; the message lists them all.
+        """
+        self.extension(SdfWorld).load(file)
+        if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
+            from libgz.classic.server import attach  # a world without plugins and sensors does not need it
+
+            attach(self)
+        return 0
+
+    @property
+    def sdf(self) -> SdfFile | None:
+        """The SDF document; None in a legacy world."""
+        return self.extension(SdfWorld).file
+
+    # Legacy ----------------------------------------------------------------------------------------------------------
+
+    def Load(self, file: WorldFile) -> int:
+        """Build all models of a worldfile; 0.
+
+        Errors are collected over the whole file. Warnings are logged; attributes that nothing read are among them.
+
+        Raises:
+            WorldFileError: there are errors; the message lists them all, one a line.
+        """
+        self.legacy.load(file)
+        return 0
+
+    def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
+        """Build the model of an element, and those inside it; None if there is none to build."""
+        return self.legacy.loader.load_model(node, parent)
+
+    def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
+        """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.
+
+        Raises:
+            WorldFileError: the text has errors or no model; nothing was added.
+            PluginError: an Init failed; nothing was added.
+            GazeboError: a step is running; use `after_step`.
+        """
+        return self.legacy.insert(text, label)
+
+    @property
+    def file(self) -> WorldFile | None:
+        """The legacy worldfile; None in a world of SDF."""
+        return self.legacy.file
+
+    @property
+    def settings(self) -> GlobalAttributes:
+        """The settings of the legacy worldfile."""
+        return self.legacy.settings
+
+    @property
+    def factory(self) -> ModelFactory:
+        """The model classes by their names in worldfiles."""
+        return self.legacy.factory

@@ -1,0 +1,42 @@
+"""SdfLight: a `<light>` of a world."""
+
+from __future__ import annotations
+
+from libgz.errors import Diagnostic, Diagnostics
+from libgz.geometry import GzPose
+from libgz.physics.body import Body
+from libgz.physics.geoms import LightGeom
+from libgz.sdf.element import Element
+from libgz.sdfworld.visual import set_light
+from libgz.simulation.entity import Entity
+from libgz.simulation.world import World
+
+__all__ = ["SdfLight"]
+
+
+class SdfLight(Entity):
+    """A light that stands in a world: a dummy body with a light geom.
+
+    Args:
+        world: where.
+        element: the `<light>`.
+        diagnostics: takes the warnings.
+    """
+
+    is_model = False
+
+    def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:
+        super().__init__(world)
+        self.sdf = element
+        self.SetName("light")
+        self.SetId(element.Get(str, "name"))
+        self.cast_shadows = element.Get(bool, "cast_shadows")
+        body = Body(world, dummy=True)
+        self.AddBody(body, True)
+        body.SetPose(element.Get(GzPose, "pose"))
+        self.light = LightGeom(body, None)
+        set_light(
+            self.light,
+            element,
+            lambda part, text: diagnostics.add(Diagnostic(part.file, part.line, part.name, text, "warning")),
+        )

@@ -1,0 +1,65 @@
+"""WorldJoints: the joints that stand in a `<world>` beside its models."""
+
+from __future__ import annotations
+
+from libgz.errors import Diagnostic, Diagnostics, GazeboError
+from libgz.geometry import GzPose
+from libgz.physics.body import Body
+from libgz.sdf.element import Element
+from libgz.sdfworld.axis import read_joint
+from libgz.sdfworld.joint import SdfJoint
+from libgz.simulation.entity import Entity
+from libgz.simulation.world import World
+
+__all__ = ["WorldJoints"]
+
+
+class WorldJoints(Entity):
+    """The world's own joints. It has a dummy body at the world's origin.
+
+    Args:
+        world: where.
+        elements: the `<joint>` elements.
+        diagnostics: takes the errors.
+    """
+
+    is_model = False
+
+    def __init__(self, world: World, elements: list[Element], diagnostics: Diagnostics) -> None:
+        super().__init__(world)
+        self.SetName("joints")
+        self.SetId("world_joints")
+        self.AddBody(Body(world, dummy=True), True)
+        self.sdf_joints: dict[str, SdfJoint] = {}
+        for element in elements:
+            try:
+                plan = read_joint(element, self.find_link, GzPose())
+                self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
+            except GazeboError as error:
+                diagnostics.add(Diagnostic(element.file, element.line, "joint", str(error), "error"))
+
+    def MasterUpdate(self, step: float) -> None:
+        """Apply damping, springs, threads and gears of the joints."""
+        if step > 0.0:
+            for joint in self.sdf_joints.values():
+                if joint.acts:
+                    joint.update()
+
+    def find_link(self, name: str) -> Body:
+        """A link by `model::link`; a model's name alone is its first link.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        for entity in self.world.entities:
+            if entity.GetId() == name:
+                return entity.GetBody()
+        owner, _, link = name.rpartition("::")
+        found: Entity = self.world.model(owner)
+        return found.GetBody(link)
+
+    def close(self) -> None:
+        """Destroy the joints."""
+        for joint in self.sdf_joints.values():
+            joint.close()
+        super().close()

@@ -1,0 +1,242 @@
+"""Entity: what a world is made of. Models of both eras, lights and the joints beside models are its subclasses."""
+
+from __future__ import annotations
+
+import itertools
+import logging
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
+from libgz.physics.engine import Space
+from libgz.simulation.plugins import own_traceback
+
+if TYPE_CHECKING:
+    from libgz.physics.body import Body
+    from libgz.physics.joint import Joint
+    from libgz.simulation.world import World
+
+__all__ = ["CANONICAL", "Entity"]
+
+log = logging.getLogger("libgz.simulation")
+
+CANONICAL = "canonical"
+STILL = (0.0, 0.0, 0.0)
+
+_numbers = itertools.count(1)
+
+
+class Entity:
+    """Base of what stands in a world: bodies in a space of their own, a name, a place, perhaps a parent.
+
+    A world calls `MasterStart`, then `MasterUpdate` in each step, and at the end `MasterFini` and `close`. Their
+    names are the old API's, or made like it, for models of users must be free to name their own methods as they like.
+
+    Args:
+        world: the World.
+    """
+
+    is_model: ClassVar[bool] = True  # whether it is listed among the world's models
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.modelSpaceId = Space(world.engine)
+        self.parent: Entity | None = None
+        self.parentBody: Body | None = None
+        self.initPose = GzPose()
+        self.relPose = GzPose()  # in the parent body
+        self.fixed = False
+        self.failed: BaseException | None = None  # what its update raised; it is not updated any more
+        self.view: Any = None  # what a layer above shows it as
+        self._children: list[Entity] = []
+        self._bodies: list[Body] = []
+        self._canonical: Body | None = None
+        self._id = ""
+        self._name = type(self).__name__
+        self._number = next(_numbers)
+
+    def __repr__(self) -> str:
+        return f"<{self._name} {self._id!r}>"
+
+    # Life ----------------------------------------------------------------------------------------------------------
+
+    def MasterStart(self) -> None:
+        """Start; all entities of the file are loaded by now.
+
+        Raises:
+            PluginError: its own code failed.
+        """
+
+    def MasterUpdate(self, step: float) -> None:
+        """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
+
+    def Fini(self) -> int | None:
+        """Release what Initialize made."""
+
+    def MasterFini(self, *, removed: bool = False) -> None:
+        """Call `Fini`. It may fail where `MasterStart` did not come to its end; else an error of it is logged as one.
+
+        Args:
+            removed: it is taken out of a running world; otherwise the world ends.
+        """
+        self._call_fini(logging.DEBUG if removed else logging.ERROR)
+
+    def _call_fini(self, level: int) -> None:
+        try:
+            self.Fini()
+        except Exception as error:  # noqa: BLE001 - a plugin's; the others must still end
+            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error))
+
+    def close(self) -> None:
+        """Destroy bodies, joints and space."""
+        for body in self.bodies:
+            body.close()
+        self.modelSpaceId.close()
+
+    # Bodies and joints -----------------------------------------------------------------------------------------------
+
+    @property
+    def bodies(self) -> list[Body]:
+        """All bodies, in the order in which they were added."""
+        return self._bodies
+
+    def AddBody(self, body: Body, canonical: bool = False) -> None:
+        """Add a body. Exactly one is canonical; it is renamed so, and stands for the entity's pose.
+
+        Raises:
+            ParameterError: the body belongs to an entity already, or there is a canonical body.
+        """
+        if body.model is not None:
+            raise ParameterError(f"{body!r} was added to a model already, {body.model!r}; a body belongs to one, once")
+        if canonical:
+            if self._canonical is not None:
+                raise ParameterError(f"model {self._id or self._name!r} has a canonical body already")
+            self._canonical = body
+            body.bodyName = CANONICAL
+        self.bodies.append(body)
+        body.model = self
+
+    def GetBody(self, name: str | None = None) -> Body:
+        """A body by name; without one, the canonical body. On robots, `chassis` is another name for that.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        for body in self.bodies:
+            if body is self._canonical if name in (None, CANONICAL) else body.bodyName == name:
+                return body
+        if name == "chassis" and self._canonical is not None:
+            return self._canonical
+        names = sorted({body.bodyName for body in self.bodies if body.bodyName})
+        raise NotFoundError(
+            f"body [{name}] not defined for model {self._id!r}; it has {', '.join(names)}{nearest(name or '', names)}"
+        )
+
+    def GetBodies(self) -> list[Body]:
+        """All bodies in order."""
+        return list(self.bodies)
+
+    def GetNumBodies(self) -> int:
+        """How many bodies there are."""
+        return len(self.bodies)
+
+    @property
+    def joints(self) -> list[Joint]:
+        """The joints between its own bodies, and from them to the world, in order of construction."""
+        own = set(self.bodies)
+        found = {joint.row: joint for body in self.bodies for joint in body.joints}
+        return [j for _, j in sorted(found.items()) if all(b is None or b in own for b in j.bodies)]
+
+    def GetJoint(self, name: str) -> Joint:
+        """A joint by name.
+
+        Raises:
+            NotFoundError: there is none of this name.
+        """
+        names = {joint.name: joint for joint in self.joints if joint.name}
+        if name not in names:
+            raise NotFoundError(
+                f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}" + nearest(name, names)
+            )
+        return names[name]
+
+    def motors_off(self) -> None:
+        """Set all motors' efforts to zero."""
+        for joint in self.joints:
+            joint.motors_off()
+
+    # Relatives -------------------------------------------------------------------------------------------------------
+
+    @property
+    def children(self) -> list[Entity]:
+        """The entities that are attached to this one."""
+        return self._children
+
+    def with_attached(self) -> list[Entity]:
+        """This entity and all that is attached to it, parents first."""
+        return [self, *(relative for child in self.children for relative in child.with_attached())]
+
+    def Detach(self) -> None:
+        """Take it off its parent."""
+        if self.parent is not None:
+            self.parent.children.remove(self)
+        self.parent = self.parentBody = None
+
+    def weld(self) -> None:
+        """Make the present place on the parent the one that is kept."""
+
+    @property
+    def follows(self) -> bool:
+        """Whether `follow` is called after each step."""
+        return False
+
+    def follow(self) -> None:
+        """Move to where the parent is now."""
+
+    # Pose ------------------------------------------------------------------------------------------------------------
+
+    def GetPose(self) -> GzPose:
+        """Global pose of the canonical body [m]."""
+        return self.GetBody().GetPose()
+
+    def SetPose(self, pose: GzPose) -> None:
+        """Move all bodies as one so that the canonical body has this global pose [m]; all velocities become zero.
+
+        Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
+        """
+        before = self.GetPose()
+        for body in self.bodies:
+            relative = GzCoordPoseSub(body.GetPose(), before)
+            body.SetPose(GzCoordPoseAdd(relative, pose))
+            body.SetLinearVel(STILL)
+            body.SetAngularVel(STILL)
+
+    def restore(self) -> None:
+        """Return to the initial pose, at rest, with all that is attached."""
+        self.world.SetModelPose(self, self.initPose)
+
+    # Names and numbers -----------------------------------------------------------------------------------------------
+
+    def SetId(self, id: str) -> None:
+        """Set the name of the entity and of its interfaces."""
+        self._id = id
+
+    def GetId(self) -> str:
+        """Its name."""
+        return self._id
+
+    def SetName(self, name: str) -> None:
+        """Set the class name as the file has it."""
+        self._name = name
+
+    def GetName(self) -> str:
+        """The class name as the file has it."""
+        return self._name
+
+    def GetIntId(self) -> int:
+        """Its number in interface headers."""
+        return self._number
+
+    def GetParentIntId(self) -> int:
+        """The parent's number, or 0."""
+        return self.parent.GetIntId() if self.parent is not None else 0

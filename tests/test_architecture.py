@@ -1,0 +1,203 @@
+"""What ARCHITECTURE.md promises about imports, checked on every import there is.
+
+Counted are imports at the top of a module, inside functions, for type checkers only, and by name
+(`import_module("libgz.x")`, `__import__`).
+"""
+
+import ast
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+
+# From the bottom up; imports go downwards only, and not between packages of one row.
+LAYERS = [
+    ["errors", "_version"],
+    ["geometry"],
+    ["ode"],
+    ["physics", "transport", "worldfile", "sdf"],
+    ["interfaces"],
+    ["clib", "simulation", "rendering"],
+    ["legacy", "sdfworld"],
+    ["models", "classic"],
+    ["front"],
+    ["convert", "reference"],
+    ["apps"],
+]
+# The same inside libgz.classic.
+CLASSIC_LAYERS = [
+    ["math"],
+    ["common"],
+    ["msgs"],
+    ["transport"],
+    ["event", "sdf"],
+    ["plugin"],
+    ["loading"],
+    ["physics"],
+    ["rendering"],
+    ["sensors"],
+    ["describe"],
+    ["commands"],
+    ["topics"],
+    ["server"],
+    ["gui", "plugins", "log"],
+]
+# Modules that import by a name which is no literal: tables of "module" or "module:Class" that are imported lazily.
+# The rows of each table are checked like imports.
+FACADES = {
+    "libgz": ["libgz/__init__.pyi"],
+    "libgz.classic": [],
+    "libgz.apps.libgz": [],
+}
+# Circles inside a package are between a parent and its parts: without the parent there is none.
+PARENTS = {
+    "libgz.simulation.world",
+}
+
+
+def module_name(path):
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts if parts[0] == "libgz" else ("libgz", *parts)
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+@cache
+def modules():
+    paths = [p for folder in ("libgz", "interfaces", "models") for p in (ROOT / folder).rglob("*.py")]
+    return {module_name(path): path for path in paths}
+
+
+def named_imports(tree):
+    """Names given to import_module and __import__; None for one that is no literal."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__", "resolve_name"):
+                literal = node.args and isinstance(node.args[0], ast.Constant)
+                yield node.args[0].value if literal else None
+
+
+@cache
+def imports_of(module):
+    """Modules of libgz that a module imports anywhere in its text."""
+    tree = ast.parse(modules()[module].read_text())
+    found = {name.partition(":")[0] for name in named_imports(tree) if name}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}:{node.lineno}: a relative import"
+            names = {f"{node.module}.{alias.name}" for alias in node.names}
+            found |= {name if name in modules() else node.module for name in names}
+    return sorted(name for name in found if name.partition(".")[0] == "libgz")
+
+
+def level_of(layers):
+    return {name: level for level, row in enumerate(layers) for name in row}
+
+
+def part_of(module, depth):
+    return module.split(".")[depth] if module.count(".") >= depth else None
+
+
+@pytest.mark.parametrize(("layers", "depth"), [(LAYERS, 1), (CLASSIC_LAYERS, 2)], ids=["libgz", "libgz.classic"])
+def test_imports_go_downwards_only(layers, depth):
+    level = level_of(layers)
+    inside = "libgz.classic." if depth == 2 else "libgz."
+    wrong = []
+    for module in modules():
+        part = part_of(module, depth) if module.startswith(inside) else None
+        for imported in imports_of(module) if part else ():
+            other = part_of(imported, depth) if imported.startswith(inside) else None
+            if other and other != part and level[other] >= level[part]:
+                wrong.append(f"{module} imports {imported}")
+    assert not wrong
+
+
+def test_nothing_below_imports_the_facades():
+    facades = {"libgz", "libgz.classic"}
+    wrong = [
+        f"{module} imports {imported}"
+        for module in modules()
+        for imported in imports_of(module)
+        if imported in facades
+        and module not in facades
+        and not module.startswith(("libgz.classic.plugins", "libgz.apps"))
+    ]
+    assert not wrong
+
+
+def test_names_that_are_no_literals_are_imported_by_tables_only():
+    found = {module for module, path in modules().items() if None in set(named_imports(ast.parse(path.read_text())))}
+    assert found <= {*FACADES, "libgz.legacy.factory", "libgz.classic.sensors.kinds", "libgz.reference.classic_pages"}
+
+
+def circles(graph):
+    """Sets of nodes that reach each other (Tarjan's algorithm)."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(node):
+        index[node] = low[node] = len(index)
+        stack.append(node)
+        for other in graph[node]:
+            if other not in index:
+                visit(other)
+                low[node] = min(low[node], low[other])
+            elif other in stack:
+                low[node] = min(low[node], index[other])
+        if low[node] == index[node]:
+            circle = set()
+            while node not in circle:
+                circle.add(stack.pop())
+            if len(circle) > 1:
+                found.append(sorted(circle))
+
+    for node in graph:
+        if node not in index:
+            visit(node)
+    return found
+
+
+def graph_without(left_out=()):
+    kept = [module for module in modules() if module not in left_out]
+    return {module: [other for other in imports_of(module) if other in kept] for module in kept}
+
+
+def test_circles_stay_inside_a_package():
+    for circle in circles(graph_without()):
+        assert len({module.rpartition(".")[0] for module in circle}) == 1, circle
+
+
+def test_circles_are_between_a_parent_and_its_parts():
+    assert circles(graph_without(PARENTS)) == []
+    for parent in PARENTS:
+        assert any(parent in circle for circle in circles(graph_without(PARENTS - {parent}))), f"{parent} has no circle"
+
+
+def test_only_one_package_touches_libode():
+    for module, path in modules().items():
+        assert module.startswith("libgz.ode") or "libode.so" not in path.read_text(), module
+
+
+def test_the_library_neither_prints_nor_asserts_nor_swallows():
+    for module, path in modules().items():
+        for node in ast.walk(ast.parse(path.read_text())):
+            where = f"{module}:{getattr(node, 'lineno', 0)}"
+            assert not isinstance(node, ast.Assert), where
+            assert not (isinstance(node, ast.ExceptHandler) and node.type is None), where
+            is_print = isinstance(node, ast.Call) and getattr(node.func, "id", "") == "print"
+            assert not is_print or module.startswith("libgz.apps"), where
+
+
+@pytest.mark.parametrize(
+    "text", ["import libgz.apps", "from libgz.apps.gazebo import main", "import_module('libgz.apps')"]
+)
+@pytest.mark.parametrize("place", ["{}", "def f():\n    {}", "if TYPE_CHECKING:\n    {}"])
+def test_every_kind_of_import_is_seen(monkeypatch, tmp_path, text, place):
+    path = tmp_path / "x.py"
+    path.write_text(place.format(text))
+    monkeypatch.setitem(modules(), "libgz.physics.x", path)
+    assert [name.startswith("libgz.apps") for name in imports_of("libgz.physics.x")] == [True]
+    imports_of.cache_clear()

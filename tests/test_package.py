@@ -1,0 +1,50 @@
+"""The package itself: its public names, and what importing it costs."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import libgz
+
+ROOT = Path(__file__).parent.parent
+
+
+def test_every_public_name_can_be_imported():
+    for name in dir(libgz):
+        assert getattr(libgz, name) is not None
+    assert {"World", "Model", "Body", "HingeJoint", "Client", "GZ_REGISTER_PLUGIN", "dParamVel"} <= set(dir(libgz))
+
+
+def test_a_star_import_brings_every_public_name():
+    names = {}
+    exec("from libgz import *", names)
+    assert {"World", "gz_client_alloc", "gz_position_open", "GZ_SEM_KEY"} <= set(names)
+
+
+def test_a_wrong_name_is_answered_with_the_right_one():
+    try:
+        _ = libgz.Wordl
+    except AttributeError as error:
+        assert "did you mean 'World'" in str(error)
+    else:
+        raise AssertionError("no error")
+
+
+def loaded_after(statement):
+    code = f"import sys\n{statement}\nprint(' '.join(sys.modules))"
+    return set(subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split())
+
+
+def test_importing_the_package_loads_next_to_nothing():
+    assert not {"numpy", "lxml", "ctypes", "OpenGL"} & loaded_after("import libgz")
+
+
+def test_a_world_without_cameras_never_loads_opengl():
+    world = ROOT / "worlds" / "pioneer2at.world"
+    loaded = loaded_after(
+        f"import libgz\nw = libgz.World.from_file({str(world)!r})\nw.step(20)\nw.close()\n"
+        "print(open('/proc/self/maps').read())"
+    )
+    assert "libgz.front" in loaded
+    assert not [name for name in loaded if name.startswith(("OpenGL", "libgz.rendering", "PIL"))]
+    assert not [name for name in loaded if "libOSMesa" in name or "libEGL" in name or "libGL" in name]

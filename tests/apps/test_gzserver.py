@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 HELLO = ROOT / "examples" / "plugins" / "hello_world"
 SERVER = [sys.executable, "-m", "libgz.apps.gzserver"]
 EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"

@@ -140,12 +140,12 @@ class PanTiltCamera(Model):
         return hinge
 
     @property
-    def view(self) -> float:
+    def fieldOfView(self) -> float:
         """The horizontal field of view at the present zoom [rad]."""
         return self.values.hfov / self.zoom
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.ptz.Init(self.view)
+        self.ptz.Init(self.fieldOfView)
         self.camera.Init()
 
     def Fini(self) -> None:  # noqa: D102
@@ -157,7 +157,7 @@ class PanTiltCamera(Model):
         before = self.rate.last
         if step != 0.0 and self.rate.due(now):
             self._move(now, before)
-        view = self.view
+        view = self.fieldOfView
         if self.camera.Update(self.head.global_pose(EYE), view) and self.frustum is not None:
             self.frustum.SetFOV(view)
 
@@ -170,7 +170,7 @@ class PanTiltCamera(Model):
         wanted = _clamp(self.values.hfov / view if view > 0.0 else math.inf, self.zoomLimits)
         elapsed = now - before if math.isfinite(before) else 0.0
         self.zoom += (wanted - self.zoom) * min(1.0, self.values.zoomGain * elapsed)
-        self.ptz.publish(now, self.pan.GetAngle(), self.tilt.GetAngle(), self.view)
+        self.ptz.publish(now, self.pan.GetAngle(), self.tilt.GetAngle(), self.fieldOfView)
 
 
 def _clamp(value: float, limits: tuple[float, float]) -> float:

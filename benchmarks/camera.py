@@ -2,10 +2,10 @@
 
     python benchmarks/camera.py
 
-Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the picture ends in the interface's memory.
-Where MuJoCo and PyBullet are installed they draw a like scene in the same run, in turn with libgz, so that a machine
-whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet.
-They run in processes of their own, this one's python unless LIBGZ_BENCH_PYTHON names another.
+Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the image is copied to the interface.
+If MuJoCo and PyBullet are installed, they render a similar scene in the same run, alternating with libgz, so that the
+ratios are independent of changes of the machine's speed. They are not dependencies of libgz: pip install mujoco pybullet.
+They run in separate processes, with this Python or the one in LIBGZ_BENCH_PYTHON.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def places() -> list[tuple[float, float]]:
 
 
 def libgz_frame(width: int, height: int) -> Draw:
-    """A tick of an ObserverCam's picture: capture, draw, and copy into the interface."""
+    """One image of an ObserverCam: capture, render, and copy to the interface."""
     import libgz
     from libgz.geometry import GzPosePointAt, GzVector
     from libgz.worldfile.attributes import installed_worlds
@@ -48,12 +48,12 @@ def libgz_frame(width: int, height: int) -> Draw:
     server = world.model("c").camera
     pose = GzPosePointAt(GzVector(*EYE), GzVector(*AT), GzVector(0.0, 0.0, 1.0))
 
-    def draw() -> object:
+    def render() -> object:
         server.rate.last = -math.inf
         server.Update(pose, math.radians(60.0))
         return world
 
-    return draw
+    return render
 
 
 def mujoco_frame(width: int, height: int, *, coarse: bool) -> Draw:
@@ -90,11 +90,11 @@ def mujoco_frame(width: int, height: int, *, coarse: bool) -> Draw:
     renderer.scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = 0
     renderer.scene.flags[mujoco.mjtRndFlag.mjRND_REFLECTION] = 0
 
-    def draw() -> object:
+    def render() -> object:
         renderer.update_scene(data, "c")
         return renderer.render()
 
-    return draw
+    return render
 
 
 def pybullet_frame(width: int, height: int) -> Draw:
@@ -127,14 +127,14 @@ RENDERERS: dict[str, Callable[[int, int], Draw]] = {
 
 
 def serve(name: str, width: int, height: int) -> None:
-    """In a process of its own: draw whenever a line comes in, and answer with the median time [s]."""
-    draw = RENDERERS[name](width, height)
-    draw()
+    """In a process of its own: render whenever a line comes in, and answer with the median time [s]."""
+    render = RENDERERS[name](width, height)
+    render()
     for line in sys.stdin:
         times = []
         for _ in range(int(line)):
             start = time.perf_counter()
-            draw()
+            render()
             times.append(time.perf_counter() - start)
         print(statistics.median(times), flush=True)
 
@@ -170,7 +170,7 @@ def measure(width: int, height: int) -> dict[str, float]:
 
 
 def start_time() -> tuple[float, float]:
-    """Time [s] to start a world with a camera and take its first picture, and that of a world without one."""
+    """Time [s] to start a world with a camera and render its first image, and that of a world without one."""
     code = (
         "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.worldfile.attributes import installed_worlds\n"
         "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
@@ -190,7 +190,7 @@ def main() -> None:
         serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
         return
     with_camera, without = start_time()
-    print(f"start to the first picture of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
+    print(f"start to the first image of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
     print(f"start of a world without cameras: {1e3 * without:.0f} ms")
     for width, height in SIZES:
         times = measure(width, height)

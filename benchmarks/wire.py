@@ -2,7 +2,7 @@
 
     python benchmarks/wire.py
 
-Publishing a position, publishing a picture, and how long a sleeping client takes to wake. Ratios are of medians taken
+Publishing a position, publishing a image, and how long a sleeping client takes to wake. Ratios are of medians taken
 in turn within one run, so that a machine whose speed drifts does not spoil them.
 """
 
@@ -74,12 +74,12 @@ def lock_alone(robot: Position) -> None:
     fcntl.flock(descriptor, fcntl.LOCK_UN)
 
 
-def publish_picture(camera: Camera, picture: np.ndarray) -> None:
-    """What a camera does with a new picture."""
+def publish_image(camera: Camera, image: np.ndarray) -> None:
+    """Publish an image as a camera does."""
     if camera.lock():
         data = camera.data
-        data.time, data.width, data.height, data.image_size = 1.5, 640, 480, picture.size
-        camera.all_pixels[: picture.size] = picture
+        data.time, data.width, data.height, data.image_size = 1.5, 640, 480, image.size
+        camera.all_pixels[: image.size] = image
         camera.unlock()
 
 
@@ -88,14 +88,14 @@ def table(server: Server) -> None:
     robot, camera = Position(), Camera()
     robot.create(server, "bench")
     camera.create(server, "bench")
-    picture = np.random.default_rng(0).integers(0, 255, 640 * 480 * 3, dtype=np.uint8)
-    target, size = mmap.mmap(-1, picture.size), picture.size
+    image = np.random.default_rng(0).integers(0, 255, 640 * 480 * 3, dtype=np.uint8)
+    target, size = mmap.mmap(-1, image.size), image.size
     address = ctypes.addressof(ctypes.c_char.from_buffer(target))
     jobs: dict[str, tuple[Callable[[], object], int]] = {
         "position": (lambda: publish_position(robot), 20000),
         "its system calls alone": (lambda: lock_alone(robot), 20000),
-        "picture 640x480": (lambda: publish_picture(camera, picture), 1000),
-        "its memory copy alone": (lambda: ctypes.memmove(address, picture.ctypes.data, size), 1000),
+        "image 640x480": (lambda: publish_image(camera, image), 1000),
+        "its memory copy alone": (lambda: ctypes.memmove(address, image.ctypes.data, size), 1000),
         "post to all clients": (server.post, 20000),
     }
     taken: dict[str, list[float]] = {name: [] for name in jobs}
@@ -104,7 +104,7 @@ def table(server: Server) -> None:
             taken[name].append(time_each(action, count))
     median = {name: statistics.median(values) for name, values in taken.items()}
     print(f"{'':28}{'[us]':>8}{'ratio to the least':>20}")
-    for name, least in (("position", "its system calls alone"), ("picture 640x480", "its memory copy alone")):
+    for name, least in (("position", "its system calls alone"), ("image 640x480", "its memory copy alone")):
         print(f"{name:28}{median[name]:8.2f}{median[name] / median[least]:20.2f}")
         print(f"  {least:26}{median[least]:8.2f}")
     print(f"{'post to all clients':28}{median['post to all clients']:8.2f}")

@@ -1,6 +1,6 @@
-"""A Sensor plugin that looks for something red in each picture of its camera, and tells in which direction it is.
+"""A Sensor plugin that finds a red object in each image of its camera, and prints its direction.
 
-Pictures are numpy arrays as soon as they are wrapped: no copy is made.
+Images are wrapped as numpy arrays without a copy.
 """
 
 import math
@@ -11,7 +11,7 @@ from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
 
 
 class RedFinder(SensorPlugin):
-    """Elements: `<save_folder>`, where every picture goes as a file; without it none is saved."""
+    """Elements: `<save_folder>`, where every image is saved; without it none is."""
 
     def Load(self, sensor, sdf):
         self.sensor = sensor
@@ -32,7 +32,7 @@ class RedFinder(SensorPlugin):
         if not len(columns):
             self.bearing = None
             return
-        # From the middle of the red in pixels to an angle: the picture plane is one focal length away.
+        # From the centre of the red pixels to an angle: the image plane is one focal length away.
         focal = width / 2.0 / math.tan(float(self.camera.HFOV()) / 2.0)
         self.bearing = math.atan2((width - 1) / 2.0 - columns.mean(), focal)
         if self.frames % 10 == 1:

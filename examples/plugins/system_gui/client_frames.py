@@ -1,4 +1,4 @@
-"""A System plugin for the client: it saves the first pictures of the user camera in a folder.
+"""A System plugin for the client: it saves the first images of the user camera in a folder.
 
 Options that gzclient does not know are left to its plugins:
 
@@ -18,7 +18,7 @@ class ClientFrames(SystemPlugin):
         self.frames = 0
 
     def Init(self):
-        # There is no camera yet: the window comes after the System plugins.
+        # There is no camera yet: the window is created after the System plugins.
         self.connections = [Events.ConnectPreRender(self.OnPreRender)]
 
     def OnPreRender(self):

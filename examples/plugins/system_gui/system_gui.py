@@ -1,4 +1,4 @@
-"""A System plugin for the server: it is there before any world, and hears the events of all of them.
+"""A System plugin for the server: it is loaded before any world, and receives the events of all worlds.
 
 gzserver -s libsystem_gui.so --iters 100 system_gui.world
 """
@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 
 class ServerWatcher(SystemPlugin):
     def Load(self, argc, argv):
-        # The whole command line: options that the server does not know are there for plugins.
+        # The whole command line, including options for plugins that the server does not know.
         gzmsg(f"started as {' '.join(argv)}")
         self.updates = 0
 

@@ -1,6 +1,6 @@
-"""A Visual plugin that lets its visual blink: it changes colour each half period.
+"""A Visual plugin that makes its visual blink: the colour changes every half period.
 
-Visual plugins are loaded where pictures are drawn: on the server if there is a camera, and in clients. They change
+Visual plugins are loaded where images are rendered: on servers with cameras, and in clients. They change
 what is seen, and nothing else.
 """
 
@@ -19,7 +19,7 @@ class Blink(VisualPlugin):
             self.LoadParam(sdf, "color_b", Color(0.0, 0.0, 1.0, 1.0)),
         ]
         self.period = self.LoadParam(sdf, "period", 1.0)
-        # PreRender comes before each picture: what is changed there is seen in it.
+        # PreRender is sent before each image is rendered; changes made there are visible in it.
         self.connection = Events.ConnectPreRender(self.OnPreRender)
 
     def OnPreRender(self):

@@ -17,7 +17,7 @@ from hypothesis import settings
 
 from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 
-# The same examples in every run, and no clock: HYPOTHESIS_PROFILE=random looks for new ones.
+# The same examples in every run, without a time limit; HYPOTHESIS_PROFILE=random generates new ones.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
@@ -27,12 +27,12 @@ START = 30.0  # [s]
 
 
 def new_server_id() -> int:
-    """A server id that no other test, in this process or a parallel one, uses."""
+    """A server id that no other test uses, in this process or in a parallel one."""
     return 1000 + (os.getpid() * 64 + next(_numbers)) % 100_000_000
 
 
 class GazeboProcess:
-    """A running `gazebo`: `id`, the environment its clients need, and what it said."""
+    """A running `gazebo`: its server id, and the environment of its clients."""
 
     def __init__(self, world: Path, arguments: tuple[str, ...], env: dict[str, str], server_id: int) -> None:
         self.id = server_id
@@ -44,16 +44,20 @@ class GazeboProcess:
         )
 
     def wait_ready(self) -> None:
-        """Until `sim` is served, or the process ended."""
+        """Wait until `sim` is served.
+
+        Raises:
+            AssertionError: the process ended, or did not serve it in time.
+        """
         end = time.monotonic() + START
         while not (self.directory / "sim.default").exists():
             if self.process.poll() is not None:
-                raise AssertionError(f"gazebo ended at once: {self.process.communicate()}")
+                raise AssertionError(f"gazebo ended during its start: {self.process.communicate()}")
             assert time.monotonic() < end, "gazebo did not start"
             select.select([], [], [], 0.02)
 
     def stop(self, number: int = signal.SIGTERM) -> tuple[int, str, str]:
-        """End it; (exit code, stdout, stderr)."""
+        """End the process with a signal; returns (exit code, stdout, stderr)."""
         if self.process.poll() is None:
             self.process.send_signal(number)
         out, err = self.process.communicate(timeout=START)
@@ -62,8 +66,8 @@ class GazeboProcess:
 
 @pytest.fixture
 def wire(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
-    """A server id and a TMP of this test's own; nothing of it may be left behind."""
-    # Under /tmp, for the old library's paths are short.
+    """A server id and a TMP for this test only; the test must remove all its files and semaphores."""
+    # Directly under /tmp, because paths of the old library are limited to 127 bytes.
     folder = Path("/tmp") / f"gz{os.getpid()}-{next(_numbers)}"
     folder.mkdir(mode=0o700)
     monkeypatch.setenv("TMP", str(folder))
@@ -77,14 +81,17 @@ def wire(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[int]:
     except FileNotFoundError:
         pass
     for path in sorted(folder.rglob("*"), reverse=True):
-        path.rmdir() if path.is_dir() and not path.is_symlink() else path.unlink()
+        if path.is_dir() and not path.is_symlink():
+            path.rmdir()
+        else:
+            path.unlink()
     folder.rmdir()
-    assert not left, f"left behind: {left}"
+    assert not left, f"not removed: {left}"
 
 
 @pytest.fixture
 def gazebo(wire: int) -> Iterator[Callable[..., GazeboProcess]]:
-    """Starts `gazebo WORLD [options]` and waits until it serves."""
+    """A function that starts `gazebo WORLD [options]` and waits until it is ready."""
     started: list[GazeboProcess] = []
 
     def start(world: Path, *arguments: str, ready: bool = True) -> GazeboProcess:

@@ -4,7 +4,7 @@
 
 Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the image is copied to the interface.
 If MuJoCo and PyBullet are installed, they render a similar scene in the same run, alternating with libgz, so that the
-ratios are independent of changes of the machine's speed. They are not dependencies of libgz: pip install mujoco pybullet.
+ratios are independent of the machine's speed. They are not dependencies of libgz: pip install mujoco pybullet.
 They run in separate processes, with this Python or the one in LIBGZ_BENCH_PYTHON.
 """
 
@@ -32,8 +32,8 @@ def places() -> list[tuple[float, float]]:
 def libgz_frame(width: int, height: int) -> Draw:
     """One image of an ObserverCam: capture, render, and copy to the interface."""
     import libgz
+    from libgz.files import installed_worlds
     from libgz.geometry import GzPosePointAt, GzVector
-    from libgz.worldfile.attributes import installed_worlds
 
     robots = "".join(
         f"<model:Pioneer2AT><id>r{i}</id><xyz>{x} {y} 0</xyz></model:Pioneer2AT>" for i, (x, y) in enumerate(places())
@@ -172,7 +172,7 @@ def measure(width: int, height: int) -> dict[str, float]:
 def start_time() -> tuple[float, float]:
     """Time [s] to start a world with a camera and render its first image, and that of a world without one."""
     code = (
-        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.worldfile.attributes import installed_worlds\n"
+        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.files import installed_worlds\n"
         "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
     )
     found = []

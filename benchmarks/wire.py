@@ -1,9 +1,9 @@
-"""What the wire costs.
+"""The cost of the shared-memory interfaces.
 
     python benchmarks/wire.py
 
-Publishing a position, publishing a image, and how long a sleeping client takes to wake. Ratios are of medians taken
-in turn within one run, so that a machine whose speed drifts does not spoil them.
+Measures publishing a position, publishing an image, and the time until a waiting client wakes. The actions alternate
+within one run and ratios are those of medians, so that changes of the machine's speed do not affect them.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ with libgz.Client({SERVER_ID}, 0) as client:
 
 
 def time_each(action: Callable[[], object], count: int) -> float:
-    """Microseconds of one call."""
+    """Time of one call [us]."""
     begin = time.perf_counter()
     for _ in range(count):
         action()
@@ -55,7 +55,7 @@ def time_each(action: Callable[[], object], count: int) -> float:
 
 
 def publish_position(robot: Position) -> None:
-    """What a robot does at each tick."""
+    """Publish as a robot does in each update."""
     if robot.lock():
         data = robot.data
         data.time = 1.5
@@ -67,15 +67,15 @@ def publish_position(robot: Position) -> None:
 
 
 def lock_alone(robot: Position) -> None:
-    """The two system calls of it."""
-    descriptor = robot._descriptor or 0
+    """The system calls of `publish_position` alone."""
+    descriptor = robot.descriptor or 0
     fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     os.fstat(descriptor)
     fcntl.flock(descriptor, fcntl.LOCK_UN)
 
 
 def publish_image(camera: Camera, image: np.ndarray) -> None:
-    """Publish an image as a camera does."""
+    """Publish as a camera does with a new image."""
     if camera.lock():
         data = camera.data
         data.time, data.width, data.height, data.image_size = 1.5, 640, 480, image.size
@@ -84,7 +84,7 @@ def publish_image(camera: Camera, image: np.ndarray) -> None:
 
 
 def table(server: Server) -> None:
-    """Publishing, beside the least it can cost."""
+    """Print the times of publishing beside those of the least work that it needs."""
     robot, camera = Position(), Camera()
     robot.create(server, "bench")
     camera.create(server, "bench")
@@ -111,7 +111,7 @@ def table(server: Server) -> None:
 
 
 def wake_up(server: Server) -> None:
-    """Time from a post until a client of another process runs, which slept before."""
+    """Print the time from a post until a waiting client in another process runs."""
     robot, sim = Position(), Sim()
     robot.create(server, "robot1")
     sim.create(server, "default")

@@ -1,5 +1,5 @@
 """The interfaces through which programs read and command models, one module each.
 
-Each module declares its struct once. From the declaration come the ctypes structure, the old functions
-(`gz_position_open` and so on), and the numpy views.
+Each module declares its struct once. The ctypes structure, the old functions (`gz_position_open` and so on), the numpy
+views, the C header and the reference page are made from the declaration.
 """

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, Element, byte, double, elements, float32, layout, uint32
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import filled
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, Element, byte, double, elements, float32, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -47,18 +49,18 @@ GAZEBO_ACTARRAY_ACTSTATE_STALLED = 4
 class ActarrayActuator(Element):
     """gazebo_actarray_actuator_t: one actuator."""
 
-    position: float = float32(SERVER, "m or rad", "where it is")
-    speed: float = float32(SERVER, "m/s or rad/s", "how fast it moves")
+    position: float = float32(SERVER, "m or rad", "measured position")
+    speed: float = float32(SERVER, "m/s or rad/s", "measured speed")
     state: int = byte(SERVER, "", "GAZEBO_ACTARRAY_ACTSTATE_*")
 
 
 @layout
-class ActarrayData(Data):
-    """gz_actarray_data_t; in the repository of November 2006 only."""
+class ActarrayData(SampleData):
+    """gz_actarray_data_t; only in the repository of November 2006, after the release."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
     new_cmd: int = uint32(CLIENT, "", "set to another value with each command")
-    actuators_count: int = uint32(SERVER, "", "how many actuators there are, at most 16")
+    actuators_count: int = uint32(SERVER, "", "number of actuators, at most 16")
     actuators_data: Array[ActarrayActuator] = elements(
         ActarrayActuator, SERVER, "the actuators", GAZEBO_ACTARRAY_NUM_ACTUATORS
     )
@@ -68,7 +70,7 @@ class ActarrayData(Data):
     joint_mode: Array[int] = uint32(CLIENT, "", "0 position, 1 speed, 2 current", GAZEBO_ACTARRAY_NUM_ACTUATORS)
 
 
-class Actarray(Interface[ActarrayData]):
+class Actarray(SampleInterface[ActarrayData]):
     """An array of actuators."""
 
     type = "actarray"
@@ -80,14 +82,9 @@ class Actarray(Interface[ActarrayData]):
     joint_mode = View("joint_mode")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def actuators(self) -> NDArray[np.void]:
-        """The actuators: records of `position`, `speed` and `state`; a view of the shared memory."""
-        return self.all_actuators[: min(self.data.actuators_count, GAZEBO_ACTARRAY_NUM_ACTUATORS)]
+        """Records of `position`, `speed` and `state`, shape (actuators_count,); a view of the shared memory."""
+        return filled(self.all_actuators, self.data.actuators_count)
 
 
 _functions = LegacyFunctions(Actarray)

@@ -1,13 +1,14 @@
-"""camera: the pictures of a camera."""
+"""camera: the images of a camera."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.interfaces.picture import picture
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import SERVER, Array, Data, byte, double, layout, uint32
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import image
+from libgz.transport.interface import View
+from libgz.transport.layout import SERVER, Array, byte, double, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -31,29 +32,29 @@ GAZEBO_CAMERA_MAX_IMAGE_SIZE = 640 * 480 * 3
 
 
 @layout
-class CameraData(Data):
+class CameraData(SampleData):
     """gz_camera_data_t."""
 
-    time: float = double(SERVER, "s", "sim time of this picture")
-    width: int = uint32(SERVER, "px", "width of the picture; set before the first one")
-    height: int = uint32(SERVER, "px", "height of the picture")
-    image_size: int = uint32(SERVER, "byte", "bytes of the picture; 0 until the first one")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_CAMERA_MAX_IMAGE_SIZE)
+    time: float = double(SERVER, "s", "sim time of this image")
+    width: int = uint32(SERVER, "px", "width of the image; set before the first image")
+    height: int = uint32(SERVER, "px", "height of the image")
+    image_size: int = uint32(SERVER, "byte", "bytes of the image; 0 until the first image")
+    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_CAMERA_MAX_IMAGE_SIZE)
 
 
 @layout
-class CameraDataOld(Data):
-    """gz_camera_data_t of version 0x050: no picture is larger than 320 by 240."""
+class CameraDataOld(SampleData):
+    """gz_camera_data_t of version 0x050: an image has at most 320 by 240 pixels."""
 
-    time: float = double(SERVER, "s", "sim time of this picture")
-    width: int = uint32(SERVER, "px", "width of the picture; set before the first one")
-    height: int = uint32(SERVER, "px", "height of the picture")
-    image_size: int = uint32(SERVER, "byte", "bytes of the picture; 0 until the first one")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", 320 * 240 * 3)
+    time: float = double(SERVER, "s", "sim time of this image")
+    width: int = uint32(SERVER, "px", "width of the image; set before the first image")
+    height: int = uint32(SERVER, "px", "height of the image")
+    image_size: int = uint32(SERVER, "byte", "bytes of the image; 0 until the first image")
+    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", 320 * 240 * 3)
 
 
-class Camera(Interface[CameraData]):
-    """A camera's latest picture."""
+class Camera(SampleInterface[CameraData]):
+    """A camera's latest image."""
 
     type = "camera"
     data_class = CameraData
@@ -62,14 +63,9 @@ class Camera(Interface[CameraData]):
     all_pixels = View("image")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def image(self) -> NDArray[np.uint8]:
-        """The picture, shape (height, width, 3), top row first; a view of the shared memory, empty at first."""
-        return picture(self.all_pixels, self.data.width, self.data.height, self.data.image_size)
+        """The image, shape (height, width, 3), top row first, empty until there is one; a view of the shared memory."""
+        return image(self.all_pixels, self.data.width, self.data.height, self.data.image_size)
 
 
 _functions = LegacyFunctions(Camera)

@@ -1,4 +1,4 @@
-"""All interfaces by the type that stands in their file names."""
+"""All interfaces by their type, the first part of their file names."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
-"""The Pythonic client: connect, open interfaces by name, wait for news."""
+"""The Pythonic client: connects to a server, opens interfaces by name, and waits for the server's posts."""
 
 from __future__ import annotations
 
 from types import TracebackType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from libgz.interfaces.actarray import Actarray
 from libgz.interfaces.camera import Camera
@@ -28,7 +28,7 @@ from libgz.transport.interface import Interface
 
 __all__ = ["Client"]
 
-I = TypeVar("I", bound="Interface")  # type: ignore[type-arg]  # noqa: E741
+I = TypeVar("I", bound=Interface[Any])  # noqa: E741
 
 
 class Client(WireClient):
@@ -42,11 +42,13 @@ class Client(WireClient):
 
     Args:
         server_id: the server's `-s` option.
-        client_id: 0 to 7 for users' programs; each program that waits needs its own.
-        timeout: how long to wait for the server to appear [s].
+        client_id: 0 to 7 for users' programs; each program that waits needs its own. Negative: it does not wait.
+        timeout: time limit for the server to become ready [s].
 
     Raises:
-        ServerError: the server is not there, or not in time.
+        ServerError: the server is not ready before the timeout.
+        InterfaceError: the server belongs to another user.
+        ParameterError: the client id or the server id is invalid.
     """
 
     def __init__(self, server_id: int = 0, client_id: int = 0, *, timeout: float = 0.0) -> None:
@@ -64,12 +66,17 @@ class Client(WireClient):
         self.disconnect()
 
     def open(self, interface: I, id: str) -> I:
-        """Open an interface object, or give the one of this kind and id that is open already.
+        """Open an interface object, or return the one of this kind and id that is open already.
 
-        One whose model was removed and made anew is opened anew, too; the old object keeps what was last known.
+        If the server has created the interface again since then, the new one is opened; the old object keeps its last
+        data.
+
+        Args:
+            interface: a new interface object.
+            id: the interface id.
 
         Raises:
-            InterfaceError: the server serves none of this type and id.
+            InterfaceError: the id is invalid, or the server serves no interface of this type and id.
         """
         for opened in self.opened:
             if type(opened) is type(interface) and opened.id == id and not opened.replaced:
@@ -78,7 +85,7 @@ class Client(WireClient):
         return interface
 
     def sim(self) -> Sim:
-        """The clock, and the buttons pause, reset and save."""
+        """The times of the simulation, and the commands pause, reset and save."""
         return self.open(Sim(), "default")
 
     def position(self, id: str) -> Position:
@@ -106,7 +113,7 @@ class Client(WireClient):
         return self.open(Ptz(), id)
 
     def camera(self, id: str) -> Camera:
-        """A camera's pictures."""
+        """A camera's images."""
         return self.open(Camera(), id)
 
     def guicam(self, id: str) -> Guicam:
@@ -114,11 +121,11 @@ class Client(WireClient):
         return self.open(Guicam(), id)
 
     def stereo(self, id: str) -> Stereo:
-        """A stereo camera's pictures and disparities."""
+        """A stereo camera's images and disparities."""
         return self.open(Stereo(), id)
 
     def factory(self, id: str) -> Factory:
-        """The letter-box for new models."""
+        """Requests to add and remove models."""
         return self.open(Factory(), id)
 
     def gps(self, id: str) -> Gps:

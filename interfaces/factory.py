@@ -33,14 +33,14 @@ GAZEBO_FACTORY_MAX_STRING = 4096
 class FactoryData(Data):
     """gz_factory_data_t."""
 
-    time: float = double(SERVER, "s", "sim time of the last look at the string")
+    time: float = double(SERVER, "s", "sim time at which the server last read the string")
     string: Array[int] = byte(
-        CLIENT, "", "XML of one model, ended by a zero; the server empties it", GAZEBO_FACTORY_MAX_STRING
+        CLIENT, "", "XML of one model, with a zero at the end; the server clears it", GAZEBO_FACTORY_MAX_STRING
     )
 
 
 class Factory(Interface[FactoryData]):
-    """A letter-box for models."""
+    """A queue of one request to add or remove a model."""
 
     type = "factory"
     data_class = FactoryData
@@ -49,27 +49,29 @@ class Factory(Interface[FactoryData]):
     string = View("string")
 
     def create_model(self, xml: str) -> None:
-        """Ask the server to add a model: its one XML element, as in a worldfile, without a root around it.
+        """Request a new model.
 
-        The server warns, on its own console, of a text it cannot use. It empties the string when it has taken it:
-        see `busy`.
+        The server clears the string when it has read it: see `busy`. It logs a warning about XML that it cannot use.
+
+        Args:
+            xml: one element of a model, as in a worldfile, without a root element.
 
         Raises:
-            ParameterError: the text does not fit.
+            ParameterError: the XML has more than 4095 bytes.
         """
         self._send(xml)
 
     def delete_model(self, id: str) -> None:
-        """Ask the server to remove a model, by its id, and all that is attached to it.
+        """Request the removal of the model of this id, and of the models that are attached to it.
 
         Raises:
-            ParameterError: the id does not fit.
+            ParameterError: the id is too long.
         """
         self._send(f"<delete>{escape(id)}</delete>")
 
     @property
     def busy(self) -> bool:
-        """Whether the last text still waits for the server."""
+        """Whether the server has not yet read the last request."""
         return bool(self.string[0])
 
     def _send(self, xml: str) -> None:

@@ -1,12 +1,14 @@
-"""fiducial: marked objects that a sensor recognises, and where they are."""
+"""fiducial: the poses of marked objects that a sensor recognises."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import SERVER, Array, Data, Element, double, elements, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import filled
+from libgz.transport.interface import View
+from libgz.transport.layout import SERVER, Array, Element, double, elements, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -39,15 +41,15 @@ class FiducialFid(Element):
 
 
 @layout
-class FiducialData(Data):
+class FiducialData(SampleData):
     """gz_fiducial_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
-    fid_count: int = int32(SERVER, "", "how many objects are seen, at most 401")
+    fid_count: int = int32(SERVER, "", "number of objects in view, at most 401")
     fids: Array[FiducialFid] = elements(FiducialFid, SERVER, "the objects", GZ_FIDUCIAL_MAX_FIDS)
 
 
-class Fiducial(Interface[FiducialData]):
+class Fiducial(SampleInterface[FiducialData]):
     """Marked objects in view."""
 
     type = "fiducial"
@@ -56,14 +58,9 @@ class Fiducial(Interface[FiducialData]):
     all_fids = View("fids")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def fids(self) -> NDArray[np.void]:
-        """The objects in view: records of `id`, `pos` [m] and `rot` [rad]; a view of the shared memory."""
-        return self.all_fids[: min(max(self.data.fid_count, 0), GZ_FIDUCIAL_MAX_FIDS)]
+        """The objects: records of `id`, `pos` [m] and `rot` [rad], shape (fid_count,); a view of the shared memory."""
+        return filled(self.all_fids, self.data.fid_count)
 
 
 _functions = LegacyFunctions(Fiducial)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from libgz.transport.interface import Interface
-from libgz.transport.layout import SERVER, Data, double, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.layout import SERVER, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -22,14 +22,14 @@ __all__ = [
 
 
 @layout
-class GpsData(Data):
+class GpsData(SampleData):
     """gz_gps_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this fix")
     utc_time: float = double(SERVER, "s", "UTC of this fix")
     latitude: float = double(SERVER, "deg", "north positive")
     longitude: float = double(SERVER, "deg", "east positive")
-    altitude: float = double(SERVER, "m", "height")
+    altitude: float = double(SERVER, "m", "altitude")
     utm_e: float = double(SERVER, "m", "UTM easting")
     utm_n: float = double(SERVER, "m", "UTM northing")
     satellites: int = int32(SERVER, "", "satellites in view")
@@ -40,16 +40,11 @@ class GpsData(Data):
     err_vert: float = double(SERVER, "m", "vertical error")
 
 
-class Gps(Interface[GpsData]):
+class Gps(SampleInterface[GpsData]):
     """A receiver's latest fix."""
 
     type = "gps"
     data_class = GpsData
-
-    @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
 
     @property
     def latitude(self) -> float:

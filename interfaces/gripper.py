@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ctypes
 
-from libgz.transport.interface import DataClass, Interface
-from libgz.transport.layout import CLIENT, SERVER, Data, double, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.interface import DataClass
+from libgz.transport.layout import CLIENT, SERVER, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -37,19 +38,19 @@ GAZEBO_GRIPPER_STATE_CLOSED = 2
 GAZEBO_GRIPPER_STATE_MOVING = 3
 GAZEBO_GRIPPER_STATE_ERROR = 4
 
-# The header's names. Servers never took the last two by them: on the wire 4 lifts and 5 lowers, as below.
+# The names in the C header. Servers do not use the last two: on the wire 4 lifts and 5 lowers, as below.
 GAZEBO_GRIPPER_CMD_OPEN = 1
 GAZEBO_GRIPPER_CMD_CLOSE = 2
 GAZEBO_GRIPPER_CMD_STOP = 3
 GAZEBO_GRIPPER_CMD_STORE = 4
 GAZEBO_GRIPPER_CMD_RETRIEVE = 5
 
-# What `cmd` means on the wire: Player's numbers.
+# The values of `cmd` on the wire are those of Player.
 OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN, LIFT_STOP, STORE, DEPLOY, HALT = 1, 2, 3, 4, 5, 6, 7, 8, 15
 
 
 @layout
-class GripperData(Data):
+class GripperData(SampleData):
     """gz_gripper_data_t of the 0.7.0 release."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
@@ -58,44 +59,44 @@ class GripperData(Data):
         "",
         "1 open, 2 close, 3 stop, 4 lift up, 5 lift down, 6 lift stop, 7 close and lift, 8 open and lower, 15 halt",
     )
-    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at one of its ends")
-    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at one of their ends")
-    outer_beam_obstruct: int = int32(SERVER, "", "1: something is between the paddles' tips")
-    inner_beam_obstruct: int = int32(SERVER, "", "1: something is deep between the paddles")
+    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at an end of its range")
+    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at an end of their range")
+    outer_beam_obstruct: int = int32(SERVER, "", "1: an object interrupts the outer beam")
+    inner_beam_obstruct: int = int32(SERVER, "", "1: an object interrupts the inner beam")
     left_paddle_open: int = int32(SERVER, "", "1: the left paddle is open")
     right_paddle_open: int = int32(SERVER, "", "1: the right paddle is open")
     paddles_opened: int = int32(SERVER, "", "1: both paddles are open")
-    paddles_closed: int = int32(SERVER, "", "1: the paddles are closed, or hold something")
-    paddles_moving: int = int32(SERVER, "", "1: the paddles are on their way")
+    paddles_closed: int = int32(SERVER, "", "1: the paddles are closed, or hold an object")
+    paddles_moving: int = int32(SERVER, "", "1: the paddles are moving")
     paddles_error: int = int32(SERVER, "", "1: the paddles are stuck")
     lift_up: int = int32(SERVER, "", "1: the lift is up")
     lift_down: int = int32(SERVER, "", "1: the lift is down")
-    lift_moving: int = int32(SERVER, "", "1: the lift is on its way")
+    lift_moving: int = int32(SERVER, "", "1: the lift is moving")
     lift_error: int = int32(SERVER, "", "1: the lift is stuck")
 
 
 @layout
-class GripperDataCvs(Data):
-    """gz_gripper_data_t as the repository had it in November 2006, after the release."""
+class GripperDataCvs(SampleData):
+    """gz_gripper_data_t of the repository in November 2006, after the release."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
     cmd: int = int32(CLIENT, "", "as in the release")
     state: int = int32(SERVER, "", "GAZEBO_GRIPPER_STATE_*")
-    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at one of their ends")
-    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at one of its ends")
-    outer_beam_obstruct: int = int32(SERVER, "", "1: something is between the paddles' tips")
-    inner_beam_obstruct: int = int32(SERVER, "", "1: something is deep between the paddles")
+    grip_limit_reach: int = int32(SERVER, "", "1: both paddles are at an end of their range")
+    lift_limit_reach: int = int32(SERVER, "", "1: the lift is at an end of its range")
+    outer_beam_obstruct: int = int32(SERVER, "", "1: an object interrupts the outer beam")
+    inner_beam_obstruct: int = int32(SERVER, "", "1: an object interrupts the inner beam")
     left_paddle_open: int = int32(SERVER, "", "1: the left paddle is open")
     right_paddle_open: int = int32(SERVER, "", "1: the right paddle is open")
     lift_up: int = int32(SERVER, "", "1: the lift is up")
     lift_down: int = int32(SERVER, "", "1: the lift is down")
 
 
-class Gripper(Interface[GripperData]):
+class Gripper(SampleInterface[GripperData]):
     """A gripper's state and command. A command holds until the next one.
 
     Args:
-        later: to be created with the struct of November 2006; a client sees that in the file.
+        later: create it with the struct of November 2006. A client recognises the struct by the size of the file.
     """
 
     type = "gripper"
@@ -107,35 +108,31 @@ class Gripper(Interface[GripperData]):
         self.later = later
 
     def layout_for(self, version: int, length: int | None) -> DataClass:
-        """The struct of the release, or the smaller one that came after it."""
+        """The struct of the release, or the smaller one of November 2006."""
         if length is None:
             return GripperDataCvs if self.later else super().layout_for(version, length)
         return GripperDataCvs if length == ctypes.sizeof(GripperDataCvs) else super().layout_for(version, length)
 
-    @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
     def command(self, code: int) -> None:
-        """Tell the gripper what to do, by a code of this module: OPEN, CLOSE, LIFT_UP, LIFT_DOWN and so on."""
+        """Command the gripper with a code of this module: OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN and so on."""
         with self.locked() as data:
             data.cmd = code
 
     @property
     def opened(self) -> bool:
         """Whether both paddles are open."""
-        return self._is("paddles_opened", GAZEBO_GRIPPER_STATE_OPEN)
+        data = self.data
+        if isinstance(data, GripperDataCvs):
+            return data.state == GAZEBO_GRIPPER_STATE_OPEN
+        return bool(data.paddles_opened)
 
     @property
     def closed(self) -> bool:
-        """Whether the paddles are closed, or hold something."""
-        return self._is("paddles_closed", GAZEBO_GRIPPER_STATE_CLOSED)
-
-    def _is(self, flag: str, state: int) -> bool:
-        """What either struct says of the paddles."""
+        """Whether the paddles are closed, or hold an object."""
         data = self.data
-        return data.state == state if isinstance(data, GripperDataCvs) else bool(getattr(data, flag))
+        if isinstance(data, GripperDataCvs):
+            return data.state == GAZEBO_GRIPPER_STATE_CLOSED
+        return bool(data.paddles_closed)
 
 
 _functions = LegacyFunctions(Gripper)

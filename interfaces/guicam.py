@@ -1,11 +1,11 @@
-"""guicam: a camera that people steer with the mouse."""
+"""guicam: a camera that is moved with the mouse."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.interfaces.picture import picture
+from libgz.interfaces.views import image
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import BOTH, CLIENT, SERVER, Array, Data, byte, double, int32, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
@@ -35,28 +35,28 @@ class GuicamData(Data):
 
     sim_time: float = double(SERVER, "s", "sim time of the last update")
     pause_time: float = double(SERVER, "s", "pause time of the last update")
-    pos: Array[float] = double(SERVER, "m", "where the camera is: x, y, z", 3)
-    rot: Array[float] = double(SERVER, "rad", "how the camera is turned: roll, pitch, yaw", 3)
-    cmd_spot_mode: int = int32(CLIENT, "", "what dragging does: 0 translate, 1 zoom, 2 rotate")
+    pos: Array[float] = double(SERVER, "m", "position of the camera: x, y, z", 3)
+    rot: Array[float] = double(SERVER, "rad", "rotation of the camera: roll, pitch, yaw", 3)
+    cmd_spot_mode: int = int32(CLIENT, "", "effect of dragging: 0 translate, 1 zoom, 2 rotate")
     cmd_spot_state: int = int32(CLIENT, "", "1 while dragging, else 0")
-    cmd_spot_a: Array[float] = double(CLIENT, "px", "where the drag began: x, y", 2)
-    cmd_spot_b: Array[float] = double(CLIENT, "px", "where the drag is now: x, y", 2)
+    cmd_spot_a: Array[float] = double(CLIENT, "px", "start of the drag: x, y", 2)
+    cmd_spot_b: Array[float] = double(CLIENT, "px", "current position of the drag: x, y", 2)
     roll_lock: int = int32(BOTH, "", "1: keep the camera level")
-    display_bbox: int = int32(BOTH, "", "1: draw bounding boxes")
-    display_axes: int = int32(BOTH, "", "1: draw the axes of named bodies")
-    display_com: int = int32(BOTH, "", "1: draw centres of mass")
-    display_skins: int = int32(BOTH, "", "1: draw skins instead of the shapes below")
-    display_rays: int = int32(BOTH, "", "1: draw the rays of lasers and sonars")
-    display_frustrums: int = int32(BOTH, "", "1: draw what cameras see")
-    display_materials: int = int32(BOTH, "", "1: draw colours")
-    display_textures: int = int32(BOTH, "", "1: draw textures")
-    polygon_fill: int = int32(BOTH, "", "1: fill polygons; 0: draw their edges")
-    shade_smooth: int = int32(BOTH, "", "1: shade smoothly; 0: flat")
-    save_frames: int = int32(BOTH, "", "1: save every picture")
-    width: int = uint32(SERVER, "px", "width of the picture")
-    height: int = uint32(SERVER, "px", "height of the picture")
-    image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_GUICAM_MAX_IMAGE_SIZE)
-    image_size: int = uint32(SERVER, "byte", "bytes of the picture")
+    display_bbox: int = int32(BOTH, "", "1: render bounding boxes")
+    display_axes: int = int32(BOTH, "", "1: render the axes of named bodies")
+    display_com: int = int32(BOTH, "", "1: render centres of mass")
+    display_skins: int = int32(BOTH, "", "1: render skins instead of collision shapes")
+    display_rays: int = int32(BOTH, "", "1: render the rays of lasers and sonars")
+    display_frustrums: int = int32(BOTH, "", "1: render the frustums of cameras")
+    display_materials: int = int32(BOTH, "", "1: render colours")
+    display_textures: int = int32(BOTH, "", "1: render textures")
+    polygon_fill: int = int32(BOTH, "", "1: fill polygons; 0: render their edges only")
+    shade_smooth: int = int32(BOTH, "", "1: smooth shading; 0: flat shading")
+    save_frames: int = int32(BOTH, "", "1: save every image")
+    width: int = uint32(SERVER, "px", "width of the image")
+    height: int = uint32(SERVER, "px", "height of the image")
+    image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_GUICAM_MAX_IMAGE_SIZE)
+    image_size: int = uint32(SERVER, "byte", "bytes of the image")
 
 
 class Guicam(Interface[GuicamData]):
@@ -76,18 +76,24 @@ class Guicam(Interface[GuicamData]):
 
     @property
     def image(self) -> NDArray[np.uint8]:
-        """The picture, shape (height, width, 3), top row first; a view of the shared memory, empty at first."""
-        return picture(self.all_pixels, self.data.width, self.data.height, self.data.image_size)
+        """The image, shape (height, width, 3), top row first, empty until there is one; a view of the shared memory."""
+        return image(self.all_pixels, self.data.width, self.data.height, self.data.image_size)
 
     def drag(self, mode: int, start: tuple[float, float], now: tuple[float, float]) -> None:
-        """Drag from pixel `start` to pixel `now`: mode 0 translates, 1 zooms, 2 rotates. `release` lets go."""
+        """Drag the mouse until `release` is called.
+
+        Args:
+            mode: 0 translates, 1 zooms, 2 rotates.
+            start: where the drag began: x, y [px].
+            now: where the drag is: x, y [px].
+        """
         with self.locked() as data:
             data.cmd_spot_mode = mode
             data.cmd_spot_a[:], data.cmd_spot_b[:] = start, now
             data.cmd_spot_state = 1
 
     def release(self) -> None:
-        """End dragging; the camera stays where it was dragged to."""
+        """End the drag; the camera keeps its pose."""
         with self.locked() as data:
             data.cmd_spot_state = 0
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, double, int32, layout
+from libgz.interfaces.ranges import RangeData, RangeInterface
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -28,38 +26,29 @@ GZ_IR_MAX_RANGES = 48
 
 
 @layout
-class IrData(Data):
-    """gz_ir_data_t; in the repository of November 2006 only."""
+class IrData(RangeData):
+    """gz_ir_data_t; only in the repository of November 2006, after the release."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
-    max_range: float = double(SERVER, "m", "what a sensor reads that sees nothing")
-    ir_count: int = int32(SERVER, "", "how many sensors there are, at most 48")
-    ir_pos: Array[float] = double(SERVER, "m", "where they sit in the robot's frame", GZ_IR_MAX_RANGES, 3)
-    ir_rot: Array[float] = double(SERVER, "rad", "where they look: roll, pitch, yaw", GZ_IR_MAX_RANGES, 3)
-    ir_ranges: Array[float] = double(SERVER, "m", "distance to what each one sees", GZ_IR_MAX_RANGES)
+    max_range: float = double(SERVER, "m", "reading of a sensor that detects nothing")
+    ir_count: int = int32(SERVER, "", "number of sensors, at most 48")
+    ir_pos: Array[float] = double(SERVER, "m", "positions in the robot's frame", GZ_IR_MAX_RANGES, 3)
+    ir_rot: Array[float] = double(
+        SERVER, "rad", "rotations in the robot's frame: roll, pitch, yaw", GZ_IR_MAX_RANGES, 3
+    )
+    ir_ranges: Array[float] = double(SERVER, "m", "measured distances", GZ_IR_MAX_RANGES)
     cmd_enable_ir: int = int32(CLIENT, "", "0 or 1")
 
 
-class Ir(Interface[IrData]):
+class Ir(RangeInterface[IrData]):
     """A set of infrared sensors."""
 
     type = "ir"
     data_class = IrData
-    has_post = False
 
     ir_pos = View("ir_pos")
     ir_rot = View("ir_rot")
     ir_ranges = View("ir_ranges")
-
-    @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
-    def ranges(self) -> NDArray[np.float64]:
-        """Distances [m], shape (ir_count,); a view of the shared memory."""
-        return self.ir_ranges[: min(max(self.data.ir_count, 0), GZ_IR_MAX_RANGES)]
 
 
 _functions = LegacyFunctions(Ir)

@@ -1,12 +1,14 @@
-"""joint: the joints of a model, and the angles they should have."""
+"""joint: the joints of a model, and the angles wanted for them."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, Element, double, elements, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import filled
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, Element, double, elements, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -33,7 +35,7 @@ GAZEBO_JOINT_MAX_JOINTS = 20
 class JointData(Element):
     """gz_joint_data_t: one joint."""
 
-    type: int = int32(SERVER, "", "ODE's number of the joint's kind")
+    type: int = int32(SERVER, "", "ODE's number of the joint type")
     anchor: Array[float] = double(SERVER, "m", "global anchor", 3)
     axis: Array[float] = double(SERVER, "", "global axis", 3)
     axis2: Array[float] = double(SERVER, "", "global second axis of universal and hinge2 joints", 3)
@@ -46,15 +48,15 @@ class JointData(Element):
 
 
 @layout
-class JointsData(Data):
+class JointsData(SampleData):
     """gz_joints_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
     joints: Array[JointData] = elements(JointData, SERVER, "the joints", GAZEBO_JOINT_MAX_JOINTS)
-    joint_count: int = int32(SERVER, "", "how many joints there are, at most 20")
+    joint_count: int = int32(SERVER, "", "number of joints, at most 20")
 
 
-class Joints(Interface[JointsData]):
+class Joints(SampleInterface[JointsData]):
     """A model's joints."""
 
     type = "joint"
@@ -63,17 +65,21 @@ class Joints(Interface[JointsData]):
     all_joints = View("joints")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def joints(self) -> NDArray[np.void]:
-        """The joints: records with the fields of `JointData`; a view of the shared memory."""
-        return self.all_joints[: min(max(self.data.joint_count, 0), GAZEBO_JOINT_MAX_JOINTS)]
+        """The joints: records of the fields of `JointData`, shape (joint_count,); a view of the shared memory."""
+        return filled(self.all_joints, self.data.joint_count)
 
     def command(self, index: int, angle: float, angle2: float = 0.0) -> None:
-        """Tell a joint which angles to have [rad]."""
+        """Command the angles of a joint.
+
+        Args:
+            index: of the joint, from 0.
+            angle: about the axis [rad].
+            angle2: about the second axis [rad].
+
+        Raises:
+            IndexError: the index is not below 20.
+        """
         with self.locked() as data:
             data.joints[index].cmd_angle, data.joints[index].cmd_angle2 = angle, angle2
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, double, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import filled
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -29,28 +31,28 @@ GZ_LASER_MAX_RANGES = 401
 
 
 @layout
-class LaserData(Data):
+class LaserData(SampleData):
     """gz_laser_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this scan")
     min_angle: float = double(SERVER, "rad", "direction of the first reading, left positive")
     max_angle: float = double(SERVER, "rad", "direction of the last reading")
     res_angle: float = double(SERVER, "rad", "angle between readings")
-    max_range: float = double(SERVER, "m", "what a reading is that hits nothing")
-    range_count: int = int32(SERVER, "", "how many readings there are, at most 400")
+    max_range: float = double(SERVER, "m", "reading where nothing is hit")
+    range_count: int = int32(SERVER, "", "number of readings, at most 400")
     ranges: Array[float] = double(
         SERVER, "m", "distance from the sensor's centre, counter-clockwise", GZ_LASER_MAX_RANGES
     )
-    intensity: Array[int] = int32(SERVER, "", "1 where a retro-reflector was hit", GZ_LASER_MAX_RANGES)
+    intensity: Array[int] = int32(SERVER, "", "1 where a retro-reflector is hit", GZ_LASER_MAX_RANGES)
     cmd_new_angle: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
     cmd_new_length: int = int32(CLIENT, "", "1: apply the cmd_ fields below; the server clears it")
-    cmd_max_range: float = double(CLIENT, "m", "wanted largest range")
+    cmd_max_range: float = double(CLIENT, "m", "wanted maximum range")
     cmd_min_angle: float = double(CLIENT, "rad", "wanted direction of the first reading")
     cmd_max_angle: float = double(CLIENT, "rad", "wanted direction of the last reading")
     cmd_range_count: int = int32(CLIENT, "", "wanted number of readings")
 
 
-class Laser(Interface[LaserData]):
+class Laser(SampleInterface[LaserData]):
     """A laser range-finder."""
 
     type = "laser"
@@ -60,36 +62,34 @@ class Laser(Interface[LaserData]):
     all_intensities = View("intensity")
 
     @property
-    def time(self) -> float:
-        """Sim time of the scan [s]."""
-        return self.data.time
-
-    @property
     def max_range(self) -> float:
-        """What a reading is that hits nothing [m]."""
+        """The reading where nothing is hit [m]."""
         return self.data.max_range
 
     @property
     def ranges(self) -> NDArray[np.float64]:
         """Distances from the sensor's centre [m], shape (range_count,); a view of the shared memory."""
-        return self.all_ranges[: self._count]
+        return filled(self.all_ranges, self.data.range_count)
 
     @property
     def intensities(self) -> NDArray[np.int32]:
-        """1 where a retro-reflector was hit, shape (range_count,); a view of the shared memory."""
-        return self.all_intensities[: self._count]
+        """1 where a retro-reflector is hit, shape (range_count,); a view of the shared memory."""
+        return filled(self.all_intensities, self.data.range_count)
 
     @property
     def angles(self) -> NDArray[np.float64]:
         """Directions of the readings [rad], left positive, shape (range_count,)."""
-        return np.linspace(self.data.min_angle, self.data.max_angle, self._count)
-
-    @property
-    def _count(self) -> int:
-        return min(max(self.data.range_count, 0), GZ_LASER_MAX_RANGES)
+        return np.linspace(self.data.min_angle, self.data.max_angle, len(self.ranges))
 
     def configure(self, min_angle: float, max_angle: float, max_range: float, range_count: int) -> None:
-        """Ask for another scan: angles [rad], largest range [m], number of readings up to 400."""
+        """Request another scan.
+
+        Args:
+            min_angle: direction of the first reading [rad], left positive.
+            max_angle: direction of the last reading [rad].
+            max_range: maximum range [m].
+            range_count: number of readings, at most 400.
+        """
         with self.locked() as data:
             data.cmd_min_angle, data.cmd_max_angle = min_angle, max_angle
             data.cmd_max_range, data.cmd_range_count = max_range, range_count

@@ -1,9 +1,10 @@
-"""position: where a robot believes it is, how fast it goes, and how fast it should go."""
+"""position: the odometry of a robot, and its velocity commands."""
 
 from __future__ import annotations
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, double, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -22,12 +23,12 @@ __all__ = [
 
 
 @layout
-class PositionData(Data):
+class PositionData(SampleData):
     """gz_position_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
-    pos: Array[float] = double(SERVER, "m", "x, y, z; odometric and zero at the start on wheeled robots", 3)
-    rot: Array[float] = double(SERVER, "rad", "roll, pitch, yaw; wheeled robots fill yaw only", 3)
+    pos: Array[float] = double(SERVER, "m", "x, y, z; on wheeled robots by odometry, zero at the start", 3)
+    rot: Array[float] = double(SERVER, "rad", "roll, pitch, yaw; wheeled robots write yaw only", 3)
     vel_pos: Array[float] = double(SERVER, "m/s", "velocity in the robot's frame, forward first", 3)
     vel_rot: Array[float] = double(SERVER, "rad/s", "angular velocity; the third is the yaw rate, left positive", 3)
     stall: int = int32(SERVER, "", "1: the motors are stalled")
@@ -36,7 +37,7 @@ class PositionData(Data):
     cmd_vel_rot: Array[float] = double(CLIENT, "rad/s", "wanted angular velocity; the third is the yaw rate", 3)
 
 
-class Position(Interface[PositionData]):
+class Position(SampleInterface[PositionData]):
     """A robot's odometry and velocity commands. A command holds until the next one."""
 
     type = "position"
@@ -50,18 +51,20 @@ class Position(Interface[PositionData]):
     cmd_vel_rot = View("cmd_vel_rot")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def pose(self) -> tuple[float, float, float]:
         """x [m], y [m] and yaw [rad], read together under the lock."""
         with self.locked() as data:
             return data.pos[0], data.pos[1], data.rot[2]
 
     def command(self, vx: float = 0.0, vyaw: float = 0.0, *, vy: float = 0.0, vz: float = 0.0) -> None:
-        """Tell the robot how fast to go: forward, left and up [m/s], and to turn [rad/s], left positive."""
+        """Command a velocity; it holds until the next command.
+
+        Args:
+            vx: forward [m/s].
+            vyaw: yaw rate [rad/s], left positive.
+            vy: left [m/s].
+            vz: up [m/s].
+        """
         with self.locked() as data:
             data.cmd_vel_pos[:] = (vx, vy, vz)
             data.cmd_vel_rot[2] = vyaw

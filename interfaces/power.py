@@ -1,9 +1,10 @@
-"""power: the charge of a robot's batteries."""
+"""power: the voltages of a robot's batteries."""
 
 from __future__ import annotations
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import SERVER, Array, Data, double, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.interface import View
+from libgz.transport.layout import SERVER, Array, double, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -22,14 +23,14 @@ __all__ = [
 
 
 @layout
-class PowerData(Data):
+class PowerData(SampleData):
     """gz_power_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
-    levels: Array[float] = double(SERVER, "V", "charge of each battery; only the first is used", 10)
+    levels: Array[float] = double(SERVER, "V", "voltage of each battery; only the first is used", 10)
 
 
-class Power(Interface[PowerData]):
+class Power(SampleInterface[PowerData]):
     """Battery levels."""
 
     type = "power"
@@ -38,13 +39,8 @@ class Power(Interface[PowerData]):
     levels = View("levels")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def level(self) -> float:
-        """Charge of the first battery [V]."""
+        """Voltage of the first battery [V]."""
         return float(self.data.levels[0])
 
 

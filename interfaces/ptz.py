@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from libgz.transport.interface import Interface
-from libgz.transport.layout import CLIENT, SERVER, Data, double, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.layout import CLIENT, SERVER, double, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -22,7 +22,7 @@ __all__ = [
 
 
 @layout
-class PtzData(Data):
+class PtzData(SampleData):
     """gz_ptz_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
@@ -31,19 +31,16 @@ class PtzData(Data):
     zoom: float = double(SERVER, "rad", "horizontal field of view")
     cmd_pan: float = double(CLIENT, "rad", "wanted pan")
     cmd_tilt: float = double(CLIENT, "rad", "wanted tilt")
-    cmd_zoom: float = double(CLIENT, "rad", "wanted field of view; the server sets pi, which is no zoom, at the start")
+    cmd_zoom: float = double(
+        CLIENT, "rad", "wanted field of view; the server writes pi, which is no zoom, at the start"
+    )
 
 
-class Ptz(Interface[PtzData]):
+class Ptz(SampleInterface[PtzData]):
     """A pan-tilt-zoom head."""
 
     type = "ptz"
     data_class = PtzData
-
-    @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
 
     @property
     def pan(self) -> float:
@@ -61,7 +58,13 @@ class Ptz(Interface[PtzData]):
         return self.data.zoom
 
     def command(self, pan: float | None = None, tilt: float | None = None, zoom: float | None = None) -> None:
-        """Tell the head where to look [rad] and how wide [rad]; what is left out stays as it was commanded."""
+        """Command the head; the commands that are None stay unchanged.
+
+        Args:
+            pan: [rad], left positive.
+            tilt: [rad], down positive.
+            zoom: horizontal field of view [rad].
+        """
         with self.locked() as data:
             data.cmd_pan = data.cmd_pan if pan is None else pan
             data.cmd_tilt = data.cmd_tilt if tilt is None else tilt

@@ -1,4 +1,4 @@
-"""sim: the clock of a simulation, and its pause, reset and save buttons. Its id is always `default`."""
+"""sim: the times of a simulation, and the commands pause, reset and save. Its id is always `default`."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ __all__ = [
 class SimData(Data):
     """gz_sim_data_t."""
 
-    sim_time: float = double(SERVER, "s", "simulated time, pauses excluded")
-    pause_time: float = double(SERVER, "s", "simulated time spent paused: one step for each paused step")
+    sim_time: float = double(SERVER, "s", "sim time, pauses excluded")
+    pause_time: float = double(SERVER, "s", "time spent paused: one step time for each paused step")
     real_time: float = double(SERVER, "s", "wall-clock time since the server started")
     pause: int = int32(BOTH, "", "1: paused; the server writes the worldfile's value at the start, then only reads")
-    reset: int = int32(CLIENT, "", "1: put all models back to their initial poses; the server clears it")
+    reset: int = int32(CLIENT, "", "1: reset all models to their initial poses; the server clears it")
     save: int = int32(CLIENT, "", "1: write the poses of top-level models to the worldfile; the server clears it")
 
 
 class Sim(Interface[SimData]):
-    """The simulation's clock and buttons."""
+    """The simulation's times and commands."""
 
     type = "sim"
     data_class = SimData
@@ -41,12 +41,12 @@ class Sim(Interface[SimData]):
 
     @property
     def sim_time(self) -> float:
-        """Simulated time [s], pauses excluded."""
+        """Sim time [s], pauses excluded."""
         return self.data.sim_time
 
     @property
     def pause_time(self) -> float:
-        """Simulated time spent paused [s]."""
+        """Time spent paused [s]: one step time for each paused step."""
         return self.data.pause_time
 
     @property
@@ -65,12 +65,12 @@ class Sim(Interface[SimData]):
             data.pause = int(value)
 
     def reset(self) -> None:
-        """Ask the server to put all models back to their initial poses."""
+        """Request that the server resets all models to their initial poses."""
         with self.locked() as data:
             data.reset = 1
 
     def save(self) -> None:
-        """Ask the server to write the poses of all top-level models to the worldfile."""
+        """Request that the server writes the poses of all top-level models to the worldfile."""
         with self.locked() as data:
             data.save = 1
 

@@ -1,13 +1,14 @@
-"""stereo: the pictures and disparities of a stereo camera."""
+"""stereo: the images and disparities of a stereo camera."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.interfaces.picture import picture
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import SERVER, Array, Data, byte, double, float32, layout, uint32
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import image
+from libgz.transport.interface import View
+from libgz.transport.layout import SERVER, Array, byte, double, float32, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -32,24 +33,24 @@ GAZEBO_STEREO_MAX_DISPARITY_SIZE = 640 * 480
 
 
 @layout
-class StereoData(Data):
+class StereoData(SampleData):
     """gz_stereo_data_t."""
 
-    time: float = double(SERVER, "s", "sim time of these pictures")
-    width: int = uint32(SERVER, "px", "width of the pictures")
-    height: int = uint32(SERVER, "px", "height of the pictures")
-    left_image_size: int = uint32(SERVER, "byte", "bytes of the left picture")
-    left_image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_STEREO_MAX_RGB_SIZE)
-    right_image_size: int = uint32(SERVER, "byte", "bytes of the right picture")
-    right_image: Array[int] = byte(SERVER, "", "red, green, blue; rows from the top", GAZEBO_STEREO_MAX_RGB_SIZE)
+    time: float = double(SERVER, "s", "sim time of these images")
+    width: int = uint32(SERVER, "px", "width of the images")
+    height: int = uint32(SERVER, "px", "height of the images")
+    left_image_size: int = uint32(SERVER, "byte", "bytes of the left image")
+    left_image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE)
+    right_image_size: int = uint32(SERVER, "byte", "bytes of the right image")
+    right_image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_STEREO_MAX_RGB_SIZE)
     left_disparity_size: int = uint32(SERVER, "", "number of left disparities: width times height")
-    left_disparity: Array[float] = float32(SERVER, "px", "shift to the right picture", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
+    left_disparity: Array[float] = float32(SERVER, "px", "shift to the right image", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
     right_disparity_size: int = uint32(SERVER, "", "number of right disparities")
-    right_disparity: Array[float] = float32(SERVER, "px", "shift to the left picture", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
+    right_disparity: Array[float] = float32(SERVER, "px", "shift to the left image", GAZEBO_STEREO_MAX_DISPARITY_SIZE)
 
 
-class Stereo(Interface[StereoData]):
-    """A stereo camera's latest pictures and disparities."""
+class Stereo(SampleInterface[StereoData]):
+    """A stereo camera's latest images and disparities."""
 
     type = "stereo"
     data_class = StereoData
@@ -60,31 +61,26 @@ class Stereo(Interface[StereoData]):
     all_right_disparities = View("right_disparity")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def left_image(self) -> NDArray[np.uint8]:
-        """The left picture, shape (height, width, 3), top row first; a view of the shared memory."""
-        return picture(self.all_left_pixels, self.data.width, self.data.height, self.data.left_image_size)
+        """The left image, shape (height, width, 3), top row first; a view of the shared memory."""
+        return image(self.all_left_pixels, self.data.width, self.data.height, self.data.left_image_size)
 
     @property
     def right_image(self) -> NDArray[np.uint8]:
-        """The right picture, shape (height, width, 3), top row first; a view of the shared memory."""
-        return picture(self.all_right_pixels, self.data.width, self.data.height, self.data.right_image_size)
+        """The right image, shape (height, width, 3), top row first; a view of the shared memory."""
+        return image(self.all_right_pixels, self.data.width, self.data.height, self.data.right_image_size)
 
     @property
     def left_disparity(self) -> NDArray[np.float32]:
-        """Shift of each left pixel in the right picture [px], shape (height, width); a view of the shared memory."""
+        """Shift of each left pixel in the right image [px], shape (height, width); a view of the shared memory."""
         data = self.data
-        return picture(self.all_left_disparities, data.width, data.height, data.left_disparity_size, 1)
+        return image(self.all_left_disparities, data.width, data.height, data.left_disparity_size, 1)
 
     @property
     def right_disparity(self) -> NDArray[np.float32]:
-        """Shift of each right pixel in the left picture [px], shape (height, width); a view of the shared memory."""
+        """Shift of each right pixel in the left image [px], shape (height, width); a view of the shared memory."""
         data = self.data
-        return picture(self.all_right_disparities, data.width, data.height, data.right_disparity_size, 1)
+        return image(self.all_right_disparities, data.width, data.height, data.right_disparity_size, 1)
 
 
 _functions = LegacyFunctions(Stereo)

@@ -1,4 +1,4 @@
-"""truth: where a model really is; it can be moved by it."""
+"""truth: the true pose of a model, and commands to move it."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import CLIENT, SERVER, Array, Data, double, int32, layout
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.transport.interface import View
+from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -29,7 +30,7 @@ __all__ = [
 
 
 @layout
-class TruthData(Data):
+class TruthData(SampleData):
     """gz_truth_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
@@ -41,7 +42,7 @@ class TruthData(Data):
 
 
 @layout
-class TruthDataOld(Data):
+class TruthDataOld(SampleData):
     """gz_truth_data_t of version 0x050: rotations are roll, pitch, yaw."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
@@ -52,7 +53,7 @@ class TruthDataOld(Data):
     cmd_rot: Array[float] = double(CLIENT, "rad", "wanted global rotation: roll, pitch, yaw", 3)
 
 
-class Truth(Interface[TruthData]):
+class Truth(SampleInterface[TruthData]):
     """A model's true pose."""
 
     type = "truth"
@@ -63,30 +64,28 @@ class Truth(Interface[TruthData]):
     rot = View("rot")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def pose(self) -> GzPose:
         """The global pose [m], read under the lock."""
         with self.locked() as data:
             return GzPose(GzVector(*data.pos), _quaternion(data.rot))
 
     def move(self, pose: GzPose) -> None:
-        """Ask the server to put the model at a global pose [m], at rest."""
+        """Request that the server moves the model to a global pose [m], at rest."""
         with self.locked() as data:
             data.cmd_pos[:], data.cmd_rot[:] = tuple(pose.pos), self._rotation(pose)
             data.cmd_new = 1
 
     def publish(self, time: float, pose: GzPose) -> None:
-        """Write where the model is [m] at a sim time [s]; the server's side, which holds the lock."""
+        """Write the model's global pose [m] at a sim time [s]; for servers, which hold the lock."""
         data = self.data
         data.time = time
         data.pos[:], data.rot[:] = tuple(pose.pos), self._rotation(pose)
 
     def take_move(self) -> GzPose | None:
-        """The pose that a client asked for [m], once, unchecked; the server's side, which holds the lock."""
+        """Take the pose [m] that a client requested, unchecked; None if there is no new request.
+
+        For servers, which hold the lock.
+        """
         data = self.data
         if not data.cmd_new:
             return None
@@ -94,14 +93,14 @@ class Truth(Interface[TruthData]):
         return GzPose(GzVector(*data.cmd_pos), _quaternion(data.cmd_rot))
 
     def _rotation(self, pose: GzPose) -> tuple[float, ...]:
-        """A rotation as this version of the struct has it."""
+        """The rotation in the form of this version of the struct: a quaternion, or Euler angles [rad]."""
         return tuple(pose.rot if len(self.data.rot) == 4 else GzQuaternToEuler(pose.rot))
 
 
 def _quaternion(rotation: Array[float]) -> GzQuatern:
     if len(rotation) == 4:
         return GzQuatern(*rotation)
-    if not all(map(math.isfinite, rotation)):  # nobody knows what turns that far
+    if not all(map(math.isfinite, rotation)):  # their sine and cosine are not defined
         return GzQuatern(math.nan, math.nan, math.nan, math.nan)
     return GzQuaternFromEuler(*rotation)
 

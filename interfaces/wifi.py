@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.transport.interface import Interface, View
-from libgz.transport.layout import SERVER, Array, Data, Element, char, double, elements, layout, uint16
+from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.interfaces.views import filled
+from libgz.transport.interface import View
+from libgz.transport.layout import SERVER, Array, Element, char, double, elements, layout, uint16
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -34,22 +36,22 @@ GAZEBO_WIFI_QUAL_DBM = 1
 class WifiLink(Element):
     """gz_wifi_link_t: one link."""
 
-    ip: bytes = char(SERVER, "", "address of the other side, as dotted text", 32)
+    ip: bytes = char(SERVER, "", "address of the remote robot, as dotted text", 32)
     qual: int = uint16(SERVER, "", "GAZEBO_WIFI_QUAL_DBM")
-    level: int = uint16(SERVER, "dBm", "signal, as a 16-bit pattern")
-    noise: int = uint16(SERVER, "dBm", "noise, as a 16-bit pattern")
+    level: int = uint16(SERVER, "dBm", "signal level, as the low 16 bits of a signed number")
+    noise: int = uint16(SERVER, "dBm", "noise level, as the low 16 bits of a signed number")
 
 
 @layout
-class WifiData(Data):
+class WifiData(SampleData):
     """gz_wifi_data_t."""
 
     time: float = double(SERVER, "s", "sim time of this sample")
     links: Array[WifiLink] = elements(WifiLink, SERVER, "the links", GAZEBO_WIFI_MAX_LINKS)
-    link_count: int = uint16(SERVER, "", "how many links there are, at most 16")
+    link_count: int = uint16(SERVER, "", "number of links, at most 16")
 
 
-class Wifi(Interface[WifiData]):
+class Wifi(SampleInterface[WifiData]):
     """A robot's wireless links."""
 
     type = "wifi"
@@ -59,14 +61,9 @@ class Wifi(Interface[WifiData]):
     all_links = View("links")
 
     @property
-    def time(self) -> float:
-        """Sim time of the sample [s]."""
-        return self.data.time
-
-    @property
     def links(self) -> NDArray[np.void]:
-        """The links: records of `ip`, `qual`, `level` and `noise`; a view of the shared memory."""
-        return self.all_links[: min(self.data.link_count, GAZEBO_WIFI_MAX_LINKS)]
+        """The links: records of the fields of `WifiLink`, shape (link_count,); a view of the shared memory."""
+        return filled(self.all_links, self.data.link_count)
 
 
 _functions = LegacyFunctions(Wifi)

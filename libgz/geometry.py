@@ -5,7 +5,7 @@
 - Euler angles are roll, pitch, yaw about the fixed axes x, y, z in that order: q = qz(yaw) qy(pitch) qx(roll).
 - ``GzCoordPoseAdd(b, a)`` expresses pose b, given in frame a, in the frame that a is given in.
 
-The structs are mutable, as they were, and iterate like tuples; every function takes any sequence of the right length.
+The structs are mutable and iterate like tuples; every function takes any sequence of the right length.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ QuaternLike: TypeAlias = "Sequence[float] | GzQuatern | NDArray[np.float64]"
 
 
 STEEP = 0.99  # sine of a pitch from which the plain formulas of Euler angles are not used
-LOCKED = 1e-10  # [rad] nearer than this to a pitch of 90 degrees, roll and yaw cannot be told apart
+LOCKED = 1e-10  # [rad] nearer than this to a pitch of 90 degrees, roll and yaw cannot be distinguished
 
 
 class _Struct:
@@ -84,7 +84,7 @@ class _Struct:
     __match_args__: tuple[str, ...] = ()
 
     def __iter__(self) -> Iterator[float]:
-        raise NotImplementedError  # each has its own: written out they take a third of the time
+        raise NotImplementedError  # each subclass has its own, which takes a third of the time
 
     def __len__(self) -> int:
         return len(self.__match_args__)
@@ -281,7 +281,7 @@ def GzQuaternFromAxis(x: float, y: float, z: float, angle: float) -> GzQuatern:
 
 
 def GzQuaternToAxis(q: QuaternLike) -> GzQuatern:
-    """The angle [rad] as `u` and, as x, y, z, the vector part as it stands: not of unit length."""
+    """The angle [rad] as `u` and, as x, y, z, the vector part unchanged: not of unit length."""
     u, x, y, z = q
     return GzQuatern(2.0 * math.acos(min(1.0, max(-1.0, u))), x, y, z)
 
@@ -313,11 +313,14 @@ def GzQuaternToEuler(q: QuaternLike) -> GzVector:
 
 
 def _steep_euler(u: float, x: float, y: float, z: float) -> GzVector:
-    """The same where the plain formulas lose their digits: Bernardes and Viollet, PLoS ONE 17 (2022) e0276302."""
+    """The same for a steep pitch, where the plain formulas are imprecise.
+
+    The method is that of Bernardes and Viollet, PLoS ONE 17 (2022) e0276302.
+    """
     up, down = math.hypot(u + y, x - z), math.hypot(u - y, x + z)
     total, difference = math.atan2(x + z, u - y), math.atan2(x - z, u + y)
     pitch = 2.0 * math.atan2(up, down) - math.pi / 2.0
-    if min(up, down) < LOCKED * max(up, down):  # roll and yaw turn about one axis: all of it is called roll
+    if min(up, down) < LOCKED * max(up, down):  # roll and yaw turn about one axis: all of it is roll
         return GzVector(NORMALIZE(2.0 * (difference if up > down else total)), pitch, 0.0)
     return GzVector(NORMALIZE(total + difference), pitch, NORMALIZE(total - difference))
 
@@ -396,7 +399,7 @@ def rotate(q: QuaternLike, v: VectorLike) -> GzVector:
 
 
 def GzPoseSet(pos: VectorLike, rot: QuaternLike) -> GzPose:
-    """A pose from its halves; both are copied."""
+    """A pose from position and rotation, both copied."""
     return GzPose(GzVector(*pos), GzQuatern(*rot))
 
 
@@ -406,7 +409,7 @@ def GzPoseFinite(a: GzPose) -> bool:
 
 
 def GzPosePointAt(pos: VectorLike, at: VectorLike, up: VectorLike) -> GzPose:
-    """The pose at `pos` whose x axis points towards `at` and whose z axis lies as near to `up` as it can."""
+    """The pose at `pos` whose x axis points towards `at` and whose z axis is as near to `up` as possible."""
     x = GzVectorUnit(GzVectorSub(at, pos))
     y = GzVectorUnit(GzVectorCross(up, x))
     z = GzVectorCross(x, y)

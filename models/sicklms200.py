@@ -138,9 +138,10 @@ class SickLMS200(Model):
         high = number("cmd_max_angle", wanted[1], self.maxAngle, math.pi)
         far = number("cmd_max_range", wanted[2], self.rangeMax, FARTHEST)
         if high < low or far <= self.rangeMin or wanted[3] < 1:
-            self.guard.tell(
+            self.guard.warn(
                 "cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
-                f"are {wanted}, not a valid scan, and are ignored",
+                f"are {wanted}, not a valid scan",
+                "are ignored",
             )
             return
         self.minAngle, self.maxAngle, self.rangeMax = low, high, far

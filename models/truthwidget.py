@@ -71,7 +71,7 @@ class TruthWidget(Model):
         numbers = (*wanted.pos, *wanted.rot)
         length = math.sqrt(sum(q * q for q in wanted.rot)) if all(map(math.isfinite, numbers)) else 0.0
         if not 1e-6 < length < 1e6 or max(map(abs, wanted.pos)) > FARTHEST:
-            self.guard.tell("cmd_pos, cmd_rot", f"are {numbers}, not a valid pose, and are ignored")
+            self.guard.warn("cmd_pos, cmd_rot", f"are {numbers}, not a valid pose", "are ignored")
             return
         pose = GzPose(GzVector(*wanted.pos), GzQuaternNormal(GzQuatern(*wanted.rot)))
         subject = self._subject

@@ -1,4 +1,4 @@
-"""Fixtures of several test modules."""
+"""Fixtures for several test modules."""
 
 import logging
 
@@ -11,7 +11,7 @@ from libgz.transport.server import Server
 
 @pytest.fixture(autouse=True)
 def own_logging():
-    """What a command run in this process does to the library's logger ends with the test."""
+    """Restore the library's logger after each test: commands that run in this process change it."""
     logger = logging.getLogger("libgz")
     level, propagate, handlers = logger.level, logger.propagate, logger.handlers[:]
     yield
@@ -21,7 +21,7 @@ def own_logging():
 
 @pytest.fixture
 def server(wire):
-    """A server that runs, with no interface yet."""
+    """A running server without interfaces."""
     running = Server(wire)
     running.start()
     yield running
@@ -30,7 +30,7 @@ def server(wire):
 
 @pytest.fixture(scope="module")
 def flags(tmp_path_factory):
-    """What a C compiler is told to use the library."""
+    """The options of a C compiler for programs that use the library."""
     done = config("--cflags", "--libs", XDG_CACHE_HOME=str(tmp_path_factory.mktemp("cache")))
     assert done.returncode == 0, done.stderr
     return done.stdout.split()

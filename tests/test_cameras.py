@@ -10,10 +10,10 @@ from camera_worlds import LIGHT, ROBOT_WITH_CAMERA, solid, world_of
 from PIL import Image
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternToEuler, GzVector, rotate
 from libgz.interfaces.client import Client
 from libgz.models.observercam import SWITCHES
-from libgz.worldfile.attributes import installed_worlds
 
 
 @pytest.mark.parametrize(("size", "fits"), [("320 240", True), ("640 480", False)])

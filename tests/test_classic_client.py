@@ -2,13 +2,13 @@
 
 import os
 import signal
-import socket
 import subprocess
 import sys
 import textwrap
 
 import numpy as np
 import pytest
+from master_uri import free_master_uri
 from PIL import Image
 
 import libgz
@@ -123,9 +123,7 @@ def place(tmp_path, monkeypatch):
         (tmp_path / f"{name}.py").write_text(HEAD + textwrap.dedent(text))
     (tmp_path / "moving.world").write_text(WORLD)
     (tmp_path / "still.world").write_text(WORLD.replace("libmover", "libstill").replace("<word>hello</word>", ""))
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        monkeypatch.setenv("GAZEBO_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
     monkeypatch.delenv("GAZEBO_GUI_INI_FILE", raising=False)

@@ -5,7 +5,6 @@ import logging
 import math
 import re
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -13,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from master_uri import free_master_uri
 
 import libgz
 from libgz.classic import msgs, physics, transport
@@ -371,9 +371,7 @@ with connect(timeout=60.0), Client((80, 60)) as client:
 @pytest.fixture
 def system_gui_server(tmp_path, monkeypatch):
     """A server with the world of system_gui, on a port of its own."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        monkeypatch.setenv("GAZEBO_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
+    monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(EXAMPLES / "system_gui"))
     command = [sys.executable, "-m", "libgz.apps.gzserver", str(EXAMPLES / "system_gui" / "system_gui.world")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:

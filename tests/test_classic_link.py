@@ -9,6 +9,7 @@ import textwrap
 import time
 
 import pytest
+from master_uri import free_master_uri
 
 from libgz.classic import msgs
 from libgz.classic.transport import (
@@ -34,9 +35,7 @@ PATIENCE = 20.0  # [s]: a machine under load
 
 @pytest.fixture
 def uri(monkeypatch):
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        found = f"http://localhost:{probe.getsockname()[1]}"
+    found = free_master_uri()
     monkeypatch.setenv("GAZEBO_MASTER_URI", found)
     yield found
     fini()

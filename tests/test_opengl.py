@@ -9,7 +9,7 @@ import pytest
 from camera_worlds import ROBOT_WITH_CAMERA, world_of
 
 import libgz
-from libgz.worldfile.attributes import installed_worlds
+from libgz.files import installed_worlds
 
 
 def test_cameras_can_be_left_blind(monkeypatch):

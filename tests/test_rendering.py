@@ -15,6 +15,7 @@ import pytest
 from PIL import Image
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
 from libgz.physics.engine import Space
 from libgz.rendering import mesh
@@ -22,7 +23,6 @@ from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS, open_context
 from libgz.rendering.drawers import DRAWERS, meshes_of
 from libgz.rendering.skin import read_skin
-from libgz.worldfile.attributes import installed_worlds
 
 GOLDEN = Path(__file__).parent / "golden"
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><param:Global><gravity>0 0 0</gravity>{}</param:Global>"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from libgz.errors import ParameterError
-from libgz.transport.stale_files import remove_leavings
+from libgz.transport.stale_files import remove_stale
 
 __all__ = ["configure", "run"]
 
@@ -26,9 +26,9 @@ def run(options: argparse.Namespace) -> int:
     if options.server_id is not None and options.server_id < 0:
         raise ParameterError(f"server id is {options.server_id}; it must not be negative")
     count = 0
-    for leaving in remove_leavings(options.server_id):
+    for item in remove_stale(options.server_id):
         count += 1
-        print(f"removed {leaving.what}")
+        print(f"removed {item.name}")
     if count == 0:
         print("no stale files of dead servers")
     return 0

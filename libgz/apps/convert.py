@@ -9,8 +9,9 @@ from pathlib import Path
 
 from libgz.apps.console import writing
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
+from libgz.files import write_whole
 from libgz.front import World
-from libgz.worldfile.file import WorldFile, write_whole
+from libgz.worldfile.file import WorldFile
 
 __all__ = ["configure", "run"]
 

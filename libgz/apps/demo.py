@@ -9,8 +9,8 @@ import sys
 from pathlib import Path
 
 from libgz.errors import GazeboError, ServerError
+from libgz.files import installed_worlds
 from libgz.interfaces.client import Client
-from libgz.worldfile.attributes import installed_worlds
 
 __all__ = ["configure", "run"]
 

@@ -12,7 +12,7 @@ from libgz.errors import ParameterError, nearest
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
-from libgz.transport.layout import fields_of
+from libgz.transport.layout import Struct, fields_of
 
 __all__ = ["add_server", "add_target", "connect", "element_values", "find_field", "open_target", "unit_of", "values_of"]
 
@@ -93,7 +93,7 @@ def _plain(value: Any, count: int | None = None) -> Any:
     """Numbers, text, lists and dictionaries out of C's."""
     if isinstance(value, bytes):
         return value.decode(errors="replace")
-    if isinstance(value, ctypes.Structure):
+    if isinstance(value, Struct):
         return {name: _plain(getattr(value, name)) for name in fields_of(type(value))}
     if isinstance(value, ctypes.Array):
         return [_plain(item) for item in value[: len(value) if count is None else count]]

@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 from libgz.apps.console import writing
-from libgz.worldfile.file import WorldFile, write_whole
+from libgz.files import write_whole
+from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
 
 __all__ = ["configure", "run"]

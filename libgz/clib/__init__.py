@@ -1,4 +1,4 @@
-"""libgazebo in C for programs of the time: `gazebo.h`, the library's sources, and what makes them."""
+"""libgazebo in C for old programs: `gazebo.h`, the library's sources, and the code that generates and compiles them."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-/* gz_client_*: finding a server, and sleeping until it has news. */
+/* gz_client_*: connecting to a server and waiting for its posts. */
 
 #include <errno.h>
 #include <stdlib.h>

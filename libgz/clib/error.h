@@ -1,4 +1,4 @@
-/* Errors and messages of the library, in the form that programs of the time print: "file:line text". */
+/* Errors and messages of the library, in the form of the old library: "file:line text". */
 
 #ifndef LIBGZ_ERROR_H
 #define LIBGZ_ERROR_H
@@ -9,11 +9,11 @@
 
 enum { GZ_ALWAYS = -1, GZ_SESSION = 1, GZ_FILES = 5, GZ_PATH_SIZE = 128 };
 
-/* Keep a text for gz_error_str, and print it if it is an error or its level is wanted. */
+/* Keep a text for gz_error_str, and print it if it is an error or its level is enabled. */
 void gz_error_report(int level, const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
-/* $TMP/gazebo-$USER-<server id>, as every server and client computes it for itself. */
+/* $TMP/gazebo-$USER-<server id>, as servers and clients compute it. */
 void gz_server_path(char path[GZ_PATH_SIZE], int server_id);
 
 #endif

@@ -1,13 +1,14 @@
 /*
  * libgazebo: reading and commanding the models of a running server.
  *
- * Made from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
+ * Generated from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
  *
- * Layouts are those of version 0x060 (Gazebo 0.6 and 0.7), with ir and actarray, which came later. Define
+ * Structs are those of version 0x060 (Gazebo 0.6 and 0.7), with the later ir and actarray. Define
  * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006.
  *
- * Functions return 0, or -1 after printing why; gz_error_str gives the reason. Lengths are metres, angles radians,
- * times seconds. [S] marks what the server writes, [C] what clients write. Copyright: Apache License 2.0.
+ * Functions return 0, or -1 after printing an error, which gz_error_str returns. Lengths are in metres, angles in
+ * radians, times in seconds. The server writes fields marked [S], clients write those marked [C].
+ * License: Apache License 2.0.
  */
 
 #ifndef GAZEBO_H
@@ -29,11 +30,11 @@ extern "C" {
 #define GZ_CLIENT_ID_WXGAZEBO 8
 #define GZ_CLIENT_ID_PLAYER 9
 
-/* Errors: print them or not, and information up to a level (1 sessions, 5 files, 9 all). */
+/* Whether errors are printed, and the level up to which messages are: 1 connections, 5 files, 9 all. */
 extern void gz_error_init(int print, int level);
 extern const char *gz_error_str(void);
 
-/* A server: a directory, and the semaphores that wake clients. */
+/* A server: a directory and the semaphores that wake clients. */
 typedef struct gz_server {
     int server_id;
     char *filename; /* of the directory */
@@ -47,7 +48,7 @@ extern int gz_server_init(gz_server_t *self, int server_id, int force);
 extern int gz_server_fini(gz_server_t *self);
 extern int gz_server_post(gz_server_t *self); /* wakes all clients */
 
-/* A client. Those that wait need an id of their own, 0 to 7. */
+/* A client. Each client that waits needs its own id, 0 to 7. */
 typedef struct gz_client {
     int server_id;
     int client_id;
@@ -58,13 +59,13 @@ typedef struct gz_client {
 
 extern gz_client_t *gz_client_alloc(void);
 extern void gz_client_free(gz_client_t *self);
-extern int gz_client_query(gz_client_t *self, int server_id); /* 0 there, 1 not there, -1 cannot tell */
+extern int gz_client_query(gz_client_t *self, int server_id); /* 0 present, 1 absent, -1 error */
 extern int gz_client_connect(gz_client_t *self, int server_id);
 extern int gz_client_connect_wait(gz_client_t *self, int server_id, int client_id);
 extern int gz_client_disconnect(gz_client_t *self);
 extern int gz_client_wait(gz_client_t *self); /* sleeps until the server posts, once a step */
 
-/* What all data structs begin with. */
+/* The first field of every data struct. */
 typedef struct gz_data {
     int version;
     size_t size;
@@ -73,7 +74,7 @@ typedef struct gz_data {
     int parent_model_id;
 } gz_data_t;
 
-/* A mapped file, whatever struct it holds. */
+/* A mapped file of any struct. */
 typedef struct gz_iface {
     gz_server_t *server;
     gz_client_t *client;
@@ -88,7 +89,7 @@ extern int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *ty
 extern int gz_iface_destroy(gz_iface_t *self);
 extern int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size);
 extern int gz_iface_close(gz_iface_t *self);
-extern int gz_iface_lock(gz_iface_t *self, int blocking); /* always waits */
+extern int gz_iface_lock(gz_iface_t *self, int blocking); /* always blocks */
 extern void gz_iface_unlock(gz_iface_t *self);
 extern int gz_iface_post(gz_iface_t *self);
 
@@ -103,8 +104,8 @@ extern int gz_iface_post(gz_iface_t *self);
 #define GAZEBO_ACTARRAY_ACTSTATE_STALLED 4
 
 typedef struct gazebo_actarray_actuator {
-    float position; /* [S] where it is [m or rad] */
-    float speed; /* [S] how fast it moves [m/s or rad/s] */
+    float position; /* [S] measured position [m or rad] */
+    float speed; /* [S] measured speed [m/s or rad/s] */
     uint8_t state; /* [S] GAZEBO_ACTARRAY_ACTSTATE_* */
 } gazebo_actarray_actuator_t;
 
@@ -112,7 +113,7 @@ typedef struct gz_actarray_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
     unsigned int new_cmd; /* [C] set to another value with each command */
-    unsigned int actuators_count; /* [S] how many actuators there are, at most 16 */
+    unsigned int actuators_count; /* [S] number of actuators, at most 16 */
     gazebo_actarray_actuator_t actuators_data[16]; /* [S] the actuators */
     float cmd_pos[16]; /* [C] wanted positions [m or rad] */
     float cmd_speed[16]; /* [C] wanted speeds [m/s or rad/s] */
@@ -137,16 +138,16 @@ extern int gz_actarray_lock(gz_actarray_t *self, int blocking);
 extern void gz_actarray_unlock(gz_actarray_t *self);
 extern int gz_actarray_post(gz_actarray_t *self);
 
-/* camera: the pictures of a camera. */
+/* camera: the images of a camera. */
 #define GAZEBO_CAMERA_MAX_IMAGE_SIZE 921600
 
 typedef struct gz_camera_data {
     gz_data_t head;
-    double time; /* [S] sim time of this picture [s] */
-    unsigned int width; /* [S] width of the picture; set before the first one [px] */
-    unsigned int height; /* [S] height of the picture [px] */
-    unsigned int image_size; /* [S] bytes of the picture; 0 until the first one [byte] */
-    uint8_t image[921600]; /* [S] red, green, blue; rows from the top */
+    double time; /* [S] sim time of this image [s] */
+    unsigned int width; /* [S] width of the image; set before the first image [px] */
+    unsigned int height; /* [S] height of the image [px] */
+    unsigned int image_size; /* [S] bytes of the image; 0 until the first image [byte] */
+    uint8_t image[921600]; /* [S] red, green, blue; top row first */
 } gz_camera_data_t;
 
 typedef struct gz_camera {
@@ -170,8 +171,8 @@ extern int gz_camera_post(gz_camera_t *self);
 
 typedef struct gz_factory_data {
     gz_data_t head;
-    double time; /* [S] sim time of the last look at the string [s] */
-    uint8_t string[4096]; /* [C] XML of one model, ended by a zero; the server empties it */
+    double time; /* [S] sim time at which the server last read the string [s] */
+    uint8_t string[4096]; /* [C] XML of one model, with a zero at the end; the server clears it */
 } gz_factory_data_t;
 
 typedef struct gz_factory {
@@ -189,7 +190,7 @@ extern int gz_factory_close(gz_factory_t *self);
 extern int gz_factory_lock(gz_factory_t *self, int blocking);
 extern void gz_factory_unlock(gz_factory_t *self);
 
-/* fiducial: marked objects that a sensor recognises, and where they are. */
+/* fiducial: the poses of marked objects that a sensor recognises. */
 #define GZ_FIDUCIAL_MAX_FIDS 401
 
 typedef struct gz_fiducial_fid {
@@ -201,7 +202,7 @@ typedef struct gz_fiducial_fid {
 typedef struct gz_fiducial_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
-    int fid_count; /* [S] how many objects are seen, at most 401 */
+    int fid_count; /* [S] number of objects in view, at most 401 */
     gz_fiducial_fid_t fids[401]; /* [S] the objects */
 } gz_fiducial_data_t;
 
@@ -229,7 +230,7 @@ typedef struct gz_gps_data {
     double utc_time; /* [S] UTC of this fix [s] */
     double latitude; /* [S] north positive [deg] */
     double longitude; /* [S] east positive [deg] */
-    double altitude; /* [S] height [m] */
+    double altitude; /* [S] altitude [m] */
     double utm_e; /* [S] UTM easting [m] */
     double utm_n; /* [S] UTM northing [m] */
     int satellites; /* [S] satellites in view */
@@ -273,10 +274,10 @@ typedef struct gz_gripper_data {
     double time; /* [S] sim time of this sample [s] */
     int cmd; /* [C] as in the release */
     int state; /* [S] GAZEBO_GRIPPER_STATE_* */
-    int grip_limit_reach; /* [S] 1: both paddles are at one of their ends */
-    int lift_limit_reach; /* [S] 1: the lift is at one of its ends */
-    int outer_beam_obstruct; /* [S] 1: something is between the paddles' tips */
-    int inner_beam_obstruct; /* [S] 1: something is deep between the paddles */
+    int grip_limit_reach; /* [S] 1: both paddles are at an end of their range */
+    int lift_limit_reach; /* [S] 1: the lift is at an end of its range */
+    int outer_beam_obstruct; /* [S] 1: an object interrupts the outer beam */
+    int inner_beam_obstruct; /* [S] 1: an object interrupts the inner beam */
     int left_paddle_open; /* [S] 1: the left paddle is open */
     int right_paddle_open; /* [S] 1: the right paddle is open */
     int lift_up; /* [S] 1: the lift is up */
@@ -289,19 +290,19 @@ typedef struct gz_gripper_data {
     /* [C] 1 open, 2 close, 3 stop, 4 lift up, 5 lift down, 6 lift stop, 7 close and lift, 8 open and lower, 15 halt
        */
     int cmd;
-    int lift_limit_reach; /* [S] 1: the lift is at one of its ends */
-    int grip_limit_reach; /* [S] 1: both paddles are at one of their ends */
-    int outer_beam_obstruct; /* [S] 1: something is between the paddles' tips */
-    int inner_beam_obstruct; /* [S] 1: something is deep between the paddles */
+    int lift_limit_reach; /* [S] 1: the lift is at an end of its range */
+    int grip_limit_reach; /* [S] 1: both paddles are at an end of their range */
+    int outer_beam_obstruct; /* [S] 1: an object interrupts the outer beam */
+    int inner_beam_obstruct; /* [S] 1: an object interrupts the inner beam */
     int left_paddle_open; /* [S] 1: the left paddle is open */
     int right_paddle_open; /* [S] 1: the right paddle is open */
     int paddles_opened; /* [S] 1: both paddles are open */
-    int paddles_closed; /* [S] 1: the paddles are closed, or hold something */
-    int paddles_moving; /* [S] 1: the paddles are on their way */
+    int paddles_closed; /* [S] 1: the paddles are closed, or hold an object */
+    int paddles_moving; /* [S] 1: the paddles are moving */
     int paddles_error; /* [S] 1: the paddles are stuck */
     int lift_up; /* [S] 1: the lift is up */
     int lift_down; /* [S] 1: the lift is down */
-    int lift_moving; /* [S] 1: the lift is on its way */
+    int lift_moving; /* [S] 1: the lift is moving */
     int lift_error; /* [S] 1: the lift is stuck */
 } gz_gripper_data_t;
 #endif
@@ -328,35 +329,35 @@ extern void gz_gripper_unlock(gz_gripper_t *self);
          : ((self)->data = (gz_gripper_data_t *) (self)->iface->mmap, 0))
 #endif
 
-/* guicam: a camera that people steer with the mouse. */
+/* guicam: a camera that is moved with the mouse. */
 #define GAZEBO_GUICAM_MAX_IMAGE_SIZE 2359296
 
 typedef struct gz_guicam_data {
     gz_data_t head;
     double sim_time; /* [S] sim time of the last update [s] */
     double pause_time; /* [S] pause time of the last update [s] */
-    double pos[3]; /* [S] where the camera is: x, y, z [m] */
-    double rot[3]; /* [S] how the camera is turned: roll, pitch, yaw [rad] */
-    int cmd_spot_mode; /* [C] what dragging does: 0 translate, 1 zoom, 2 rotate */
+    double pos[3]; /* [S] position of the camera: x, y, z [m] */
+    double rot[3]; /* [S] rotation of the camera: roll, pitch, yaw [rad] */
+    int cmd_spot_mode; /* [C] effect of dragging: 0 translate, 1 zoom, 2 rotate */
     int cmd_spot_state; /* [C] 1 while dragging, else 0 */
-    double cmd_spot_a[2]; /* [C] where the drag began: x, y [px] */
-    double cmd_spot_b[2]; /* [C] where the drag is now: x, y [px] */
+    double cmd_spot_a[2]; /* [C] start of the drag: x, y [px] */
+    double cmd_spot_b[2]; /* [C] current position of the drag: x, y [px] */
     int roll_lock; /* [S/C] 1: keep the camera level */
-    int display_bbox; /* [S/C] 1: draw bounding boxes */
-    int display_axes; /* [S/C] 1: draw the axes of named bodies */
-    int display_com; /* [S/C] 1: draw centres of mass */
-    int display_skins; /* [S/C] 1: draw skins instead of the shapes below */
-    int display_rays; /* [S/C] 1: draw the rays of lasers and sonars */
-    int display_frustrums; /* [S/C] 1: draw what cameras see */
-    int display_materials; /* [S/C] 1: draw colours */
-    int display_textures; /* [S/C] 1: draw textures */
-    int polygon_fill; /* [S/C] 1: fill polygons; 0: draw their edges */
-    int shade_smooth; /* [S/C] 1: shade smoothly; 0: flat */
-    int save_frames; /* [S/C] 1: save every picture */
-    unsigned int width; /* [S] width of the picture [px] */
-    unsigned int height; /* [S] height of the picture [px] */
-    uint8_t image[2359296]; /* [S] red, green, blue; rows from the top */
-    unsigned int image_size; /* [S] bytes of the picture [byte] */
+    int display_bbox; /* [S/C] 1: render bounding boxes */
+    int display_axes; /* [S/C] 1: render the axes of named bodies */
+    int display_com; /* [S/C] 1: render centres of mass */
+    int display_skins; /* [S/C] 1: render skins instead of collision shapes */
+    int display_rays; /* [S/C] 1: render the rays of lasers and sonars */
+    int display_frustrums; /* [S/C] 1: render the frustums of cameras */
+    int display_materials; /* [S/C] 1: render colours */
+    int display_textures; /* [S/C] 1: render textures */
+    int polygon_fill; /* [S/C] 1: fill polygons; 0: render their edges only */
+    int shade_smooth; /* [S/C] 1: smooth shading; 0: flat shading */
+    int save_frames; /* [S/C] 1: save every image */
+    unsigned int width; /* [S] width of the image [px] */
+    unsigned int height; /* [S] height of the image [px] */
+    uint8_t image[2359296]; /* [S] red, green, blue; top row first */
+    unsigned int image_size; /* [S] bytes of the image [byte] */
 } gz_guicam_data_t;
 
 typedef struct gz_guicam {
@@ -381,11 +382,11 @@ extern int gz_guicam_post(gz_guicam_t *self);
 typedef struct gz_ir_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
-    double max_range; /* [S] what a sensor reads that sees nothing [m] */
-    int ir_count; /* [S] how many sensors there are, at most 48 */
-    double ir_pos[48][3]; /* [S] where they sit in the robot's frame [m] */
-    double ir_rot[48][3]; /* [S] where they look: roll, pitch, yaw [rad] */
-    double ir_ranges[48]; /* [S] distance to what each one sees [m] */
+    double max_range; /* [S] reading of a sensor that detects nothing [m] */
+    int ir_count; /* [S] number of sensors, at most 48 */
+    double ir_pos[48][3]; /* [S] positions in the robot's frame [m] */
+    double ir_rot[48][3]; /* [S] rotations in the robot's frame: roll, pitch, yaw [rad] */
+    double ir_ranges[48]; /* [S] measured distances [m] */
     int cmd_enable_ir; /* [C] 0 or 1 */
 } gz_ir_data_t;
 
@@ -404,11 +405,11 @@ extern int gz_ir_close(gz_ir_t *self);
 extern int gz_ir_lock(gz_ir_t *self, int blocking);
 extern void gz_ir_unlock(gz_ir_t *self);
 
-/* joint: the joints of a model, and the angles they should have. */
+/* joint: the joints of a model, and the angles wanted for them. */
 #define GAZEBO_JOINT_MAX_JOINTS 20
 
 typedef struct gz_joint_data {
-    int type; /* [S] ODE's number of the joint's kind */
+    int type; /* [S] ODE's number of the joint type */
     double anchor[3]; /* [S] global anchor [m] */
     double axis[3]; /* [S] global axis */
     double axis2[3]; /* [S] global second axis of universal and hinge2 joints */
@@ -424,7 +425,7 @@ typedef struct gz_joints {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
     gz_joint_data_t joints[20]; /* [S] the joints */
-    int joint_count; /* [S] how many joints there are, at most 20 */
+    int joint_count; /* [S] number of joints, at most 20 */
 } gz_joints_t;
 
 typedef struct gz_joint {
@@ -452,13 +453,13 @@ typedef struct gz_laser_data {
     double min_angle; /* [S] direction of the first reading, left positive [rad] */
     double max_angle; /* [S] direction of the last reading [rad] */
     double res_angle; /* [S] angle between readings [rad] */
-    double max_range; /* [S] what a reading is that hits nothing [m] */
-    int range_count; /* [S] how many readings there are, at most 400 */
+    double max_range; /* [S] reading where nothing is hit [m] */
+    int range_count; /* [S] number of readings, at most 400 */
     double ranges[401]; /* [S] distance from the sensor's centre, counter-clockwise [m] */
-    int intensity[401]; /* [S] 1 where a retro-reflector was hit */
+    int intensity[401]; /* [S] 1 where a retro-reflector is hit */
     int cmd_new_angle; /* [C] 1: apply the cmd_ fields below; the server clears it */
     int cmd_new_length; /* [C] 1: apply the cmd_ fields below; the server clears it */
-    double cmd_max_range; /* [C] wanted largest range [m] */
+    double cmd_max_range; /* [C] wanted maximum range [m] */
     double cmd_min_angle; /* [C] wanted direction of the first reading [rad] */
     double cmd_max_angle; /* [C] wanted direction of the last reading [rad] */
     int cmd_range_count; /* [C] wanted number of readings */
@@ -480,13 +481,13 @@ extern int gz_laser_lock(gz_laser_t *self, int blocking);
 extern void gz_laser_unlock(gz_laser_t *self);
 extern int gz_laser_post(gz_laser_t *self);
 
-/* position: where a robot believes it is, how fast it goes, and how fast it should go. */
+/* position: the odometry of a robot, and its velocity commands. */
 
 typedef struct gz_position_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
-    double pos[3]; /* [S] x, y, z; odometric and zero at the start on wheeled robots [m] */
-    double rot[3]; /* [S] roll, pitch, yaw; wheeled robots fill yaw only [rad] */
+    double pos[3]; /* [S] x, y, z; on wheeled robots by odometry, zero at the start [m] */
+    double rot[3]; /* [S] roll, pitch, yaw; wheeled robots write yaw only [rad] */
     double vel_pos[3]; /* [S] velocity in the robot's frame, forward first [m/s] */
     double vel_rot[3]; /* [S] angular velocity; the third is the yaw rate, left positive [rad/s] */
     int stall; /* [S] 1: the motors are stalled */
@@ -511,12 +512,12 @@ extern int gz_position_lock(gz_position_t *self, int blocking);
 extern void gz_position_unlock(gz_position_t *self);
 extern int gz_position_post(gz_position_t *self);
 
-/* power: the charge of a robot's batteries. */
+/* power: the voltages of a robot's batteries. */
 
 typedef struct gz_power_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
-    double levels[10]; /* [S] charge of each battery; only the first is used [V] */
+    double levels[10]; /* [S] voltage of each battery; only the first is used [V] */
 } gz_power_data_t;
 
 typedef struct gz_power {
@@ -545,7 +546,7 @@ typedef struct gz_ptz_data {
     double zoom; /* [S] horizontal field of view [rad] */
     double cmd_pan; /* [C] wanted pan [rad] */
     double cmd_tilt; /* [C] wanted tilt [rad] */
-    double cmd_zoom; /* [C] wanted field of view; the server sets pi, which is no zoom, at the start [rad] */
+    double cmd_zoom; /* [C] wanted field of view; the server writes pi, which is no zoom, at the start [rad] */
 } gz_ptz_data_t;
 
 typedef struct gz_ptz {
@@ -565,15 +566,15 @@ extern int gz_ptz_lock(gz_ptz_t *self, int blocking);
 extern void gz_ptz_unlock(gz_ptz_t *self);
 extern int gz_ptz_post(gz_ptz_t *self);
 
-/* sim: the clock of a simulation, and its pause, reset and save buttons. */
+/* sim: the times of a simulation, and the commands pause, reset and save. */
 
 typedef struct gz_sim_data {
     gz_data_t head;
-    double sim_time; /* [S] simulated time, pauses excluded [s] */
-    double pause_time; /* [S] simulated time spent paused: one step for each paused step [s] */
+    double sim_time; /* [S] sim time, pauses excluded [s] */
+    double pause_time; /* [S] time spent paused: one step time for each paused step [s] */
     double real_time; /* [S] wall-clock time since the server started [s] */
     int pause; /* [S/C] 1: paused; the server writes the worldfile's value at the start, then only reads */
-    int reset; /* [C] 1: put all models back to their initial poses; the server clears it */
+    int reset; /* [C] 1: reset all models to their initial poses; the server clears it */
     int save; /* [C] 1: write the poses of top-level models to the worldfile; the server clears it */
 } gz_sim_data_t;
 
@@ -597,11 +598,11 @@ extern void gz_sim_unlock(gz_sim_t *self);
 typedef struct gz_sonar_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
-    double max_range; /* [S] what a sonar reads that hears nothing [m] */
-    int sonar_count; /* [S] how many sonars there are, at most 48 */
-    double sonar_pos[48][3]; /* [S] where they sit in the robot's frame [m] */
-    double sonar_rot[48][3]; /* [S] where they look: roll, pitch, yaw [rad] */
-    double sonar_ranges[48]; /* [S] distance to what each one hears [m] */
+    double max_range; /* [S] reading of a sonar that detects nothing [m] */
+    int sonar_count; /* [S] number of sonars, at most 48 */
+    double sonar_pos[48][3]; /* [S] positions in the robot's frame [m] */
+    double sonar_rot[48][3]; /* [S] rotations in the robot's frame: roll, pitch, yaw [rad] */
+    double sonar_ranges[48]; /* [S] measured distances [m] */
     int cmd_enable_sonar; /* [C] 0 or 1; without effect on the Pioneers */
 } gz_sonar_data_t;
 
@@ -620,23 +621,23 @@ extern int gz_sonar_close(gz_sonar_t *self);
 extern int gz_sonar_lock(gz_sonar_t *self, int blocking);
 extern void gz_sonar_unlock(gz_sonar_t *self);
 
-/* stereo: the pictures and disparities of a stereo camera. */
+/* stereo: the images and disparities of a stereo camera. */
 #define GAZEBO_STEREO_MAX_RGB_SIZE 921600
 #define GAZEBO_STEREO_MAX_DISPARITY_SIZE 307200
 
 typedef struct gz_stereo_data {
     gz_data_t head;
-    double time; /* [S] sim time of these pictures [s] */
-    unsigned int width; /* [S] width of the pictures [px] */
-    unsigned int height; /* [S] height of the pictures [px] */
-    unsigned int left_image_size; /* [S] bytes of the left picture [byte] */
-    uint8_t left_image[921600]; /* [S] red, green, blue; rows from the top */
-    unsigned int right_image_size; /* [S] bytes of the right picture [byte] */
-    uint8_t right_image[921600]; /* [S] red, green, blue; rows from the top */
+    double time; /* [S] sim time of these images [s] */
+    unsigned int width; /* [S] width of the images [px] */
+    unsigned int height; /* [S] height of the images [px] */
+    unsigned int left_image_size; /* [S] bytes of the left image [byte] */
+    uint8_t left_image[921600]; /* [S] red, green, blue; top row first */
+    unsigned int right_image_size; /* [S] bytes of the right image [byte] */
+    uint8_t right_image[921600]; /* [S] red, green, blue; top row first */
     unsigned int left_disparity_size; /* [S] number of left disparities: width times height */
-    float left_disparity[307200]; /* [S] shift to the right picture [px] */
+    float left_disparity[307200]; /* [S] shift to the right image [px] */
     unsigned int right_disparity_size; /* [S] number of right disparities */
-    float right_disparity[307200]; /* [S] shift to the left picture [px] */
+    float right_disparity[307200]; /* [S] shift to the left image [px] */
 } gz_stereo_data_t;
 
 typedef struct gz_stereo {
@@ -655,7 +656,7 @@ extern int gz_stereo_lock(gz_stereo_t *self, int blocking);
 extern void gz_stereo_unlock(gz_stereo_t *self);
 extern int gz_stereo_post(gz_stereo_t *self);
 
-/* truth: where a model really is; it can be moved by it. */
+/* truth: the true pose of a model, and commands to move it. */
 
 typedef struct gz_truth_data {
     gz_data_t head;
@@ -683,7 +684,7 @@ extern int gz_truth_lock(gz_truth_t *self, int blocking);
 extern void gz_truth_unlock(gz_truth_t *self);
 extern int gz_truth_post(gz_truth_t *self);
 
-/* Fill e with roll, pitch, yaw of q, and q with u, x, y, z of e. */
+/* Write roll, pitch, yaw [rad] of q into e, and u, x, y, z of e into q. */
 extern int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
 extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 
@@ -692,17 +693,17 @@ extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 #define GAZEBO_WIFI_QUAL_DBM 1
 
 typedef struct gz_wifi_link {
-    char ip[32]; /* [S] address of the other side, as dotted text */
+    char ip[32]; /* [S] address of the remote robot, as dotted text */
     uint16_t qual; /* [S] GAZEBO_WIFI_QUAL_DBM */
-    uint16_t level; /* [S] signal, as a 16-bit pattern [dBm] */
-    uint16_t noise; /* [S] noise, as a 16-bit pattern [dBm] */
+    uint16_t level; /* [S] signal level, as the low 16 bits of a signed number [dBm] */
+    uint16_t noise; /* [S] noise level, as the low 16 bits of a signed number [dBm] */
 } gz_wifi_link_t;
 
 typedef struct gz_wifi_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
     gz_wifi_link_t links[16]; /* [S] the links */
-    uint16_t link_count; /* [S] how many links there are, at most 16 */
+    uint16_t link_count; /* [S] number of links, at most 16 */
 } gz_wifi_data_t;
 
 typedef struct gz_wifi {

@@ -1,53 +1,41 @@
-"""Writes `gazebo.h` and the list of interfaces that the C library is made of, both from the declarations.
+"""Generates `gazebo.h` and the list of interfaces in the C library from the declarations.
 
-python -m libgz.clib.header        writes them beside this module
+python -m libgz.clib.header        writes them to this folder
 """
 
 from __future__ import annotations
 
 import ctypes
-import re
 import sys
 from textwrap import wrap
 from types import ModuleType
 from typing import Any
 
 from libgz.clib import FOLDER
-from libgz.errors import GazeboError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.interfaces.gripper import GripperDataCvs
 from libgz.transport import layout, legacy, semaphores
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Field, GzData, fields_of
+from libgz.transport.layout import Field, GzData, Struct, c_name, c_type, fields_of
 
-__all__ = ["c_name", "header", "interface_list", "macros_of"]
+__all__ = ["header", "interface_list", "macros_of"]
 
-# The old library's own words where its names do not follow from the type: an unused head in two handles.
+# Handles that have an unused head in the old library.
 HEADED_HANDLES = frozenset({"actarray", "ptz"})
 LATER_GRIPPER = "GAZEBO_GRIPPER_CVS"
-
-C_TYPES: dict[Any, str] = {
-    ctypes.c_double: "double",
-    ctypes.c_float: "float",
-    ctypes.c_int32: "int",
-    ctypes.c_uint32: "unsigned int",
-    ctypes.c_uint16: "uint16_t",
-    ctypes.c_uint8: "uint8_t",
-    ctypes.c_char: "char",
-    ctypes.c_size_t: "size_t",
-}
 
 PREAMBLE = """\
 /*
  * libgazebo: reading and commanding the models of a running server.
  *
- * Made from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
+ * Generated from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
  *
- * Layouts are those of version 0x060 (Gazebo 0.6 and 0.7), with ir and actarray, which came later. Define
+ * Structs are those of version 0x060 (Gazebo 0.6 and 0.7), with the later ir and actarray. Define
  * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006.
  *
- * Functions return 0, or -1 after printing why; gz_error_str gives the reason. Lengths are metres, angles radians,
- * times seconds. [S] marks what the server writes, [C] what clients write. Copyright: Apache License 2.0.
+ * Functions return 0, or -1 after printing an error, which gz_error_str returns. Lengths are in metres, angles in
+ * radians, times in seconds. The server writes fields marked [S], clients write those marked [C].
+ * License: Apache License 2.0.
  */
 
 #ifndef GAZEBO_H
@@ -63,11 +51,11 @@ extern "C" {
 """
 
 CORE = """\
-/* Errors: print them or not, and information up to a level (1 sessions, 5 files, 9 all). */
+/* Whether errors are printed, and the level up to which messages are: 1 connections, 5 files, 9 all. */
 extern void gz_error_init(int print, int level);
 extern const char *gz_error_str(void);
 
-/* A server: a directory, and the semaphores that wake clients. */
+/* A server: a directory and the semaphores that wake clients. */
 typedef struct gz_server {
     int server_id;
     char *filename; /* of the directory */
@@ -81,7 +69,7 @@ extern int gz_server_init(gz_server_t *self, int server_id, int force);
 extern int gz_server_fini(gz_server_t *self);
 extern int gz_server_post(gz_server_t *self); /* wakes all clients */
 
-/* A client. Those that wait need an id of their own, 0 to 7. */
+/* A client. Each client that waits needs its own id, 0 to 7. */
 typedef struct gz_client {
     int server_id;
     int client_id;
@@ -92,16 +80,16 @@ typedef struct gz_client {
 
 extern gz_client_t *gz_client_alloc(void);
 extern void gz_client_free(gz_client_t *self);
-extern int gz_client_query(gz_client_t *self, int server_id); /* 0 there, 1 not there, -1 cannot tell */
+extern int gz_client_query(gz_client_t *self, int server_id); /* 0 present, 1 absent, -1 error */
 extern int gz_client_connect(gz_client_t *self, int server_id);
 extern int gz_client_connect_wait(gz_client_t *self, int server_id, int client_id);
 extern int gz_client_disconnect(gz_client_t *self);
 extern int gz_client_wait(gz_client_t *self); /* sleeps until the server posts, once a step */
 
-/* What all data structs begin with. */
+/* The first field of every data struct. */
 {head}
 
-/* A mapped file, whatever struct it holds. */
+/* A mapped file of any struct. */
 typedef struct gz_iface {
     gz_server_t *server;
     gz_client_t *client;
@@ -116,19 +104,19 @@ extern int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *ty
 extern int gz_iface_destroy(gz_iface_t *self);
 extern int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size);
 extern int gz_iface_close(gz_iface_t *self);
-extern int gz_iface_lock(gz_iface_t *self, int blocking); /* always waits */
+extern int gz_iface_lock(gz_iface_t *self, int blocking); /* always blocks */
 extern void gz_iface_unlock(gz_iface_t *self);
 extern int gz_iface_post(gz_iface_t *self);
 """
 
 TRUTH_FUNCTIONS = """
-/* Fill e with roll, pitch, yaw of q, and q with u, x, y, z of e. */
+/* Write roll, pitch, yaw [rad] of q into e, and u, x, y, z of e into q. */
 extern int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
 extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 """
 
 
-# The library's own function asks for the size of the release's struct.
+# The function in the library requires the size of the release's struct.
 LATER_GRIPPER_OPEN = f"""
 #ifdef {LATER_GRIPPER}
 #define gz_gripper_open(self, client, id) \\
@@ -148,24 +136,16 @@ def header() -> str:
 
 
 def interface_list() -> str:
-    """The text of interfaces.def, one line for each interface: whether it posts, or belongs to no model."""
-    lines = ["/* Made by `python -m libgz.clib.header`. */", ""]
+    """The text of interfaces.def: for each interface a macro that defines its functions."""
+    lines = ["/* Generated by `python -m libgz.clib.header`. */", ""]
     for name, kind in INTERFACES.items():
-        sort = "OWNERLESS" if name == "sim" else "WAKING" if kind.has_post else "SILENT"
-        lines.append(f"INTERFACE_{sort}({name}, {c_name(kind.data_class)}_t)")
+        variant = "WITHOUT_MODEL" if name == "sim" else "WITH_POST" if kind.has_post else "WITHOUT_POST"
+        lines.append(f"INTERFACE_{variant}({name}, {c_name(kind.data_class)}_t)")
     return "\n".join(lines) + "\n"
 
 
-def c_name(struct: type[ctypes.Structure]) -> str:
-    """The name of a struct in C, which the declaration's docstring begins with."""
-    name = re.match(r"(\w+)_t\b", struct.__doc__ or "")
-    if name is None:
-        raise GazeboError(f"the docstring of {struct.__name__} must begin with the struct's name in C")
-    return name[1]
-
-
 def macros_of(module: ModuleType) -> dict[str, int]:
-    """The constants of a module that C programs know, in its order."""
+    """The constants of a module that are macros in C, in the order of the module."""
     prefixes = ("GZ_", "GAZEBO_", "LIBGAZEBO_")
     return {n: v for n, v in vars(module).items() if n.startswith(prefixes) and isinstance(v, int)}
 
@@ -186,7 +166,7 @@ def _head() -> str:
         if issubclass(ctype, ctypes.Array):
             lines.append(f"    char {name}[GAZEBO_MAX_MODEL_TYPE];")
         else:
-            lines.append(f"    {C_TYPES[ctype]} {name};")
+            lines.append(f"    {c_type(ctype)} {name};")
     return "\n".join([*lines, "} gz_data_t;"])
 
 
@@ -198,7 +178,7 @@ def _interface(kind: type[Interface[Any]]) -> str:
     lines = [f"/* {title}. */"]
     lines += [f"#define {macro} {value}" for macro, value in macros_of(module).items()]
     for field in fields_of(data).values():
-        if issubclass(field.ctype, ctypes.Structure):
+        if issubclass(field.ctype, Struct):
             lines += ["", *_struct(field.ctype, headed=False)]
     if name == "gripper":
         lines += ["", f"#ifdef {LATER_GRIPPER}", *_struct(GripperDataCvs, headed=True)]
@@ -209,7 +189,7 @@ def _interface(kind: type[Interface[Any]]) -> str:
     return "\n".join(lines) + "\n" + {"truth": TRUTH_FUNCTIONS, "gripper": LATER_GRIPPER_OPEN}.get(name, "")
 
 
-def _struct(struct: type[ctypes.Structure], headed: bool) -> list[str]:
+def _struct(struct: type[Struct], headed: bool) -> list[str]:
     name = c_name(struct)
     lines = [f"typedef struct {name} {{"]
     if headed:
@@ -220,12 +200,10 @@ def _struct(struct: type[ctypes.Structure], headed: bool) -> list[str]:
 
 
 def _field(name: str, field: Field) -> list[str]:
-    """A field, with its meaning behind it, or above it where that does not fit."""
-    struct = issubclass(field.ctype, ctypes.Structure)
-    kind = f"{c_name(field.ctype)}_t" if struct else C_TYPES[field.ctype]
+    """The declaration of a field, with a comment behind it, or above it if the line would be too long."""
     extent = "".join(f"[{count}]" for count in field.shape)
     unit = f" [{field.unit}]" if field.unit else ""
-    code, note = f"    {kind} {name}{extent};", f"[{field.writer}] {field.help}{unit}"
+    code, note = f"    {c_type(field.ctype)} {name}{extent};", f"[{field.writer}] {field.help}{unit}"
     if len(code) + len(note) + 7 <= 116:
         return [f"{code} /* {note} */"]
     above = wrap(f"/* {note} */", 112)

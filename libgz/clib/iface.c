@@ -1,4 +1,4 @@
-/* gz_iface_*: one memory-mapped file with its lock, whatever struct it holds. */
+/* gz_iface_*: one memory-mapped file of any struct, with its lock. */
 
 #include <errno.h>
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 #include "error.h"
 #include "gazebo.h"
 
-/* What gz_iface_alloc makes: the public part has no place for the number of bytes mapped. */
+/* The struct that gz_iface_alloc allocates: the public part has no field for the number of mapped bytes. */
 typedef struct {
     gz_iface_t part;
     size_t mapped;
@@ -55,8 +55,8 @@ static int set_filename(gz_iface_t *self, const char *directory, const char *typ
     return 0;
 }
 
-/* Let memory and file go; -1, for those who do so because something failed. */
-static int let_go(gz_iface_t *self)
+/* Unmap the memory and close the file. Returns -1, for callers that do so after an error. */
+static int release(gz_iface_t *self)
 {
     if (self->mmap != NULL)
         munmap(self->mmap, ((whole_iface_t *) self)->mapped);
@@ -92,11 +92,11 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
     }
     if (ftruncate(self->mmap_fd, (off_t) size) < 0) {
         GZ_ERROR("error setting size of mmap file: %s", strerror(errno));
-        return let_go(self);
+        return release(self);
     }
     if (map_file(self, size) != 0) {
         GZ_ERROR("error mapping mmap file: %s", strerror(errno));
-        return let_go(self);
+        return release(self);
     }
     head = self->mmap;
     head->version = LIBGAZEBO_VERSION;
@@ -108,7 +108,7 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
 int gz_iface_destroy(gz_iface_t *self)
 {
     GZ_MESSAGE(GZ_FILES, "deleting %s", self->filename);
-    let_go(self);
+    release(self);
     if (unlink(self->filename) != 0) {
         GZ_ERROR("error deleting mmap file: %s", strerror(errno));
         return -1;
@@ -119,7 +119,7 @@ int gz_iface_destroy(gz_iface_t *self)
 int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size)
 {
     struct stat about;
-    size_t told;
+    size_t announced;
 
     self->client = client;
     if (set_filename(self, client->filename, type, id) != 0)
@@ -129,19 +129,19 @@ int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const
         GZ_ERROR("error opening device file %s : %s", self->filename, strerror(errno));
         return -1;
     }
-    /* Memory beyond the end of a file kills who touches it, so look before mapping. */
+    /* Access to mapped memory beyond the end of a file raises SIGBUS, so check the size before mapping. */
     if (fstat(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
         GZ_ERROR("expected file size: %d < %d", (int) size, (int) about.st_size);
-        return let_go(self);
+        return release(self);
     }
     if (map_file(self, size) != 0) {
         GZ_ERROR("error mapping device file: %s", strerror(errno));
-        return let_go(self);
+        return release(self);
     }
-    told = ((gz_data_t *) self->mmap)->size;
-    if (told < size) {
-        GZ_ERROR("expected file size: %d < %d", (int) size, (int) told);
-        return let_go(self);
+    announced = ((gz_data_t *) self->mmap)->size;
+    if (announced < size) {
+        GZ_ERROR("expected file size: %d < %d", (int) size, (int) announced);
+        return release(self);
     }
     GZ_MESSAGE(GZ_FILES, "opening %s %03X %lu", self->filename, ((gz_data_t *) self->mmap)->version,
                (unsigned long) size);
@@ -151,7 +151,7 @@ int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const
 int gz_iface_close(gz_iface_t *self)
 {
     GZ_MESSAGE(GZ_FILES, "closing %s", self->filename);
-    let_go(self);
+    release(self);
     return 0;
 }
 

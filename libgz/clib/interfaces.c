@@ -1,4 +1,4 @@
-/* gz_<type>_*: the same functions for every interface; interfaces.def lists them. */
+/* gz_<type>_*: the functions of every interface of interfaces.def. */
 
 #include <math.h>
 #include <stdlib.h>
@@ -49,7 +49,7 @@
         gz_iface_unlock(self->iface);                                                                                \
     }
 
-#define OWNED(type, data_t)                                                                                          \
+#define CREATE(type, data_t)                                                                                         \
     int gz_##type##_create(gz_##type##_t *self, gz_server_t *server, const char *id, const char *model_type,         \
                            int model_id, int parent_model_id)                                                        \
     {                                                                                                                \
@@ -60,16 +60,16 @@
         return 0;                                                                                                    \
     }
 
-#define INTERFACE_SILENT(type, data_t) INTERFACE(type, data_t) OWNED(type, data_t)
+#define INTERFACE_WITHOUT_POST(type, data_t) INTERFACE(type, data_t) CREATE(type, data_t)
 
-#define INTERFACE_WAKING(type, data_t)                                                                               \
-    INTERFACE_SILENT(type, data_t)                                                                                   \
+#define INTERFACE_WITH_POST(type, data_t)                                                                            \
+    INTERFACE_WITHOUT_POST(type, data_t)                                                                             \
     int gz_##type##_post(gz_##type##_t *self)                                                                        \
     {                                                                                                                \
         return gz_iface_post(self->iface);                                                                           \
     }
 
-#define INTERFACE_OWNERLESS(type, data_t)                                                                            \
+#define INTERFACE_WITHOUT_MODEL(type, data_t)                                                                        \
     INTERFACE(type, data_t)                                                                                          \
     int gz_##type##_create(gz_##type##_t *self, gz_server_t *server, const char *id)                                 \
     {                                                                                                                \
@@ -79,7 +79,7 @@
         return 0;                                                                                                    \
     }
 
-/* Say in the head which model an interface belongs to. */
+/* Write the model that owns an interface into the head. */
 static void set_owner(gz_iface_t *iface, const char *model_type, int model_id, int parent_model_id)
 {
     gz_data_t *head = iface->mmap;

@@ -1,4 +1,4 @@
-"""The C library, compiled from the shipped sources when it is asked for, and kept in the user's cache."""
+"""The C library, compiled from the sources of this package on demand and stored in the user's cache."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ ARCHIVE = "libgazebo.a"
 
 
 def compiler() -> list[str]:
-    """The C compiler's command: what CC says, else cc or gcc.
+    """The C compiler's command: CC if it is set, else cc or gcc.
 
     Raises:
-        LibraryError: there is none.
+        LibraryError: there is no compiler.
     """
     wanted = shlex.split(os.environ.get("CC", ""))
     for command in [wanted] if wanted else [["cc"], ["gcc"]]:
         if shutil.which(command[0]):
             return command
-    named = f"the compiler that CC names, {wanted[0]!r}, is not there" if wanted else "there is no C compiler here"
-    raise LibraryError(f"{named}; it makes the C library: apt-get install gcc libc6-dev")
+    problem = f"the compiler {wanted[0]!r}, named by CC, is not installed" if wanted else "no C compiler is installed"
+    raise LibraryError(f"{problem}; the C library needs one: apt-get install gcc libc6-dev")
 
 
 def library_folder() -> Path:
-    """The directory that holds libgazebo.a, which is compiled first if need be.
+    """The directory of libgazebo.a, which is compiled if it is not in the cache.
 
     Raises:
         LibraryError: there is no compiler, it failed, or the cache cannot be written.
@@ -47,10 +47,10 @@ def library_folder() -> Path:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=folder) as temporary:
                 _compile(command, Path(temporary))
-                # In one step, so that nobody links half an archive.
+                # Atomically, so that no program links an incomplete archive.
                 (Path(temporary) / ARCHIVE).replace(folder / ARCHIVE)
         except OSError as error:
-            raise LibraryError(f"the C library cannot be kept in {folder}: {error}; set XDG_CACHE_HOME") from None
+            raise LibraryError(f"the C library cannot be stored in {folder}: {error}; set XDG_CACHE_HOME") from None
     return folder
 
 
@@ -60,7 +60,7 @@ def _cache() -> Path:
 
 
 def _fingerprint(command: list[str]) -> str:
-    """A short word for the sources and the way they are compiled."""
+    """A short hash of the sources and of the compiler's command."""
     digest = hashlib.sha256(" ".join([*command, *FLAGS]).encode())
     for path in [*sorted(FOLDER.glob("*.[ch]")), FOLDER / "interfaces.def"]:
         digest.update(path.read_bytes())
@@ -72,7 +72,7 @@ def _compile(command: list[str], folder: Path) -> None:
     objects = [name.replace(".c", ".o") for name in SOURCES]
     archiver = shutil.which("ar")
     if archiver is None:
-        raise LibraryError("there is no `ar` here; it makes the C library: apt-get install binutils")
+        raise LibraryError("`ar` is not installed; the C library needs it: apt-get install binutils")
     for step in ([*command, *FLAGS, "-c", *sources], [archiver, "rcs", ARCHIVE, *objects]):
         done = subprocess.run(step, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:

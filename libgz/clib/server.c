@@ -15,7 +15,7 @@
 
 enum { CLIENT_IDS = 16 };
 
-/* Linux leaves this one to the program. */
+/* On Linux, programs must define this union themselves. */
 union semun {
     int val;
     struct semid_ds *buf;
@@ -80,7 +80,7 @@ static int make_directory(const char *path, int force)
         GZ_ERROR("failed to create [%s] : [%s]", path, strerror(errno));
         return -1;
     }
-    /* In a shared /tmp: a link, or another user's directory, is never used, not even by force. */
+    /* /tmp is shared: never use a link or another user's directory, not even with force. */
     if (force && lstat(path, &about) == 0 && S_ISDIR(about.st_mode) && about.st_uid == geteuid())
         return 0;
     GZ_ERROR("directory [%s] already exists (previous crash?)", path);
@@ -107,7 +107,7 @@ int gz_server_init(gz_server_t *self, int server_id, int force)
     return 0;
 }
 
-/* Remove the files of a directory, but nothing below it: a server never makes directories. */
+/* Remove the files of a directory, but no directories in it: a server never creates any. */
 static void empty_directory(const char *path)
 {
     DIR *directory = opendir(path);

@@ -15,17 +15,17 @@ __all__ = ["Notes", "add", "color", "name_of", "number", "pose"]
 
 @dataclass
 class Notes:
-    """What has no counterpart, once each, in the order in which it was met."""
+    """Notes on what has no counterpart in SDF, once each, in order."""
 
     lines: dict[str, None] = field(default_factory=dict)
 
     def add(self, owner: str, text: str) -> None:
-        """Note something about a model, named by its tag and id, or about the world."""
+        """Add a note about a model, identified by tag and id, or about the world."""
         self.lines.setdefault(f"{owner}: {text}")
 
 
 def add(parent: etree._Element, tag: str, text: object = None, **attributes: str) -> etree._Element:
-    """A new child element; numbers and tuples of numbers as SDF writes them."""
+    """Add a child element; numbers and tuples of numbers are formatted for SDF."""
     child = etree.SubElement(parent, tag, attributes)
     if isinstance(text, bool):
         child.text = "true" if text else "false"
@@ -39,14 +39,14 @@ def add(parent: etree._Element, tag: str, text: object = None, **attributes: str
 
 
 def number(value: float) -> str:
-    """A number with all digits that matter, and no minus before zero."""
+    """A number with 15 significant digits, and no minus before zero."""
     return f"{value + 0.0:.15g}"
 
 
 def pose(place: GzPose) -> list[float]:
     """x, y, z [m], roll, pitch, yaw [rad]: the rotation is Rz(yaw) Ry(pitch) Rx(roll).
 
-    With the nose straight up or down, roll and yaw turn about one axis; all goes to yaw then.
+    At a pitch of 90 degrees roll and yaw turn about one axis; all of it is yaw then.
     """
     r = GzHomoFromQuatern(GzQuaternNormal(place.rot)).m
     level = math.hypot(r[0][0], r[1][0])
@@ -64,7 +64,7 @@ def color(value: GzColor) -> list[float]:
 
 
 def name_of(wanted: str, taken: set[str]) -> str:
-    """A name that SDF takes and that nothing else has: no `::`, not `world`, no `__` at the ends."""
+    """A unique name that SDF allows: no `::`, not `world`, no `__` at the ends."""
     name = wanted.strip().replace("::", "_").strip("_") or "unnamed"
     if name == "world":
         name = "world_"

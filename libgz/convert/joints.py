@@ -1,4 +1,4 @@
-"""Joints as SDF has them: a child, a parent, and axes in the child's own frame."""
+"""Joints as SDF joints: a child, a parent, and axes in the child's own frame."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 
 __all__ = ["add_joint", "ends_of"]
 
-NO_LIMIT = 1e16  # SDF's own number for it
+NO_LIMIT = 1e16  # SDF's own number for no limit
 
 
 def ends_of(joint: Joint) -> tuple[Body | None, Body | None]:
@@ -45,16 +45,16 @@ def add_joint(
     """Add one joint to a model.
 
     Args:
-        model: where it goes.
+        model: the SDF model.
         joint: a joint between bodies that are links, or from one to the world.
         name: its name.
         link_names: name of a body's link; of None, the world.
-        owner: what notes call the model.
-        notes: takes what has no counterpart.
+        owner: name of the model in notes.
+        notes: receives what has no counterpart.
     """
     child, parent = ends_of(joint)
     if child is None:
-        return  # it joins nothing
+        return  # it connects no bodies
     kind, axes = _kind_and_axes(joint, child)
     if kind is None:
         notes.add(owner, f"joint {name} is a {type(joint).__name__}, which has no counterpart")
@@ -65,7 +65,7 @@ def add_joint(
     place = child.GetPose()
     anchor = place.pos if isinstance(joint, SliderJoint | FixedJoint) or kind == "fixed" else joint.GetAnchor()
     add(element, "pose", pose(GzPose(GzCoordPositionSub(anchor, place.pos, place.rot))))
-    # Where the child is the second body, ODE counts the other way round than SDF, which counts the child's motion.
+    # SDF measures the motion of the child; ODE's sign is opposite where the child is the second body.
     sign = 1.0 if joint.bodies[0] is child else -1.0
     for tag, (direction, value, low, high, effort) in zip(("axis", "axis2"), axes, strict=False):
         axis = add(element, tag)
@@ -76,24 +76,21 @@ def add_joint(
         if effort > 0.0:
             add(limit, "effort", effort)
     if isinstance(joint, Hinge2Joint):
-        notes.add(owner, f"joint {name} is a universal joint now: a Hinge2's suspension has no counterpart in gz-sim")
+        notes.add(owner, f"joint {name} becomes a universal joint: gz-sim has no suspension as in Hinge2")
 
 
 Axis = tuple[GzVector, float, float, float, float]  # global direction, present value, stops, largest force
 
 
 def _kind_and_axes(joint: Joint, child: Body) -> tuple[str | None, list[Axis]]:
-    """SDF's kind, and its axes: the first on the parent, the second on the child."""
-    if isinstance(joint, HingeJoint):
-        low, high = joint.GetParam(dParamLoStop), joint.GetParam(dParamHiStop)
-        if low == high:  # as those that hold attached models
+    """SDF's joint type and its axes: the first on the parent, the second on the child; None without a counterpart."""
+    if isinstance(joint, HingeJoint | SliderJoint):
+        low, high, effort = joint.GetParam(dParamLoStop), joint.GetParam(dParamHiStop), joint.GetParam(dParamFMax)
+        if low == high:  # such as the joints of attached models
             return "fixed", []
-        return "revolute", [(joint.GetAxis(), joint.GetAngle(), low, high, joint.GetParam(dParamFMax))]
-    if isinstance(joint, SliderJoint):
-        low, high = joint.GetParam(dParamLoStop), joint.GetParam(dParamHiStop)
-        if low == high:
-            return "fixed", []
-        return "prismatic", [(joint.GetAxis(), joint.GetPosition(), low, high, joint.GetParam(dParamFMax))]
+        if isinstance(joint, HingeJoint):
+            return "revolute", [(joint.GetAxis(), joint.GetAngle(), low, high, effort)]
+        return "prismatic", [(joint.GetAxis(), joint.GetPosition(), low, high, effort)]
     if isinstance(joint, Hinge2Joint | UniversalJoint):
         one, two = joint.GetAxis1(), joint.GetAxis2()
         stops = [
@@ -103,7 +100,7 @@ def _kind_and_axes(joint: Joint, child: Body) -> tuple[str | None, list[Axis]]:
                 (dParamLoStop2, dParamHiStop2, dParamFMax2),
             )
         ]
-        if not isinstance(joint, UniversalJoint):  # ODE has no second stops there
+        if not isinstance(joint, UniversalJoint):  # a Hinge2 of ODE has no stops on its second axis
             stops[1] = (-math.inf, math.inf, stops[1][2])
         axes: list[Axis] = [(one, joint.GetAngle1(), *stops[0]), (two, joint.GetAngle2(), *stops[1])]
         return "universal", axes if joint.bodies[1] is child else axes[::-1]

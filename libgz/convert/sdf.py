@@ -1,8 +1,8 @@
 """A loaded world as SDF 1.6, which both Gazebo classic and gz-sim read.
 
-Each model of the top level becomes one SDF model; what is attached to it, at any depth, becomes further links of it,
-held by fixed joints. Nested models would keep more of the order, but the two simulators differ in how they name and
-join what is inside them. What is built is read from bodies, joints and geoms, not from the worldfile.
+Each model of the top level becomes one SDF model; the models attached to it, at any depth, become further links of it
+with fixed joints. Nested models would preserve more of the structure, but the two simulators name and join their
+content differently. The result is made from bodies, joints and geoms, not from the worldfile.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from lxml import etree
 from libgz.convert.element import Notes, add, color, name_of, pose
 from libgz.convert.joints import add_joint, ends_of
 from libgz.convert.sensors import add_sensors
-from libgz.convert.shapes import PUSH_OUT, Meshes, add_geom, is_shape
+from libgz.convert.shapes import CORRECTING_VELOCITY, Meshes, add_geom, is_shape
 from libgz.errors import ParameterError
 from libgz.front import World
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
@@ -27,14 +27,14 @@ from libgz.physics.joint import Joint
 __all__ = ["RAY_TYPES", "Converted", "convert"]
 
 RAY_TYPES = ("ray", "gpu_ray")
-LIGHT_RANGE = 1000.0  # [m]; SDF wants one, libgz's lights have none
+LIGHT_RANGE = 1000.0  # [m]; SDF requires one, libgz's lights have none
 GUI_CAMERA = "ObserverCam"
 SKY = "SkyDome"
 
 
 @dataclass
 class Converted:
-    """A world as SDF, the mesh files beside it (path relative to it -> bytes), and what has no counterpart."""
+    """A world as SDF, its mesh files (path relative to the SDF file -> bytes), and notes on what has no counterpart."""
 
     sdf: bytes
     meshes: dict[str, bytes]
@@ -47,7 +47,7 @@ def convert(world: World, *, meshes: str = "meshes", rays: str = "ray") -> Conve
     Args:
         world: it need not be initialized, and should not have been stepped.
         meshes: the directory of mesh files, relative to the SDF file.
-        rays: ``"ray"``, which Gazebo classic casts as libgz does, or ``"gpu_ray"``, which gz-sim runs as well.
+        rays: ``"ray"``, which Gazebo classic computes as libgz does, or ``"gpu_ray"``, which gz-sim also supports.
 
     Raises:
         ParameterError: `rays` is something else.
@@ -56,8 +56,8 @@ def convert(world: World, *, meshes: str = "meshes", rays: str = "ray") -> Conve
         raise ParameterError(f"rays is {rays!r}; it must be {' or '.join(RAY_TYPES)}")
     root = etree.Element("sdf", version="1.6")
     work = _Conversion(world, add(root, "world", name="default"), rays, Meshes(meshes))
-    for error in world.file.diagnostics.warnings if world.file is not None else ():
-        work.notes.lines.setdefault(str(error))  # what libgz has left out itself
+    for warning in world.file.diagnostics.warnings if world.file is not None else ():
+        work.notes.lines.setdefault(str(warning))  # what libgz itself has ignored
     work.settings()
     for model in world.models:
         if model.parent is None:
@@ -91,7 +91,7 @@ class _Conversion:
         constraints = add(ode, "constraints")
         add(constraints, "cfm", 0.0)
         add(constraints, "erp", world.engine.erp)
-        add(constraints, "contact_max_correcting_vel", PUSH_OUT)
+        add(constraints, "contact_max_correcting_vel", CORRECTING_VELOCITY)
         add(constraints, "contact_surface_layer", 0.0)
         scene = add(self.root, "scene")
         add(scene, "ambient", self._ambient())
@@ -106,14 +106,14 @@ class _Conversion:
         if sky is not None:
             day_time = world.settings.dayTime
             add(add(scene, "sky"), "time", day_time / 3600.0 if day_time >= 0.0 else 12.0)
-            self.notes.add(_owner(sky), "is the simulator's own sky; its toneMap is left out")
+            self.notes.add(_owner(sky), "becomes the simulator's own sky; its toneMap is omitted")
         observers = [model for model in world.models if model.GetName() == GUI_CAMERA]
         for observer in observers[:1]:
             camera = add(add(self.root, "gui"), "camera", name="user_camera")
             add(camera, "pose", pose(observer.GetPose()))
-            self.notes.add(_owner(observer), "is where the simulator's own window looks from at the start, no more")
+            self.notes.add(_owner(observer), "only sets the initial view of the simulator's own window")
         for observer in observers[1:]:
-            self.notes.add(_owner(observer), "is left out: the simulator has one window")
+            self.notes.add(_owner(observer), "is omitted: the simulator has one window")
 
     def _ambient(self) -> list[float]:
         """The ambient light of all lights together; in SDF it is the scene's."""
@@ -134,7 +134,7 @@ class _Conversion:
         elif not any(isinstance(geom, LightGeom) for m in members for body in m.bodies for geom in body.geoms):
             for member in members:
                 if member.GetName() not in (GUI_CAMERA, SKY):
-                    self.notes.add(_owner(member), "has no bodies that could become links, and is left out")
+                    self.notes.add(_owner(member), "is omitted: it has no bodies that could become links")
 
     def _solid(self, top: Model, members: list[Model], bodies: list[Body]) -> None:
         element = add(self.root, "model", name=name_of(top.GetId(), self.names))
@@ -155,7 +155,7 @@ class _Conversion:
         self._joints(element, top, members, links, taken)
         for member in members:
             if member.follows and not static and any(body in links for body in member.bodies):
-                self.notes.add(_owner(member), "is carried along without a joint, which has no counterpart: it falls")
+                self.notes.add(_owner(member), "follows its parent without a joint; as SDF it will fall")
 
     def _joints(
         self,
@@ -165,7 +165,7 @@ class _Conversion:
         links: dict[Body, etree._Element],
         taken: set[str],
     ) -> None:
-        """The joints of a model and of what is attached to it; their names are none of the links'."""
+        """The joints of a model and of the models attached to it; their names differ from those of the links."""
 
         def link_name(body: Body | None) -> str:
             return "world" if body is None else str(links[body].get("name"))
@@ -177,7 +177,9 @@ class _Conversion:
                 continue
             owner = next(member for member in members if child in member.bodies)
             if child in held:
-                self.notes.add(_owner(owner), f"link {link_name(child)} hangs on two joints, which gz-sim cannot do")
+                self.notes.add(
+                    _owner(owner), f"link {link_name(child)} has two parent joints, which gz-sim does not support"
+                )
             held.add(child)
             if joint is owner.welded:
                 name = f"{link_name(child)}_weld"
@@ -195,7 +197,7 @@ class _Conversion:
             self._inertial(link, body)
         for i, geom in enumerate(body.geoms):
             if is_shape(geom):
-                part = f"{model.get('name')}_{name}_{i}"  # a mesh file's name, too
+                part = f"{model.get('name')}_{name}_{i}"  # also the name of a mesh file
                 add_geom(link, geom, part, body.GetPose(), _owner(owner), self.meshes, self.notes)
         return link
 
@@ -209,7 +211,7 @@ class _Conversion:
             add(inertia, tag, float(mass.I[index]))
 
     def _lights(self, model: Model, nested: bool) -> None:
-        """Lights are the world's in SDF 1.6: they cannot move."""
+        """Add the lights of a model to the world: in SDF 1.6 lights cannot be part of a model."""
         for body in model.bodies:
             for geom in body.geoms:
                 if not isinstance(geom, LightGeom):
@@ -224,24 +226,24 @@ class _Conversion:
                 for tag, value in zip(("constant", "linear", "quadratic"), geom.attenuation, strict=True):
                     add(attenuation, tag, value)
                 if nested:
-                    self.notes.add(_owner(model), "stays where it is: lights of SDF 1.6 move with nothing")
+                    self.notes.add(_owner(model), "does not move: lights of SDF 1.6 belong to the world")
 
     def _note_interfaces(self, model: Model, served: set[str]) -> None:
         left = [name for name in model.interfaces if name not in served]
         if left:
-            self.notes.add(_owner(model), f"interfaces without a counterpart: {', '.join(left)}; use a plugin for them")
+            self.notes.add(_owner(model), f"interfaces without a counterpart: {', '.join(left)}; use a plugin instead")
         if model.node is not None and model.node.GetChild("plugin") is not None:
-            self.notes.add(_owner(model), "its plugin is legacy Python and is left out")
+            self.notes.add(_owner(model), "its plugin is omitted: it is legacy Python")
 
 
 def _owner(model: Model) -> str:
-    """What notes call a model."""
+    """The name of a model in notes."""
     where = f"{model.node.file.label}:{model.node.line}: " if model.node is not None else ""
     return f"{where}<model:{model.GetName()}> {model.GetId()!r}"
 
 
 def _with_attached(model: Model) -> list[Model]:
-    """A model and all that is attached to it, at any depth."""
+    """A model and all models attached to it, at any depth."""
     return [entity for entity in model.with_attached() if isinstance(entity, Model)]
 
 

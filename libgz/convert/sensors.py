@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 from lxml import etree
 
@@ -14,6 +13,7 @@ from libgz.legacy.model import Model
 from libgz.models.camera import CameraAttributes
 from libgz.models.sicklms200 import EYE_HEIGHT, SickAttributes, SickLMS200
 from libgz.models.sonars import MAX_RANGE, SonarRing
+from libgz.models.stereohead import StereoHeadAttributes
 from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
 from libgz.worldfile.attributes import read
@@ -21,20 +21,20 @@ from libgz.worldfile.attributes import read
 __all__ = ["add_sensors"]
 
 SONAR_RATE = 10.0  # [Hz]
-HEAD = "head"  # the body of a pan-tilt camera that looks
+HEAD = "head"  # the body that carries the lens of a pan-tilt camera
 
 
 def add_sensors(
     model: Model, links: Mapping[Body, etree._Element], ray_type: str, owner: str, notes: Notes
 ) -> set[str]:
-    """Add the sensors of a model to its links; the interfaces that have a counterpart in them.
+    """Add the sensors of a model to its links; the interfaces for which there are sensors.
 
     Args:
         model: a loaded model.
         links: link of each body.
         ray_type: SDF's type for lasers and sonars, `ray` or `gpu_ray`.
-        owner: what notes call the model.
-        notes: takes what has no counterpart.
+        owner: name of the model in notes.
+        notes: receives what has no counterpart.
     """
     served: set[str] = set()
     if isinstance(model, SickLMS200) and model.GetBody() in links:
@@ -52,7 +52,7 @@ def add_sensors(
 
 
 def _rings(model: Model) -> Iterator[SonarRing]:
-    """The sonars that a model has among its attributes, or in a list of them."""
+    """The sonars among a model's Python attributes, and in lists among them."""
     for value in vars(model).values():
         for one in value if isinstance(value, list | tuple) else (value,):
             if isinstance(one, SonarRing):
@@ -87,7 +87,7 @@ def _add_laser(link: etree._Element, model: SickLMS200, ray_type: str) -> None:
 
 
 def _add_sonars(link: etree._Element, model: Model, ring: SonarRing, ray_type: str) -> None:
-    """One sensor of one ray for each sonar, as libgz has it."""
+    """One sensor with one ray for each sonar, as in libgz."""
     for i, (x, y, z, direction) in enumerate(ring.poses.tolist()):
         place = GzPose(GzVector(x, y, z), GzQuaternFromAxis(0.0, 0.0, 1.0, direction))
         sensor = _sensor(link, f"{model.GetId()}_sonar{i}", ray_type, SONAR_RATE, place)
@@ -95,7 +95,7 @@ def _add_sonars(link: etree._Element, model: Model, ring: SonarRing, ray_type: s
 
 
 def _eye(model: Model) -> tuple[Body, GzPose]:
-    """(body, pose in it) of what a camera looks through: its outline, if it has one, else the middle of its housing."""
+    """(body, pose in it) of a camera's optical centre: its frustum, if it has one, else the middle of its housing."""
     for body in model.bodies:
         for geom in body.geoms:
             if isinstance(geom, FrustrumGeom):
@@ -104,14 +104,13 @@ def _eye(model: Model) -> tuple[Body, GzPose]:
     return body, body.geoms[0].GetRelativePose() if body.geoms else GzPose()
 
 
-def _add_cameras(link: etree._Element, model: Model, values: Any, eye: GzPose) -> set[str]:
+def _add_cameras(link: etree._Element, model: Model, values: CameraAttributes, eye: GzPose) -> set[str]:
     """One camera; two of a stereo head."""
-    baseline = getattr(values, "baseline", None)
-    if baseline is None:
+    if not isinstance(values, StereoHeadAttributes):
         _add_camera(link, model.GetId(), values, eye)
         return {"camera"}
     for side, name in ((0.5, "left"), (-0.5, "right")):
-        place = GzPose(GzVector(eye.pos.x, eye.pos.y + side * baseline, eye.pos.z), eye.rot)
+        place = GzPose(GzVector(eye.pos.x, eye.pos.y + side * values.baseline, eye.pos.z), eye.rot)
         _add_camera(link, f"{model.GetId()}_{name}", values, place)
     return {"camera"}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+from typing import TypeAlias
 
 import numpy as np
 from lxml import etree
@@ -34,18 +35,19 @@ from libgz.physics.geoms import (
     WheelGeom,
 )
 
-__all__ = ["PUSH_OUT", "Meshes", "add_geom", "is_shape"]
+__all__ = ["CORRECTING_VELOCITY", "Meshes", "add_geom", "is_shape"]
 
-# [m/s], as fast as a world lets contacts push; SDF's own default of 0.01 lets what stands on soft wheels sink
-PUSH_OUT = 100.0
-RIGID = 1e12  # [N/m]; SDF's own default, where libgz has an infinite spring
-STICKY = 1e9  # Coulomb coefficient, where libgz has an infinite one
-PLANE_EXTENT = (100.0, 100.0)  # [m] that is drawn of an infinite plane
+# [m/s], the limit of libgz's contacts; with SDF's default of 0.01 robots sink on soft wheels
+CORRECTING_VELOCITY = 100.0
+RIGID = 1e12  # [N/m]; SDF's default, for an infinite kp
+STICKY = 1e9  # Coulomb coefficient, for an infinite one
+PLANE_EXTENT = (100.0, 100.0)  # [m] of an infinite plane that is rendered
+Part: TypeAlias = tuple[GzPose, etree._Element]  # pose in the link, shape
 SHAPES = (BoxGeom, SphereGeom, CylinderGeom, CapsuleGeom, PlaneGeom, TriMeshGeom, HeightfieldGeom)
 
 
 class Meshes:
-    """The mesh files that go with a converted world.
+    """The mesh files of a converted world.
 
     Args:
         folder: name of their directory, relative to the SDF file.
@@ -57,7 +59,7 @@ class Meshes:
         self._taken: set[str] = set()
 
     def add(self, name: str, vertices: NDArray[np.float64], triangles: NDArray[np.uint32]) -> str:
-        """Keep a mesh as binary STL; its address, relative to the SDF file."""
+        """Add a mesh as binary STL; its path relative to the SDF file."""
         file = f"{name_of(name, self._taken)}.stl"
         corners = vertices[triangles]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -71,7 +73,7 @@ class Meshes:
 
 
 def is_shape(geom: Geom) -> bool:
-    """Whether a geom is something that can be touched: not a light, a ray or a camera's outline."""
+    """Whether a geom has a surface: it is not a light, a ray or a camera's frustum."""
     return isinstance(geom, SHAPES)
 
 
@@ -81,32 +83,37 @@ def add_geom(
     """Collisions and visuals of one geom.
 
     Args:
-        link: where they go.
+        link: the SDF link.
         geom: the geom.
-        name: what they are called.
+        name: the beginning of their names.
         base: the global pose of the link.
-        owner: what notes call the model.
-        meshes: takes the triangles of meshes.
-        notes: takes what has no counterpart.
+        owner: name of the model in notes.
+        meshes: receives the triangles of meshes.
+        notes: receives what has no counterpart.
     """
-    touched = _parts(geom, name, base, meshes)
-    drawn = (
-        touched if not isinstance(geom, WheelGeom) else [(touched[0][0], _cylinder(geom.radius, 2 * geom.tire_radius))]
-    )
-    for kind, parts in (("collision", touched), ("visual", drawn)):
-        for i, (place, shape) in enumerate(parts):
-            part = f"end{i}_" if i else ""
-            element = add(link, kind, name=f"{name}_{part}{kind}")  # unlike any other of the link, whatever its kind
-            add(element, "pose", pose(place))
-            if geom.appearance.retro:
-                add(element, "laser_retro", geom.appearance.retro)
-            add(element, "geometry").append(copy.deepcopy(shape))
-            (_add_surface if kind == "collision" else _add_material)(element, geom)
+    shapes = _parts(geom, name, base, meshes)
+    for i, part in enumerate(shapes):
+        _add_surface(_add_shape(link, "collision", name, i, part, geom), geom)
+    if isinstance(geom, WheelGeom):
+        shapes = [(shapes[0][0], _cylinder(geom.radius, 2 * geom.tire_radius))]
+    for i, part in enumerate(shapes):
+        _add_material(_add_shape(link, "visual", name, i, part, geom), geom)
     _note_losses(geom, owner, notes)
 
 
-def _parts(geom: Geom, name: str, base: GzPose, meshes: Meshes) -> list[tuple[GzPose, etree._Element]]:
-    """(pose in the link, shape) of what makes up a geom."""
+def _add_shape(link: etree._Element, kind: str, name: str, i: int, part: Part, geom: Geom) -> etree._Element:
+    """The collision or visual number `i` of a geom; its name is unique in the link."""
+    place, shape = part
+    element = add(link, kind, name=f"{name}_{f'end{i}_' if i else ''}{kind}")
+    add(element, "pose", pose(place))
+    if geom.appearance.retro:
+        add(element, "laser_retro", geom.appearance.retro)
+    add(element, "geometry").append(copy.deepcopy(shape))
+    return element
+
+
+def _parts(geom: Geom, name: str, base: GzPose, meshes: Meshes) -> list[Part]:
+    """The shapes that form a geom."""
     place = GzCoordPoseSub(geom.GetPose(), base)
     if isinstance(geom, BoxGeom):
         shape = etree.Element("box")
@@ -116,11 +123,11 @@ def _parts(geom: Geom, name: str, base: GzPose, meshes: Meshes) -> list[tuple[Gz
         return [(place, _sphere(geom.radius))]
     if isinstance(geom, CylinderGeom):
         return [(place, _cylinder(geom.radius, geom.length))]
-    if isinstance(geom, CapsuleGeom):  # SDF has capsules from 1.8 on
+    if isinstance(geom, CapsuleGeom):  # SDF has capsules since 1.8
         ends = (GzPose(GzVector(0.0, 0.0, side * geom.length / 2.0)) for side in (-1.0, 1.0))
         balls = [(GzCoordPoseAdd(end, place), _sphere(geom.radius)) for end in ends]
         return [(place, _cylinder(geom.radius, geom.length)), *balls]
-    if isinstance(geom, PlaneGeom):  # in global terms, wherever its body is
+    if isinstance(geom, PlaneGeom):  # in global coordinates, wherever its body is
         shape = etree.Element("plane")
         add(shape, "normal", rotate(GzQuaternInverse(base.rot), geom.normal))
         add(shape, "size", PLANE_EXTENT)
@@ -143,20 +150,20 @@ def _cylinder(radius: float, length: float) -> etree._Element:
 
 
 def _mesh(geom: Geom, name: str, meshes: Meshes) -> etree._Element:
-    """A mesh file of a triangle mesh or of a field of heights."""
+    """A mesh file of a triangle mesh or a height field."""
     if isinstance(geom, HeightfieldGeom):
         vertices, triangles = _field(geom)
     elif isinstance(geom, TriMeshGeom):
         vertices, triangles = geom.vertices, geom.triangles
     else:
-        raise ParameterError(f"{type(geom).__name__} is no shape that SDF knows")
+        raise ParameterError(f"{type(geom).__name__} has no counterpart in SDF")
     shape = etree.Element("mesh")
     add(shape, "uri", meshes.add(name, vertices, triangles))
     return shape
 
 
 def _field(geom: HeightfieldGeom) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-    """(vertices, triangles) of a field of heights, two triangles a cell."""
+    """(vertices, triangles) of a height field, two triangles per cell."""
     rows, columns = geom.heights.shape
     x, y = np.meshgrid(np.linspace(-0.5, 0.5, columns) * geom.size[0], np.linspace(-0.5, 0.5, rows) * geom.size[1])
     vertices = np.stack([x, y, geom.heights], axis=-1).reshape(-1, 3)
@@ -166,7 +173,7 @@ def _field(geom: HeightfieldGeom) -> tuple[NDArray[np.float64], NDArray[np.uint3
 
 
 def _add_surface(collision: etree._Element, geom: Geom) -> None:
-    """How it touches others: SDF's ODE takes the smaller friction, too, and adds springs in series."""
+    """Contact parameters; ODE in SDF also uses the smaller friction of two, and adds springs in series."""
     values = geom.body.engine.surface[geom.row].tolist()
     surface = add(collision, "surface")
     friction = add(add(surface, "friction"), "ode")
@@ -175,7 +182,7 @@ def _add_surface(collision: etree._Element, geom: Geom) -> None:
     contact = add(add(surface, "contact"), "ode")
     add(contact, "kp", values[Surface.KP] if math.isfinite(values[Surface.KP]) else RIGID)
     add(contact, "kd", values[Surface.KD])
-    add(contact, "max_vel", PUSH_OUT)
+    add(contact, "max_vel", CORRECTING_VELOCITY)
     add(contact, "min_depth", 0.0)
     if values[Surface.BOUNCE]:
         bounce = add(surface, "bounce")
@@ -201,11 +208,12 @@ def _note_losses(geom: Geom, owner: str, notes: Notes) -> None:
     look = geom.appearance
     if look.texture_file is not None:
         notes.add(
-            owner, f"the texture {look.texture_file.name} is left out: SDF 1.6 wants a script of each simulator's own"
+            owner,
+            f"the texture {look.texture_file.name} is omitted: SDF 1.6 needs a simulator's material script",
         )
     if look.skin_file is not None:
-        notes.add(owner, f"the skin {look.skin_file.name} is left out; the shape below it is drawn")
+        notes.add(owner, f"the skin {look.skin_file.name} is omitted; the shape below it is rendered")
     if geom.body.engine.surface[geom.row, Surface.BOUNCE]:
-        notes.add(owner, "bounces only off what bounces, too: SDF takes the smaller coefficient of the two")
+        notes.add(owner, "bounces only off surfaces that bounce, too: SDF uses the smaller coefficient of two")
     if look.fiducial != -1:
         notes.add(owner, f"fiducial {look.fiducial} has no counterpart")

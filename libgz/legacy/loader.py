@@ -16,6 +16,7 @@ from libgz.physics.body import Body
 from libgz.simulation.plugins import load_plugin, own_traceback
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
+from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.spelling import NAMES_ONLY
 
@@ -111,7 +112,7 @@ class ModelLoader:
         if parent is not None:
             model.SetParent(parent, _parent_body(node, parent))
         try:
-            model.MasterLoad(node.file, node)
+            model.MasterLoad(WorldFile.of(node), node)
             model.initPose = to_world(model, GzPose(node.GetPosition("xyz"), node.GetRotation("rpy")))
             move_with_world_joints(model, lambda: self.world.SetModelPose(model, model.initPose))
             model.Attach()

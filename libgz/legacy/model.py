@@ -14,11 +14,11 @@ from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
 from libgz.simulation.plugins import own_traceback
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
+from libgz.worldfile.file import WorldFile
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
     from libgz.simulation.world import World
-    from libgz.worldfile.file import WorldFile
     from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["CommonAttributes", "Model"]
@@ -134,7 +134,7 @@ class Model(Entity):
         where = f"{self.node.file.label}:{self.node.line}: <{self.node.tag}>"
         self.initialized = False
         try:
-            self.MasterInit(self.node.file, self.node)
+            self.MasterInit(WorldFile.of(self.node), self.node)
         except GazeboError as error:
             raise PluginError(f"{where}: Init of model {self.GetId()!r}: {error}") from error
         except Exception as error:

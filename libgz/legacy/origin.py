@@ -14,7 +14,7 @@ def to_world(model: Model, pose: GzPose) -> GzPose:
 
 
 def to_file(model: Model, pose: GzPose) -> GzPose:
-    """The same back."""
+    """The inverse of `to_world`."""
     return _convert(model, pose, +1.0)
 
 

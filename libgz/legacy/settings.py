@@ -12,7 +12,7 @@ from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["QUIRKS", "GlobalAttributes", "find_global_nodes", "is_settings", "read_global", "read_quirks"]
 
-# Errors of the old server that a world can ask to have back, and what each one brings.
+# Errors of the old server that a world can enable again, and the effect of each.
 QUIRKS = {
     "verticalHfov": "cameras take hfov as the vertical angle",
     "laserNoHitOffset": "a laser beam without a hit reads rangeMax + rangeMin",
@@ -20,7 +20,7 @@ QUIRKS = {
     "originInertia": "a body's inertia is taken about its frame's origin, not about its centre of mass",
     "gripperState": "grippers report states by the old server's private numbers, at the time of the command",
     "noBounce": "SetBounce has no effect",
-    "updateTimes": "some models update a step late, now and then or always, for sums of step times are compared as is",
+    "updateTimes": "some models update a step late, sometimes or always: times are compared without a tolerance",
 }
 
 _TAGS: list[tuple[str | None, str]] = [("params", "GlobalParams"), ("param", "Global")]  # oldest first
@@ -42,7 +42,7 @@ class GlobalAttributes:
     utmOffset: GzVector = vector((0.0, 0.0, 0.0), help="UTM easting, northing and altitude of the world's origin")
     skyColor: GzColor = color(0.7, 0.7, 0.9, help="colour of the sky and of the fog")
     fogDensity: float = number(0.25, least=0.0, help="density of the fog; there is fog only if this is given")
-    legacyQuirks: str = text("", help="`true`, or names of the old server's errors that this world wants back")
+    legacyQuirks: str = text("", help="`true`, or names of the old server's errors to enable again in this world")
 
 
 def find_global_nodes(file: WorldFile) -> list[WorldFileNode]:
@@ -67,7 +67,7 @@ def read_global(file: WorldFile) -> tuple[GlobalAttributes, bool]:
 
 
 def read_quirks(file: WorldFile, words: str) -> frozenset[str]:
-    """The quirks a world asks for; an unknown name is an error of the worldfile."""
+    """The quirks a world enables; an unknown name is an error in the worldfile."""
     names = words.split()
     if [name.lower() for name in names] in (["true"], ["1"]):
         return frozenset(QUIRKS)

@@ -1,4 +1,4 @@
-"""Moorings: joints that hold a model's bodies to the world, which are built around the origin like the model itself."""
+"""World joints: joints that attach a model's bodies to the world; like the model, they are built around the origin."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ __all__ = ["move_with_world_joints"]
 
 
 def move_with_world_joints(model: Model, place: Callable[[], None]) -> None:
-    """Move a model that was built to its place by calling `place`, and its joints to the world along with it.
+    """Move a model that was built to its place by calling `place`, and its world joints with it.
 
-    ODE keeps such a joint's side of the world where it was, and would pull the model back there.
+    ODE keeps such a joint's anchor in the world, and would pull the model back to it.
     """
     before = model.GetPose()
     held = [joint for joint in model.joints if any(body is None or body.dummy for body in joint.bodies)]
@@ -41,7 +41,7 @@ _Turn = Callable[[GzVector], GzVector]
 
 
 def _move_of(joint: Joint) -> Callable[[_Turn, _Turn], None] | None:
-    """What moves a joint from where it is now, given how points and directions go; None if it has no place."""
+    """A function that moves a joint, given how points and directions move; None if the joint has no place."""
     if isinstance(joint, HingeJoint):
         hinge, anchor, axis = joint, joint.GetAnchor(), joint.GetAxis()
 

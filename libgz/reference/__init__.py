@@ -1,1 +1,1 @@
-"""What users read about the models: the catalogue, reference pages, the grammar; all made from declarations."""
+"""Reference for users, generated from declarations: the catalogue of models, pages, the grammar, and the checker."""

@@ -1,4 +1,4 @@
-"""The catalogue: what each model declares about itself, gathered for whoever describes it."""
+"""The catalogue: a description of each model, made from its declaration and its example world."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ _AROUND = {
 
 @dataclass(frozen=True)
 class Row:
-    """One attribute, in words."""
+    """One attribute, as text."""
 
     name: str
     type: str
-    default: str  # as a file has it; empty for none
+    default: str  # as written in a file; empty for none
     unit: str
     allowed: str
     help: str
 
     @property
     def meaning(self) -> str:
-        """What it means and what is allowed."""
+        """Its meaning and what is allowed."""
         return f"{self.help} ({self.allowed})" if self.allowed and self.type != "bool" else self.help
 
 
 @dataclass(frozen=True)
 class Part:
-    """A body or a joint of a model, in words."""
+    """A body or a joint of a model, as text."""
 
     name: str
     text: str
@@ -71,7 +71,7 @@ class Entry:
 
     @property
     def description(self) -> str:
-        """What there is to say beyond the summary; may be empty."""
+        """The rest of the documentation after the summary; may be empty."""
         return self._documentation.partition("\n")[2].strip()
 
     @property
@@ -81,7 +81,7 @@ class Entry:
 
     @property
     def example(self) -> str:
-        """A small world that shows the model."""
+        """A small world with the model."""
         default = f"<model:{self.name}>\n  <id>{self.name.lower()}1</id>\n</model:{self.name}>"
         own = textwrap.dedent(self.kind.example).strip() or default
         parts = [text for name, text in _AROUND.items() if f"<model:{name}>" not in own]
@@ -118,7 +118,7 @@ class Entry:
 
 
 def entries(factory: ModelFactory | None = None) -> Iterator[Entry]:
-    """All models that a factory knows and that are classes, in alphabetical order."""
+    """All models of a factory that are classes, in alphabetical order."""
     factory = factory or ModelFactory()
     for name in factory.names():
         kind = factory.find(name)
@@ -127,7 +127,7 @@ def entries(factory: ModelFactory | None = None) -> Iterator[Entry]:
 
 
 def entry(name: str) -> Entry:
-    """The model of a name, whatever the case of its letters.
+    """The model of a name, ignoring case.
 
     Raises:
         NotFoundError: there is none.
@@ -140,7 +140,7 @@ def entry(name: str) -> Entry:
 
 
 def rows_of(declaration: type[Any]) -> list[Row]:
-    """The attributes of a declaration, in words."""
+    """The attributes of a declaration, as text."""
     defaults = declaration()
     return [
         Row(name, a.type, _default(a, getattr(defaults, name)), a.unit, a.allowed, a.help)

@@ -1,21 +1,23 @@
-"""Checking a worldfile: it is loaded as the server would, but nothing is started, stepped or left behind."""
+"""Checking a worldfile: it is loaded as in the server, but no server is started and no step is made."""
 
 from __future__ import annotations
 
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Callable
+from pathlib import Path
 
 from libgz.errors import Diagnostic, GazeboError, WorldFileError
 from libgz.front import World
 from libgz.legacy.model import Model
+from libgz.rendering.image import read_image
 from libgz.worldfile.file import WorldFile
 
 __all__ = ["check"]
 
 
-class _Gathered(logging.Handler):
-    """Keeps the warnings that are logged while a world loads."""
+class _Collector(logging.Handler):
+    """Collects the warnings that are logged while a world loads."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -26,9 +28,9 @@ class _Gathered(logging.Handler):
 
 
 def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
-    """All that is wrong or unused in a worldfile, in order of its lines.
+    """All errors and warnings about a worldfile, in order of its lines.
 
-    Its plugins are run as far as `Load`, as loading needs it; `Init` of no model is called.
+    Loading runs `Load` of its plugins; `Init` of no model is called.
 
     Args:
         filename: the worldfile.
@@ -38,7 +40,7 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
         file.Load(filename)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
-    handler, logger = _Gathered(), logging.getLogger("libgz")
+    handler, logger = _Collector(), logging.getLogger("libgz")
     before, propagate = logger.handlers[:], logger.propagate
     logger.handlers[:], logger.propagate = [handler], False
     world = World()
@@ -52,18 +54,14 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     finally:
         world.close()
         logger.handlers[:], logger.propagate = before, propagate
-    told = {str(error) for error in file.diagnostics.found}
-    others = (Diagnostic(name, 0, "", text, "warning") for text in _messages(handler) if text not in told)
-    return sorted([*file.diagnostics.found, *others], key=lambda error: error.line)
-
-
-def _messages(handler: _Gathered) -> Iterator[str]:
-    """What was logged; once each."""
-    yield from dict.fromkeys(record.getMessage() for record in handler.records)
+    known = {str(diagnostic) for diagnostic in file.diagnostics.found}
+    logged = dict.fromkeys(record.getMessage() for record in handler.records)
+    others = (Diagnostic(name, 0, "", text, "warning") for text in logged if text not in known)
+    return sorted([*file.diagnostics.found, *others], key=lambda diagnostic: diagnostic.line)
 
 
 def _from_text(name: str, line: str) -> Diagnostic:
-    """The error of a file that cannot be parsed at all, from its message."""
+    """The error of a file that cannot be parsed, from a line of its message."""
     rest = line.removeprefix(f"{name}:")
     number, _, message = rest.partition(":")
     if rest == line or not number.isdigit():
@@ -75,7 +73,7 @@ def _from_text(name: str, line: str) -> Diagnostic:
 
 
 def _find_clashes(models: list[Model]) -> None:
-    """Warn of models that want to serve one interface under one id: only the first is served."""
+    """Warn of models whose interfaces have the same type and id: only the first one is served."""
     served: dict[tuple[str, str], Model] = {}
     for model in models:
         lost = []
@@ -86,25 +84,31 @@ def _find_clashes(models: list[Model]) -> None:
         if lost and model.node is not None:
             names = " and ".join(f"{interface}.{model.GetId()}" for interface, _ in lost)
             first = lost[0][1]
-            where = f", line {first.node.line}" if first.node is not None else ""
-            model.node.warn(f"does not serve {names}, for <model:{first.GetName()}>{where}, does; give it another id")
+            where = f", line {first.node.line}," if first.node is not None else ""
+            model.node.warn(f"does not serve {names}: <model:{first.GetName()}>{where} does; give it another id")
 
 
 def _find_unreadable(models: list[Model]) -> None:
-    """Warn of pictures and skins that cameras could not draw; each is told once."""
-    from libgz.rendering.image import read_image  # here, for they bring OpenGL's constants along
-    from libgz.rendering.skin import read_skin
+    """Warn of textures and skins that cannot be read, once each."""
+    tried: set[Path] = set()
 
-    tried = set()
+    def attempt(read: Callable[[Path], object], path: Path | None, model: Model) -> None:
+        if path is None or path in tried:
+            return
+        tried.add(path)
+        try:
+            read(path)
+        except GazeboError as error:
+            if model.node is not None:
+                model.node.warn(str(error))
+
     for model in models:
-        looks = [geom.appearance for body in model.bodies for geom in body.geoms]
-        for look in looks:
-            for path, read in ((look.texture_file, read_image), (look.skin_file, read_skin)):
-                if path is None or path in tried:
-                    continue
-                tried.add(path)
-                try:
-                    read(path)
-                except GazeboError as error:
-                    if model.node is not None:
-                        model.node.warn(str(error))
+        for look in (geom.appearance for body in model.bodies for geom in body.geoms):
+            attempt(read_image, look.texture_file, model)
+            attempt(_read_skin, look.skin_file, model)
+
+
+def _read_skin(path: Path) -> None:
+    from libgz.rendering.skin import read_skin  # imports OpenGL, which worlds without skins do not need
+
+    read_skin(path)

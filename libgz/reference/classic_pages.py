@@ -2,36 +2,38 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from types import ModuleType
 
+from libgz.classic import common, log, math, physics, rendering, sdf, sensors, transport
 from libgz.reference.pages import write_changed
 
-__all__ = ["PAGES", "classic_pages", "write_classic_pages"]
+__all__ = ["classic_pages", "write_classic_pages"]
 
 NOTE = "<!-- Made by scripts/make_classic_pages.py from the classes; do not edit. -->\n"
-PAGES = {
-    "physics": "the world, models, links, joints, collisions",
-    "sensors": "what measures",
-    "rendering": "what is seen: scene, visuals, cameras",
-    "common": "times, PID controllers, animations, console, search paths",
-    "math": "vectors, quaternions, poses, angles, random numbers",
-    "transport": "nodes, publishers, subscribers",
-    "log": "logs of runs: recorded, read, played",
-    "sdf": "elements of SDF documents",
+PAGES: dict[ModuleType, str] = {
+    physics: "the world, models, links, joints, collisions",
+    sensors: "cameras, lasers and other sensors",
+    rendering: "scene, visuals, cameras",
+    common: "times, PID controllers, animations, console, search paths",
+    math: "vectors, quaternions, poses, angles, random numbers",
+    transport: "nodes, publishers, subscribers",
+    log: "logs of runs: recording, reading, playing",
+    sdf: "elements of SDF documents",
 }
 OLD = "The old name of "
 
 
 def classic_pages() -> dict[str, str]:
     """File name -> text of all pages."""
-    rows = ["| module | what is in it |", "|---|---|", *(f"| [{n}]({n}.md) | {about} |" for n, about in PAGES.items())]
-    head = "Classes and functions by module, as `from libgz.classic import physics` has them; the guide is"
+    named = {module.__name__.rpartition(".")[2]: (module, about) for module, about in PAGES.items()}
+    rows = ["| module | content |", "|---|---|", *(f"| [{n}]({n}.md) | {about} |" for n, (_, about) in named.items())]
+    head = "Classes and functions by module, for example `from libgz.classic import physics`; the guide is"
     text = "\n".join([NOTE, "# The API for plugins\n", f"{head} [plugins.md](../plugins.md).\n", *rows, ""])
-    return {"README.md": text, **{f"{name}.md": _page(name, about) for name, about in PAGES.items()}}
+    return {"README.md": text, **{f"{n}.md": _page(n, *page) for n, page in named.items()}}
 
 
 def write_classic_pages(directory: Path) -> list[Path]:
@@ -43,8 +45,7 @@ def write_classic_pages(directory: Path) -> list[Path]:
     return write_changed(directory, classic_pages())
 
 
-def _page(name: str, about: str) -> str:
-    module = importlib.import_module(f"libgz.classic.{name}")
+def _page(name: str, module: ModuleType, about: str) -> str:
     found = {word: getattr(module, word) for word in module.__all__}
     classes: dict[type, list[str]] = {}
     functions = []
@@ -53,7 +54,7 @@ def _page(name: str, about: str) -> str:
             classes.setdefault(thing, []).append(word)
         elif inspect.isfunction(thing):
             functions.append(_row(word, [], thing))
-    parts = [NOTE, f"# {name}\n", f"`libgz.classic.{name}`: {about}. Names in the second column do the same.\n"]
+    parts = [NOTE, f"# {name}\n", f"`libgz.classic.{name}`: {about}. Names in the second column are aliases.\n"]
     if functions:
         parts.append(_table("function", functions))
     for kind in sorted(classes, key=lambda kind: kind.__name__):
@@ -66,17 +67,17 @@ def _about(kind: type, names: list[str]) -> str:
     above = [b.__name__ for b in kind.__bases__ if b.__module__.startswith("libgz.classic") and b.__name__[0] != "_"]
     parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
     parts += [f"Also called {_names(others)}."] if others else []
-    parts += [f"Besides these it has what {_names(above)} has."] if above else []
+    parts += [f"It also has the members of {_names(above)}."] if above else []
     return " ".join(part for part in parts if part) + "\n"
 
 
 def _methods(kind: type) -> Iterator[str]:
-    """A row of each method of the class itself. Lower-case names are libgz's own, and told of elements only."""
+    """A row of each method of the class itself. Lower-case names are libgz's own and listed for elements only."""
     names: dict[Callable[..., object], list[str]] = {}
     for name, thing in vars(kind).items():
         function = thing.__func__ if isinstance(thing, classmethod | staticmethod) else thing
-        told = name[0].isupper() or (name[0] != "_" and kind.__module__.startswith("libgz.sdf"))
-        if told and inspect.isfunction(function) and function.__doc__:
+        listed = name[0].isupper() or (name[0] != "_" and kind.__module__.startswith("libgz.sdf"))
+        if listed and inspect.isfunction(function) and function.__doc__:
             names.setdefault(function, []).append(name)
     old = {_summary(f).removeprefix(OLD).rstrip("."): n for f, n in names.items() if _summary(f).startswith(OLD)}
     for function, own in names.items():
@@ -88,8 +89,8 @@ def _methods(kind: type) -> Iterator[str]:
 def _row(name: str, others: list[str], function: Callable[..., object]) -> str:
     signature = inspect.signature(function)
     values = [p for p in signature.parameters.values() if p.name not in ("self", "cls")]
-    words = re.sub("(: |-> )'([^']*)'", r"\1\2", str(signature.replace(parameters=values)))
-    return f"| `{name}` | {_names(others)} | `{_cell(words)}` | {_summary(function)} |"
+    text = re.sub("(: |-> )'([^']*)'", r"\1\2", str(signature.replace(parameters=values)))
+    return f"| `{name}` | {_names(others)} | `{_cell(text)}` | {_summary(function)} |"
 
 
 def _names(names: list[str]) -> str:
@@ -107,4 +108,4 @@ def _cell(text: str) -> str:
 def _table(head: str, rows: list[str]) -> str:
     if not rows:
         return ""
-    return "\n".join([f"| {head} | other names | arguments -> result | what it does |", "|---|---|---|---|", *rows, ""])
+    return "\n".join([f"| {head} | other names | arguments -> result | description |", "|---|---|---|---|", *rows, ""])

@@ -1,6 +1,6 @@
-"""A RELAX NG grammar of worldfiles, made from the models' declarations, for editors that check while one types.
+"""A RELAX NG grammar of worldfiles, made from the models' declarations, for editors that check while typing.
 
-It knows the spelling of 0.5 to 0.7. Models that plugins bring may hold anything; they are told by their `<plugin>`.
+It covers the spelling of 0.5 to 0.7. Models of plugins are recognised by their `<plugin>` and may contain anything.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ def grammar() -> bytes:
 
 
 def _world() -> Any:
-    # Files of those years bind the prefix `param` to either address.
+    # Files of those years use either address for the prefix `param`.
     names = _E.choice(*(_E.name("Global", ns=f"{NAMESPACE}{end}") for end in ("param", "params")))
     settings = _E.element(names, _E.interleave(*_optional(attributes_of(GlobalAttributes))))
     content = _E.interleave(_E.zeroOrMore(settings), _E.zeroOrMore(_E.ref(name="model")))
@@ -54,7 +54,7 @@ def _world() -> Any:
 
 
 def _model(name: str, declaration: type[Any]) -> Any:
-    # A model may declare one of the common attributes anew, with another meaning or default.
+    # A model may override a common attribute, with another meaning or default.
     own = attributes_of(declaration)
     common = attributes_of(CommonAttributes)
     shared = [_E.ref(name="common")]
@@ -79,7 +79,7 @@ def _optional(attributes: Any) -> list[Any]:
 
 
 def _value(attribute: Attribute) -> Any:
-    """What the element of an attribute may hold."""
+    """The allowed content of an attribute's element."""
     kind = attribute.type
     if kind in TEXTS:
         return _E.text()
@@ -93,7 +93,7 @@ def _value(attribute: Attribute) -> Any:
         return _number("double", attribute.limits)
     least, most = SIZES.get(kind) or (1, int(kind.removesuffix(" numbers").split()[-1]))
     numbers = [_number("double", attribute.limits) for _ in range(most)]
-    # Flat, for libxml2 loses count in optional parts of optional parts.
+    # Flat, because libxml2 miscounts nested optional parts.
     return _E.list(*numbers[:least], *map(_E.optional, numbers[least:]))
 
 
@@ -110,11 +110,11 @@ def _number(type: str, limits: Limits) -> Any:
     number = _E.data(*params, type=type)
     if type == "integer" or limits.most is not None:
         return number
-    return _E.choice(number, _E.value("inf", type="token"))  # XML Schema itself writes it INF
+    return _E.choice(number, _E.value("inf", type="token"))  # XML Schema's own spelling is INF
 
 
 def _plugin(known: Iterable[str]) -> Any:
-    """A model that is none of ours: it names its plugin, and holds what it likes."""
+    """A model of a plugin: it names the plugin and may contain anything."""
     space = f"{NAMESPACE}model"
     names = _E.nsName(_E("except", *(_E.name(name, ns=space) for name in known)), ns=space)
     not_plugin = _E.element(_E.anyName(_E("except", _E.name("plugin"), _E.nsName(ns=space))), _E.ref(name="anything"))

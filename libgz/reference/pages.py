@@ -1,13 +1,14 @@
-"""Reference pages: Markdown, one page a model and an index, made from the catalogue."""
+"""Reference pages in Markdown: one per model and an index, made from the catalogue."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
 
+from libgz.files import write_whole
 from libgz.legacy.factory import ModelFactory
+from libgz.models import MODELS
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries
-from libgz.worldfile.file import write_whole
 
 __all__ = ["INDEX", "pages", "write_changed", "write_pages"]
 
@@ -17,8 +18,6 @@ NOTE = "<!-- Made by `libgz models --pages docs/models` from the model's declara
 
 def pages() -> dict[str, str]:
     """File name -> text of all pages of the built-in models."""
-    from libgz.models import MODELS
-
     found = [entry for entry in entries(ModelFactory()) if entry.name in MODELS]
     return {INDEX: _index(found), **{f"{entry.name}.md": page(entry) for entry in found}}
 
@@ -33,7 +32,7 @@ def write_pages(directory: Path) -> list[Path]:
 
 
 def write_changed(directory: Path, texts: dict[str, str]) -> list[Path]:
-    """Write texts by file name, but those that stand there already; the files that changed.
+    """Write texts by file name, unless a file has its text already; the files that changed.
 
     Raises:
         OSError: a file cannot be written.
@@ -55,7 +54,7 @@ def page(entry: Entry) -> str:
     if entry.description:
         parts.append(f"{entry.description}\n")
     parts += [_interfaces(entry), "## Attributes\n", _attributes(entry.rows)]
-    parts += [f"Besides these, it has [what all models have]({INDEX}#attributes-of-all-models).\n"]
+    parts += [f"It also has the [attributes of all models]({INDEX}#attributes-of-all-models).\n"]
     parts += ["## Bodies\n", _table(("body", "mass and shapes"), bodies)]
     if joints:
         parts += ["## Joints\n", _table(("joint", "kind and bodies"), joints)]
@@ -65,8 +64,8 @@ def page(entry: Entry) -> str:
 
 def _index(found: list[Entry]) -> str:
     models = "\n".join(f"| [{e.name}]({e.name}.md) | {_cell(e.summary)} |" for e in found)
-    parts = [NOTE, "# Models\n", "What `<model:...>` elements of a worldfile may be.\n"]
-    parts += [f"| model | what it is |\n|---|---|\n{models}\n", "## Attributes of all models\n"]
+    parts = [NOTE, "# Models\n", "The models for `<model:...>` elements of a worldfile.\n"]
+    parts += [f"| model | description |\n|---|---|\n{models}\n", "## Attributes of all models\n"]
     parts += [_attributes(common_rows())]
     return "\n".join(parts)
 

@@ -1,7 +1,7 @@
-"""What SDF 1.4, 1.5 and 1.6 allow: elements, attributes, types, defaults, and how often each may stand.
+"""What SDF 1.4, 1.5 and 1.6 allow: elements, attributes, types, defaults, and how often each may occur.
 
 The table elements.tsv has one row per element or attribute: its path below a block, its type, and default and count in
-each version. A type `@block` stands for that block; count 1 is exactly one, `+` at least one, 0 at most one, `*` any.
+each version. A type `@block` refers to that block; count 1 is exactly one, `+` at least one, 0 at most one, `*` any.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from libgz.errors import ParameterError
 __all__ = ["UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 
 VERSIONS = ("1.4", "1.5", "1.6")
-UNSET = "__default__"  # the default of what has no sensible one: a name, a type, a file
+UNSET = "__default__"  # instead of a default, where none makes sense: a name, a type, a file
 ABSENT = "(absent)"
 TABLE = Path(__file__).with_name("elements.tsv")
 
@@ -34,7 +34,7 @@ class AttributeDescription:
 
 @dataclass
 class Description:
-    """One element: what its text is, and what may stand in it."""
+    """One element: the type of its text, and its possible attributes and children."""
 
     name: str
     type: str = ""
@@ -43,12 +43,12 @@ class Description:
     attributes: dict[str, AttributeDescription] = field(default_factory=dict)
     own_children: dict[str, Description] = field(default_factory=dict)
     any_children: bool = False
-    block: str = ""  # whose attributes and children it has
+    block: str = ""  # a block that gives its attributes and children
     blocks: Mapping[str, Description] = field(default_factory=dict)
 
     @property
     def children(self) -> Mapping[str, Description]:
-        """Name -> description of what may stand in this element."""
+        """Name -> description of the possible children."""
         return self.blocks[self.block].children if self.block else self.own_children
 
     @property
@@ -58,12 +58,12 @@ class Description:
 
     @property
     def open(self) -> bool:
-        """Whether anything may stand in this element, as in a plugin."""
+        """Whether any children are allowed, as in a plugin."""
         return self.blocks[self.block].open if self.block else self.any_children
 
     @property
     def required(self) -> bool:
-        """Whether the element must stand, or is made with its defaults."""
+        """Whether the element must exist; a missing one is created with its defaults."""
         return self.count in ("1", "+")
 
 
@@ -86,7 +86,7 @@ def describe(version: str) -> Mapping[str, Description]:
 
 
 def _add(blocks: dict[str, Description], path: str, kind: str, default: str, count: str) -> None:
-    """Enter one row; rows of parents stand before those of their children."""
+    """Add one row; rows of parents come before those of their children."""
     where, _, attribute = path.partition("@")
     head, *steps = where.split("/")
     node = blocks.setdefault(head, Description(head))

@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 class Param:
-    """A value of an element or attribute: its text, and whether the file gave it."""
+    """A value of an element or attribute: its text, and whether the file contains it."""
 
     def __init__(self, name: str, kind: str, text: str, *, given: bool) -> None:
         self.name = name
@@ -51,7 +51,7 @@ class Element:
 
     Args:
         name: the tag.
-        description: what may stand in it; None for an element that SDF does not know, such as those of plugins.
+        description: its possible attributes and children; None for an element unknown to SDF, such as those of plugins.
         file, line: where it was read, for messages.
     """
 
@@ -90,7 +90,7 @@ class Element:
         return (child for child in self.children if child.name == name)
 
     def find(self, name: str) -> Iterator[Element]:
-        """All elements of one name in this one, however deep."""
+        """All elements of one name in this one, at any depth."""
         for child in self.children:
             if child.name == name:
                 yield child
@@ -101,14 +101,14 @@ class Element:
         return any(True for _ in self.named(name))
 
     def GetElement(self, name: str) -> Element | None:
-        """The first child of this name. One that SDF knows here is made with its defaults; of others, None."""
+        """The first child of this name. If SDF knows it here, a missing one is created with its defaults; else None."""
         found = next(self.named(name), None)
         if found is None and self.description is not None and name in self.description.children:
             return self.AddElement(name)
         return found
 
     def child(self, name: str) -> Element:
-        """The same, where a child must be had.
+        """The same, for a child that must exist.
 
         Raises:
             NotFoundError: there is none, and SDF knows none of this name here.
@@ -137,26 +137,26 @@ class Element:
         return element
 
     def add_required(self) -> None:
-        """Make the children that must stand here and do not."""
+        """Create the required children that are missing."""
         for name, about in self.description.children.items() if self.description is not None else ():
             if about.required and not self.HasElement(name):
                 self.AddElement(name)
 
     def InsertElement(self, element: Element) -> Element:
-        """Put an element in, as the last child."""
+        """Add an element as the last child."""
         element.parent = self
         self.children.append(element)
         return element
 
     def RemoveChild(self, element: Element) -> None:
-        """Take a child out."""
+        """Remove a child."""
         self.children = [child for child in self.children if child is not element]
         element.parent = None
 
     # Values ------------------------------------------------------------------------------------------------------
 
     def HasAttribute(self, key: str) -> bool:
-        """Whether the file gave this attribute."""
+        """Whether the file contains this attribute."""
         return key in self.attributes and self.attributes[key].given
 
     def GetAttribute(self, key: str) -> Param | None:
@@ -176,11 +176,11 @@ class Element:
     def Get(self, kind: type[T], key: str = "", default: T | None = None) -> T | tuple[T, bool]:
         """A value: of the attribute `key`, else of the child `key`, else the default of the description.
 
-        Without a key, this element's own. What is nowhere is empty: an empty string, 0, False, the zero pose. With a
-        third argument, the pair (value, whether it was found), and that default where it was not.
+        Without a key, this element's own. A value found nowhere is empty: an empty string, 0, False, the zero pose.
+        With a third argument, the pair (value, whether it was found), with that default if it was not.
 
         Raises:
-            ParameterError: the text means no such value; the message says where it stands.
+            ParameterError: the text is no such value; the message has file and line.
         """
         element, text, found = self._look_up(key)
         if default is not None and not found:
@@ -209,7 +209,7 @@ class Element:
         return True
 
     def set_attribute(self, key: str, value: Any) -> None:
-        """Give an attribute a value."""
+        """Set an attribute, which need not exist yet."""
         self.attributes.setdefault(key, Param(key, "string", "", given=True)).Set(value)
 
     # Copies and text ---------------------------------------------------------------------------------------------

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import functools
-import importlib.util
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from libgz.errors import NotFoundError
+from libgz.files import installed_worlds
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
@@ -18,14 +18,14 @@ __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
 TABLE = Path(__file__).with_name("materials.tsv")
 PREFIX = "Gazebo/"
 COLORS = ("ambient", "diffuse", "specular", "emissive")
-TEXTURES = ("", "../textures", "textures", "../materials/textures")  # where a script's pictures lie, seen from it
+TEXTURES = ("", "../textures", "textures", "../materials/textures")  # of a script's images, relative to the script
 
 Color = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
 class Material:
-    """Colours red, green, blue, alpha; sharpness of highlights; a texture; whether light counts."""
+    """Colours as red, green, blue, alpha; shininess of highlights; a texture; whether it is lit."""
 
     ambient: Color = (1.0, 1.0, 1.0, 1.0)
     diffuse: Color = (1.0, 1.0, 1.0, 1.0)
@@ -36,12 +36,12 @@ class Material:
     lit: bool = True
 
 
-NEUTRAL = Material((0.3, 0.3, 0.3, 1.0), (0.7, 0.7, 0.7, 1.0))  # for names that are not known
+NEUTRAL = Material((0.3, 0.3, 0.3, 1.0), (0.7, 0.7, 0.7, 1.0))  # for unknown names
 
 
 @functools.cache
 def _known() -> Mapping[str, tuple[Material, str]]:
-    """Name without prefix -> material, and its texture's file name among libgz's own."""
+    """Name without prefix -> material, and the file name of its texture."""
     found = {}
     with TABLE.open(encoding="utf-8", newline="") as table:
         for row in csv.DictReader(table, delimiter="\t"):
@@ -61,18 +61,18 @@ def find_material(name: str, uris: Iterable[str] = (), beside: Path | None = Non
     """A material by name; None if it is not known.
 
     Args:
-        name: ``Gazebo/Grey``, or one that a script gives.
+        name: ``Gazebo/Grey``, or one that a script defines.
         uris: material scripts, and folders of scripts and textures.
-        beside: folder of the file that names them.
+        beside: folder of the file that contains these URIs.
     """
     name = name.strip()
+    if name.startswith(PREFIX):
+        return _of_table(name) or _of_scripts(name, uris, beside)
     # Without the prefix it may be a script's own `Wood`.
-    looks = (_of_table, _of_scripts) if name.startswith(PREFIX) else (_of_scripts, _of_table)
-    uris = list(uris)
-    return next((found for look in looks if (found := look(name, uris, beside)) is not None), None)
+    return _of_scripts(name, uris, beside) or _of_table(name)
 
 
-def _of_table(name: str, _uris: Iterable[str], _beside: Path | None) -> Material | None:
+def _of_table(name: str) -> Material | None:
     material, texture = _known().get(name.removeprefix(PREFIX), (None, ""))
     return replace(material, texture=own_texture(texture)) if material is not None and texture else material
 
@@ -84,9 +84,8 @@ def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material
 
 
 def own_texture(name: str) -> Path | None:
-    """One of the pictures that lie beside the ready worlds; None if they are not installed."""
-    spec = importlib.util.find_spec("libgz.worlds")
-    file = Path(spec.origin).with_name(name) if spec is not None and spec.origin is not None else Path(name)
+    """One of the textures that are installed with libgz's worlds; None if it is not."""
+    file = installed_worlds() / name
     return file if file.is_file() else None
 
 
@@ -94,7 +93,7 @@ def _place(uri: str, beside: Path | None) -> list[Path]:
     try:
         return [find_uri(uri, beside)]
     except NotFoundError:
-        return []  # file://media/materials/scripts/gazebo.material, for one, is ours and not on disk
+        return []  # file://media/materials/scripts/gazebo.material is in the table and not on disk
 
 
 def _scripts(places: Iterable[Path]) -> Iterator[Path]:
@@ -110,7 +109,7 @@ def _scripts(places: Iterable[Path]) -> Iterator[Path]:
 
 @functools.lru_cache(maxsize=64)
 def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
-    """All materials of a script; what is not about colours and textures is passed over."""
+    """All materials of a script; lines about anything but colours and textures are skipped."""
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
     except OSError:

@@ -1,15 +1,18 @@
-"""Where SDF files look for others: models and media by URI. Never on the network."""
+"""Search paths of SDF files: models and media by URI, never on the network."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
+from lxml import etree
+
 from libgz.errors import NotFoundError
+from libgz.files import xml_parser
 
 __all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
 
-# Folders that plugins add while they run; they come after those of the variables.
+# Folders that plugins add at run time; they come after those of the environment variables.
 added_models: list[Path] = []
 added_resources: list[Path] = []
 
@@ -22,12 +25,12 @@ def _listed(variable: str) -> list[Path]:
 
 
 def model_directories() -> list[Path]:
-    """Where `model://` looks, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those that come with libgz."""
+    """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz."""
     return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
 
 
 def resource_directories() -> list[Path]:
-    """Where files look: the current directory, GAZEBO_RESOURCE_PATH and added ones, and the usual folders in these."""
+    """Folders of files: the current directory, GAZEBO_RESOURCE_PATH and added ones, and the usual folders in these."""
     folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources]
     return [Path.cwd(), *(folder / sub for folder in folders for sub in MEDIA)]
 
@@ -37,10 +40,10 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
 
     Args:
         uri: as written.
-        beside: folder of the file that names it; plain paths are tried there first.
+        beside: folder of the file that contains the URI; plain paths are tried there first.
 
     Raises:
-        NotFoundError: it is nowhere; the message lists the places tried.
+        NotFoundError: it does not exist; the message lists the places tried.
     """
     scheme, separator, rest = uri.strip().partition("://")
     if not separator:
@@ -60,10 +63,10 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
 
 
 def find_world(name: str) -> Path:
-    """A world's file: as it stands, in GAZEBO_RESOURCE_PATH, or among the worlds that come with libgz.
+    """A world's file: the path as given, in GAZEBO_RESOURCE_PATH, or among the worlds of libgz.
 
     Raises:
-        NotFoundError: it is nowhere; the message lists the places tried.
+        NotFoundError: it does not exist; the message lists the places tried.
     """
     path = Path(name).expanduser()
     places = [path] if path.is_absolute() else [folder / path for folder in (*resource_directories(), BUILT_IN.parent)]
@@ -85,14 +88,11 @@ def find_model(uri: str, beside: Path | None = None) -> Path:
 
 
 def _named_in_config(folder: Path) -> Path:
-    from lxml import etree
-
     config = next((folder / name for name in ("model.config", "manifest.xml") if (folder / name).is_file()), None)
     if config is None:
         raise NotFoundError(f"{folder} has no model.config")
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
     try:
-        files = etree.parse(str(config), parser).getroot().findall("sdf")
+        files = etree.parse(str(config), xml_parser()).getroot().findall("sdf")
     except etree.XMLSyntaxError as error:
         raise NotFoundError(f"{config} cannot be read: {error}") from None
     if not files:

@@ -9,7 +9,8 @@ from typing import IO
 
 from lxml import etree
 
-from libgz.errors import Diagnostic, Diagnostics, NotFoundError, WorldFileError, nearest
+from libgz.errors import Diagnostics, NotFoundError, Place, WorldFileError, nearest
+from libgz.files import read_limited, xml_parser
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
@@ -17,17 +18,16 @@ from libgz.sdf.value import check
 
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
-LARGEST_FILE = 64 * 1024 * 1024  # bytes
 DEEPEST_INCLUDE = 20
-UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; of links and joints models tell
+UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; models check links and joints
 LATER = ("frame", "relative_to")  # SDF 1.7's frames
 
 
 class SdfFile:
     """An SDF document, read and checked.
 
-    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `errors` what is wrong with it. Unknown
-    attributes are warnings; unknown elements are kept as they are.
+    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `diagnostics` its errors and warnings. Unknown
+    attributes are ignored and unknown elements kept, both with a warning.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class SdfFile:
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> SdfFile:
-        """Read a file; its errors are in `errors`.
+        """Read a file; its errors are in `diagnostics`.
 
         Raises:
             WorldFileError: it cannot be read, is not well-formed, or is not SDF.
@@ -51,7 +51,7 @@ class SdfFile:
 
     @classmethod
     def from_string(cls, text: str | bytes, label: str = "<string>", folder: Path | None = None) -> SdfFile:
-        """The same from text; `label` is what messages call it, `folder` where its relative paths begin."""
+        """The same from text; `label` is its name in messages, `folder` the base of its relative paths."""
         file = cls()
         file._label, file._folder = label, folder
         file._read(text.encode() if isinstance(text, str) else text)
@@ -59,18 +59,15 @@ class SdfFile:
 
     def _read_file(self, path: Path) -> None:
         try:
-            if path.stat().st_size > LARGEST_FILE:
-                raise WorldFileError(f"{path} is larger than {LARGEST_FILE >> 20} MiB")
-            data = path.read_bytes()
+            data = read_limited(path)
         except OSError as error:
             raise WorldFileError(f"Unable to read sdf file[{path}]: {error.strerror}") from None
         self._label, self._folder = str(path), path.parent
         self._read(data)
 
     def _read(self, data: bytes) -> None:
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
         try:
-            xml = etree.fromstring(data, parser)
+            xml = etree.fromstring(data, xml_parser())
         except etree.XMLSyntaxError as error:
             raise WorldFileError(f"{self._label}:{error.lineno or 1}: {error.msg}") from None
         if _local(xml) != "sdf":
@@ -83,24 +80,30 @@ class SdfFile:
         self._check_names()
 
     def _described_version(self, xml: etree._Element) -> str:
-        """The version whose description holds: the file's, or the nearest one, with a warning."""
-        said = xml.get("version")
-        if said is None:
-            self._fault(xml, "version is missing and must be given", "error")
+        """The version whose description applies: the file's, or the nearest one, with a warning."""
+        given = xml.get("version")
+        if given is None:
+            self._error(xml, "version is missing and must be given")
             return VERSIONS[-1]
-        if said in VERSIONS:
-            return said
+        if given in VERSIONS:
+            return given
         try:
-            number = tuple(map(int, said.split(".")))
+            number = tuple(map(int, given.split(".")))
         except ValueError:
-            self._fault(xml, f"version {said!r} is not allowed; {', '.join(VERSIONS)} are", "error")
+            self._error(xml, f"version {given!r} is not allowed; {', '.join(VERSIONS)} are")
             return VERSIONS[-1]
         nearest_version = VERSIONS[0] if number < (1, 4) else VERSIONS[-1]
-        self._fault(xml, f"version {said} is read as {nearest_version}; {', '.join(VERSIONS)} are known", "warning")
+        self._warn(xml, f"version {given} is read as {nearest_version}; {', '.join(VERSIONS)} are known")
         return nearest_version
 
-    def _fault(self, xml: etree._Element, message: str, severity: str) -> None:
-        self.diagnostics.add(Diagnostic(self._label, _line(xml), _local(xml), message, severity))
+    def _error(self, xml: etree._Element, message: str) -> None:
+        self.diagnostics.error(self._place(xml), message)
+
+    def _warn(self, xml: etree._Element, message: str) -> None:
+        self.diagnostics.warn(self._place(xml), message)
+
+    def _place(self, xml: etree._Element) -> Place:
+        return Place(self._label, _line(xml), _local(xml))
 
     # Elements ----------------------------------------------------------------------------------------------------
 
@@ -122,19 +125,19 @@ class SdfFile:
         for key, text in xml.attrib.items():
             name = str(key).rpartition("}")[2]
             if name in LATER:
-                self._fault(xml, f"{name} is of SDF 1.7 and later, which libgz does not read", "error")
+                self._error(xml, f"{name} is part of SDF 1.7 and later, which libgz does not read")
             elif description is not None and not description.open and name not in element.attributes:
                 known = nearest(name, element.attributes)
-                self._fault(xml, f"attribute {name!r} is not of SDF {self.version}, and is ignored{known}", "warning")
+                self._warn(xml, f"attribute {name!r} is not part of SDF {self.version} and is ignored{known}")
                 continue
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
             allowed = check(param.kind, param.text)
             if allowed:
-                self._fault(xml, f"{name} is {param.text!r}; it must be {allowed}", "error")
+                self._error(xml, f"{name} is {param.text!r}; it must be {allowed}")
         for about in description.all_attributes.values() if description is not None else ():
             if about.required and about.default == UNSET and not element.attributes[about.name].given:
-                self._fault(xml, f"attribute {about.name!r} is missing and must be given", "error")
+                self._error(xml, f"attribute {about.name!r} is missing and must be given")
 
     def _read_value(self, xml: etree._Element, element: Element) -> None:
         pieces = [xml.text or "", *(child.tail or "" for child in xml)]
@@ -144,7 +147,7 @@ class SdfFile:
         element.value.SetFromString(text)
         allowed = check(element.value.kind, text)
         if allowed:
-            self._fault(xml, f"{text.strip()!r} is not allowed; it must be {allowed}", "error")
+            self._error(xml, f"{text.strip()!r} is not allowed; it must be {allowed}")
 
     def _read_child(self, xml: etree._Element, parent: Element) -> None:
         name, description = _local(xml), parent.description
@@ -153,39 +156,37 @@ class SdfFile:
             return
         known = description.children.get(name) if description is not None and not description.open else None
         if name == "actor" and known is None and parent.name in ("world", "sdf"):
-            self._fault(xml, "actors are not simulated; it is kept without effect", "warning")
+            self._warn(xml, "actors are not simulated; it has no effect")
             parent.InsertElement(self._element(xml, None))
             return
         if name == "frame" and known is None and description is not None and not description.open:
-            self._fault(xml, "frames are of SDF 1.7 and later, which libgz does not read", "error")
+            self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
-            self._fault(xml, f"stands more than once in <{parent.name}>; the first one holds", "warning")
+            self._warn(xml, f"occurs more than once in <{parent.name}>; only the first one has an effect")
         elif known is None and description is not None and not description.open and description.children:
             hint = nearest(name, description.children)
-            self._fault(
-                xml, f"is not of SDF {self.version} in <{parent.name}>, and is kept without effect{hint}", "warning"
-            )
+            self._warn(xml, f"is not part of SDF {self.version} in <{parent.name}> and has no effect{hint}")
         parent.InsertElement(self._element(xml, known))
 
     def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
-        """Required children that are missing are made with their defaults, but for those that have none."""
+        """Create missing required children with their defaults; a missing one without a default is an error."""
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
             if element.name == "script" and "uri" in description.children:
-                element.AddElement(name)  # of a material: many files name only one of both, or write plain text
+                element.AddElement(name)  # of a material: many files have only one of both, or plain text
             elif about.default == UNSET:
-                self._fault(xml, f"<{name}> is missing and must be given", "error")
+                self._error(xml, f"<{name}> is missing and must be given")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
                 continue
             elif element.name == "joint" and name == "axis":
-                self._fault(xml, "<axis> is missing and must be given", "error")
+                self._error(xml, "<axis> is missing and must be given")
             else:
                 element.AddElement(name)
 
     def _check_names(self) -> None:
-        """Warn of two things of one kind and name in one place: only the first is found by its name."""
+        """Warn of two elements of one kind and name in one parent: only the first is found by its name."""
         for holder in (*self.root.find("world"), *self.root.find("link")):
             first: dict[tuple[str, str], Element] = {}
             for element in holder.children:
@@ -193,19 +194,19 @@ class SdfFile:
                 before = first.setdefault((element.name, name), element)
                 if name and before is not element:
                     message = f"{name!r} is the name of another <{element.name}>, at {before.where}; names must differ"
-                    self.diagnostics.add(Diagnostic(element.file, element.line, element.name, message, "warning"))
+                    self.diagnostics.warn(element, message)
 
     # Includes ----------------------------------------------------------------------------------------------------
 
     def _include(self, xml: etree._Element, parent: Element, description: Description) -> None:
-        """Put an included model, actor or light in its place, under the name and pose that the include gives it."""
-        said = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
-        uri = said.get("uri", "")
+        """Replace an include by its model, actor or light, with the name and pose that the include sets."""
+        given = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
+        uri = given.get("uri", "")
         if not uri:
-            self._fault(xml, "<uri> is missing and must be given", "error")
+            self._error(xml, "<uri> is missing and must be given")
             return
         if self._depth >= DEEPEST_INCLUDE:
-            self._fault(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?", "error")
+            self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return
         try:
             path = find_model(uri, self._folder)
@@ -213,30 +214,29 @@ class SdfFile:
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:
-            self._fault(xml, str(error), "error")
+            self._error(xml, str(error))
             return
-        for fault_ in included.diagnostics.found:
-            self.diagnostics.add(fault_)
+        self.diagnostics.add(*included.diagnostics.found)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
-            self._fault(xml, f"{path} has no model, light or actor", "error")
+            self._error(xml, f"{path} has no model, light or actor")
             return
-        self._place(xml, entity, said)
+        self._apply_include(xml, entity, given)
         included.root.RemoveChild(entity)
         parent.InsertElement(entity)
 
-    def _place(self, xml: etree._Element, entity: Element, said: dict[str, str]) -> None:
-        """Name, pose, static and plugins of an include replace or join those of what is included."""
-        if said.get("name"):
-            entity.set_attribute("name", said["name"])
+    def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, str]) -> None:
+        """Apply name, pose, static and plugins of an include to the included entity."""
+        if given.get("name"):
+            entity.set_attribute("name", given["name"])
         for key in ("pose", "static"):
-            if key in said:
+            if key in given:
                 target = entity.GetElement(key)
                 if target is not None:
-                    target.value.SetFromString(said[key])
-                    allowed = check(target.value.kind, said[key])
+                    target.value.SetFromString(given[key])
+                    allowed = check(target.value.kind, given[key])
                     if allowed:
-                        self._fault(xml, f"<{key}> is {said[key]!r}; it must be {allowed}", "error")
+                        self._error(xml, f"<{key}> is {given[key]!r}; it must be {allowed}")
         plugin = describe(self.version)["plugin"]
         for child in xml:
             if isinstance(child.tag, str) and _local(child) == "plugin":

@@ -1,4 +1,4 @@
-"""SDF in the words of 1.6, with files named in full, so that pieces of several documents can stand in one."""
+"""Conversion to SDF 1.6 with absolute file names, so that elements of several documents can be joined in one."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <
 
 
 def upgraded(element: Element, folder: Path | None = None) -> Element:
-    """A copy of an element, and of all in it, that means in SDF 1.6 what it means in the version it was read as.
+    """A copy of an element and all in it, with the meaning in SDF 1.6 that the original has in its own version.
 
     Args:
-        element: what is copied.
-        folder: where the copy will lie: files beside it keep their short names.
+        element: the original.
+        folder: of the file that will hold the copy: names of files in it stay relative.
     """
     copy = element.Clone()
-    _name_in_full(copy, folder)
+    _make_absolute(copy, folder)
     for world in [copy] if copy.name == "world" else copy.find("world"):
         _move_up(world)
     for name in ("axis", "axis2"):
         for axis in copy.find(name):
             if axis.description is not None and "use_parent_model_frame" not in axis.description.children:
-                _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes were of the model's frame
+                _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes are in the model's frame
     for imu in copy.find("imu"):
         _spread_noise(imu)
     return copy
 
 
-def _name_in_full(element: Element, folder: Path | None) -> None:
-    """Files that lie beside the one that names them are not found from elsewhere."""
+def _make_absolute(element: Element, folder: Path | None) -> None:
+    """Make the names of files absolute that are relative to the document's own folder."""
     for name in NAMES_OF_FILES:
         for found in element.find(name):
             text = found.Get(str).strip()
@@ -63,7 +63,7 @@ def _move_up(world: Element) -> None:
 
 
 def _spread_noise(imu: Element) -> None:
-    """One noise for all axes becomes one for each."""
+    """Replace one noise for all axes by one for each."""
     for noise in list(imu.named("noise")):
         imu.RemoveChild(noise)
         for old, new in NOISES.items():

@@ -1,10 +1,10 @@
-"""Values in SDF: text, and what it means."""
+"""Values in SDF: parsing, checking and formatting of text."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
@@ -63,7 +63,7 @@ _PARSERS: dict[type, Callable[[str], Any]] = {
     GzPose: _pose,
     GzColor: _color,
 }
-# The words of the description -> the Python type, and what is allowed.
+# Type in the description -> Python type, and what is allowed in words.
 _KINDS: dict[str, tuple[type, str]] = {
     "string": (str, "text"),
     "bool": (bool, "true, false, 1 or 0"),
@@ -79,20 +79,35 @@ _KINDS: dict[str, tuple[type, str]] = {
 }
 
 
+@runtime_checkable
+class FromSdf(Protocol):
+    """A class whose objects can be read from the text of an element."""
+
+    @classmethod
+    def from_sdf(cls, text: str) -> Any:
+        """The value of a text.
+
+        Raises:
+            ValueError: the text is no such value.
+        """
+
+
 def parse(kind: type[T], text: str) -> T:
     """The value of `text` as a `kind`.
 
     Args:
         kind: str, bool, int, float, GzVector, GzPose, GzColor, or a class with a class method `from_sdf(text)`.
-        text: as it stands in the file.
+        text: from the file.
 
     Raises:
-        ParameterError: the text means no such value, or the kind is unknown.
+        ParameterError: the text is no such value, or the kind is unknown.
     """
-    reader: Callable[[str], T] | None = _PARSERS.get(kind) or getattr(kind, "from_sdf", None)
+    reader: Callable[[str], T] | None = _PARSERS.get(kind)
+    if reader is None and isinstance(kind, type) and issubclass(kind, FromSdf):
+        reader = kind.from_sdf
     if reader is None:
         names = ", ".join(k.__name__ for k in _PARSERS)
-        raise ParameterError(f"{kind!r} is no kind of SDF value; use {names}, or a class with from_sdf(text)")
+        raise ParameterError(f"{kind!r} is not a type of SDF values; use {names}, or a class with from_sdf(text)")
     try:
         return reader(text)
     except ValueError:
@@ -112,7 +127,7 @@ def check(kind: str, text: str) -> str:
 
 
 def format_value(value: Any) -> str:
-    """A value as it stands in a file."""
+    """A value as text of a file."""
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, GzPose):

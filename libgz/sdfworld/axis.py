@@ -1,4 +1,4 @@
-"""What a `<joint>` element says: its kind, frame, axes, and ODE's parameters."""
+"""Reading a `<joint>` element: its kind, frame, axes, and ODE's parameters."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from libgz.sdf.element import Element
 
 __all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "read_joint"]
 
-UNLIMITED = 1e16  # limits from here on mean none
-HALF_TURN = 3.0  # [rad], a little less than that: stops give way
+UNLIMITED = 1e16  # limits of this size and above mean none
+HALF_TURN = 3.0  # [rad], a little less than pi: stops yield
 
 FindLink = Callable[[str], Body]  # a link by its name in a file
 
@@ -39,7 +39,7 @@ class Axis:
 
     @property
     def springs(self) -> bool:
-        """Whether it pushes by itself in every step."""
+        """Whether it applies an effort by itself in every step."""
         return self.damping != 0.0 or self.stiffness != 0.0
 
     @property
@@ -71,8 +71,8 @@ def read_joint(element: Element, find_link: FindLink, model_pose: GzPose) -> Joi
     """Read a `<joint>`.
 
     Args:
-        element: it.
-        find_link: gives a link by its name.
+        element: the `<joint>`.
+        find_link: returns a link by its name.
         model_pose: global pose of the model it stands in.
 
     Raises:
@@ -111,7 +111,7 @@ def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
 
 
 def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
-    """Global pose of the frame that axes mean by that of the parent model."""
+    """Global pose of the frame that SDF calls that of the parent model."""
     if parent is None:
         return GzPose()
     pose: GzPose = parent.model.GetPose() if parent.model is not None else model_pose
@@ -119,7 +119,7 @@ def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
 
 
 def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axis]:
-    """The axes in global terms: in SDF 1.4 they are of the model's frame, later of the joint's unless told."""
+    """The axes in global terms: in SDF 1.4 they are in the model's frame, later in the joint's by default."""
     axes = []
     for name in ("axis", "axis2"):
         if not element.HasElement(name):
@@ -150,7 +150,7 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axi
 
 
 def _number(element: Element, key: str) -> float:
-    """A number within what ODE can reckon with; what is beyond, infinity too, becomes that bound."""
+    """A number limited to what ODE can use; infinity becomes that bound."""
     value = element.Get(float, key)
     if math.isnan(value):
         raise ParameterError(f"{element.where}: <{key}> is not a number")
@@ -158,7 +158,7 @@ def _number(element: Element, key: str) -> float:
 
 
 def _read_ode(element: Element, plan: JointPlan) -> None:
-    """`<physics>`: what of it the file gives."""
+    """Read what the file has of `<physics>`."""
     if not element.HasElement("physics"):
         return
     physics = element.child("physics")

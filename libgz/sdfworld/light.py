@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.errors import Diagnostic, Diagnostics
+from libgz.errors import Diagnostics
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
@@ -35,8 +35,4 @@ class SdfLight(Entity):
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
-        set_light(
-            self.light,
-            element,
-            lambda part, text: diagnostics.add(Diagnostic(part.file, part.line, part.name, text, "warning")),
-        )
+        set_light(self.light, element, diagnostics.warn)

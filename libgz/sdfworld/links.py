@@ -1,4 +1,4 @@
-"""Links behind a joint, moved as one."""
+"""The links on one side of a joint, moved as one."""
 
 from __future__ import annotations
 

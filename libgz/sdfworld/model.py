@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.engine import Space
@@ -64,15 +64,15 @@ class SdfModel(Entity):
             self._guard(element, self._add_nested, element, pose)
         self._canonical = next((body for model in self.nested_family() for body in model.bodies), None)
         if self._canonical is None and self.parent is None:
-            self._note(self.sdf, "a model needs at least one link", "error")
+            self.diagnostics.error(self.sdf, "a model needs at least one link")
         elif self._canonical is not None:
             self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
         self._places = [(body, GzCoordPoseSub(body.GetPose(), pose), body.GetPose()) for body in self.bodies]
         self._start = self.GetPose()
 
     def build_joints(self) -> None:
-        """Make the joints of this model and of those nested in it, and let what has none fall asleep at rest."""
-        # Gears look for the hinges of what they join.
+        """Make the joints of this model and of those nested in it, and enable auto-disable for links without joints."""
+        # Gears search for the hinges of the links they join.
         for element in sorted(self.sdf.named("joint"), key=lambda e: e.Get(str, "type") == "gearbox"):
             self._guard(element, self.add_joint, element)
         for model in self.nested.values():
@@ -80,7 +80,7 @@ class SdfModel(Entity):
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
 
     def set_auto_disable(self, allow: bool) -> None:
-        """Whether links may fall asleep at rest; those of models with joints or sensors never do."""
+        """Whether links may be auto-disabled at rest; those of models with joints or sensors never are."""
         busy = any(body.joints for body in self.bodies) or any(
             link.HasElement("sensor") for link in self.sdf.named("link")
         )
@@ -88,20 +88,17 @@ class SdfModel(Entity):
             body.set_auto_disable(allow and not busy and not body.kinematic)
 
     def nested_family(self) -> Iterator[SdfModel]:
-        """This model and all that are nested in it."""
+        """This model and all models nested in it."""
         yield self
         for model in self.nested.values():
             yield from model.nested_family()
 
-    def _note(self, element: Element, message: str, severity: str = "warning") -> None:
-        self.diagnostics.add(Diagnostic(element.file or "<string>", element.line, element.name, message, severity))
-
     def _guard(self, element: Element, action: Callable[..., object], *arguments: object) -> None:
-        """Do something; what it raises is an error of the file, told with all others."""
+        """Call `action`; what it raises becomes an error of the file, reported with all others."""
         try:
             action(*arguments)
         except GazeboError as error:
-            self._note(element, str(error), "error")
+            self.diagnostics.error(element, str(error))
 
     # Links -------------------------------------------------------------------------------------------------------
 
@@ -125,7 +122,7 @@ class SdfModel(Entity):
         self._add_collisions(body, element)
         for visual in element.named("visual"):
             self._guard(visual, self._add_visual, body, visual)
-        link_lights(body, element, self._note)
+        link_lights(body, element, self.diagnostics.warn)
         if self.static:
             return
         inertial = element.child("inertial")
@@ -153,7 +150,7 @@ class SdfModel(Entity):
         return body
 
     def _self_collides(self, link: Element) -> bool:
-        """Whether a link touches others of its model; from SDF 1.5 the link's word is stronger than the model's."""
+        """Whether a link touches others of its model; from SDF 1.5 the link's setting overrides the model's."""
         if link.HasElement("self_collide"):
             return link.Get(bool, "self_collide")
         return self.sdf.Get(bool, "self_collide")
@@ -181,8 +178,8 @@ class SdfModel(Entity):
             set_body_surface(body.geoms, last, still=self.static or hilly)
 
     def add_collision(self, body: Body, element: Element, space: Space | None = None) -> Geom | None:
-        """Give a link a `<collision>`; None, with a warning, where its shape cannot be built."""
-        geom = make_collision(body, space or self.modelSpaceId, element, self._note)
+        """Add a `<collision>` to a link; None, with a warning, where its shape cannot be built."""
+        geom = make_collision(body, space or self.modelSpaceId, element, self.diagnostics.warn)
         if geom is None:
             return None
         geom.appearance.visible = False
@@ -192,11 +189,11 @@ class SdfModel(Entity):
         return geom
 
     def _add_visual(self, body: Body, element: Element) -> None:
-        """Geoms without a space: they are drawn and touch nothing."""
-        for geom in make_visual(body, element, self._note):
+        """Geoms without a space: they are rendered and touch nothing."""
+        for geom in make_visual(body, element, self.diagnostics.warn):
             self.geom_names[geom] = element.Get(str, "name")
             self.visual_elements[geom] = element
-            dress(geom, element, self._note)
+            dress(geom, element, self.diagnostics.warn)
 
     # Joints ------------------------------------------------------------------------------------------------------
 
@@ -303,7 +300,7 @@ class SdfModel(Entity):
                 body.SetAngularVel((0.0, 0.0, 0.0))
 
     def restore(self) -> None:
-        """Put all links, and those of nested models, back to where they began in the world, at rest."""
+        """Return all links, and those of nested models, to their initial poses in the world, at rest."""
         for model in self.nested_family():
             model._frame, elsewhere = model.initPose, model.initPose != model._start
             for body, place, start in model._places:
@@ -340,5 +337,5 @@ class SdfModel(Entity):
 
 
 def model_pose(element: Element) -> GzPose:
-    """The pose of a `<model>` in what is around it."""
+    """The pose of a `<model>` in its parent."""
     return element.Get(GzPose, "pose") if element.HasElement("pose") else GzPose(GzVector(), GzQuaternIdent())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from libgz.errors import Diagnostic, Diagnostics, ParameterError
+from libgz.errors import Diagnostics, ParameterError
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
@@ -51,7 +51,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     try:
         apply_physics(world, chosen, diagnostics)
     except ParameterError as error:
-        diagnostics.add(Diagnostic(chosen.file, chosen.line, chosen.name, str(error), "error"))
+        diagnostics.error(chosen, str(error))
     return settings
 
 
@@ -62,13 +62,13 @@ def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> N
     engine.max_contacts = physics.Get(int, "max_contacts")
     kind = physics.Get(str, "type")
     if kind != "ode":
-        _warn(diagnostics, physics, f"type {kind!r} is not supported; ODE is used instead")
+        diagnostics.warn(physics, f"type {kind!r} is not supported; ODE is used instead")
     solver = physics.child("ode").child("solver")
     engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
     engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
     model = solver.Get(str, "friction_model") or "pyramid_model"
     if model not in ("pyramid_model", "cone_model"):
-        _warn(diagnostics, solver, f"friction_model {model!r} is not supported; pyramid_model and cone_model are")
+        diagnostics.warn(solver, f"friction_model {model!r} is not supported; pyramid_model and cone_model are")
     engine.cone = model == "cone_model"
     constraints = physics.child("ode").child("constraints")
     engine.set_constraints(
@@ -77,7 +77,3 @@ def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> N
         constraints.Get(float, "contact_max_correcting_vel"),
     )
     world.simSpeed = physics.Get(float, "real_time_update_rate") * engine.step_time
-
-
-def _warn(diagnostics: Diagnostics, element: Element, message: str) -> None:
-    diagnostics.add(Diagnostic(element.file, element.line, element.name, message, "warning"))

@@ -1,4 +1,4 @@
-"""The shapes of SDF: what a `<geometry>` becomes on the engine."""
+"""The shapes of SDF: geoms from `<geometry>` elements."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ log = logging.getLogger("libgz.simulation")
 
 KNOWN = ("box", "sphere", "cylinder", "plane", "mesh", "heightmap", "polyline", "empty")
 MOST_PIXELS = 4097 * 4097
-PATCHES = 16  # of a drawn plane, in each direction: light is reckoned at their corners
+PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
-Note = Callable[[Element, str], None]  # tells a warning about an element
+Note = Callable[[Element, str], None]  # reports a warning about an element
 Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
 
 
@@ -61,7 +61,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
 
 
 def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
-    """The geoms of a `<visual>`, which are drawn and touch nothing: one for each colour of a mesh."""
+    """The geoms of a `<visual>`, which are rendered and touch nothing: one for each colour of a mesh."""
     shape = _shape(element, note)
     if shape is None:
         return []
@@ -84,7 +84,7 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
 
 
 def _shape(element: Element, note: Note) -> Element | None:
-    """The shape of a collision or visual; None, with a warning, where it is of a kind that is not built here."""
+    """The shape of a collision or visual; None, with a warning, where its kind is not supported."""
     shape = element.child("geometry").GetFirstElement()
     if shape is None or shape.name == "empty":
         return None
@@ -120,7 +120,7 @@ def _plane(shape: Element) -> MeshPart:
 
 
 def _across() -> NDArray[np.float64]:
-    """Texture coordinates of such a rectangle: it carries the whole picture once."""
+    """Texture coordinates of such a rectangle: it shows the whole image once."""
     x, y = np.meshgrid(*(np.linspace(0.0, 1.0, PATCHES + 1),) * 2)
     return np.stack([x.ravel(), y.ravel()], axis=1)
 
@@ -133,7 +133,7 @@ def _merged(parts: list[MeshPart]) -> Triangles:
 
 
 def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
-    """What a shape of triangles is made of; nothing, with a warning, where a file is missing or cannot be read."""
+    """The triangles of a mesh-like shape; none, with a warning, where a file is missing or cannot be read."""
     makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline}
     try:
         return makers[shape.name](shape, element)
@@ -155,7 +155,7 @@ def _find(shape: Element) -> Path:
 
 
 def _read(shape: Element, _element: Element) -> list[MeshPart]:
-    """The parts of a mesh file, scaled; of a `<submesh>` those of its name, put about the origin on request."""
+    """The parts of a mesh file, scaled; of a `<submesh>` those of its name, centred on the origin on request."""
     path = _find(shape)
     parts = read_mesh(path)
     scale = np.array(shape.Get(GzVector, "scale"))
@@ -170,7 +170,7 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
         if submesh.Get(bool, "center"):
             points = np.concatenate([part.vertices for part in parts])
             center = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    turned = bool(np.prod(scale) < 0.0)  # mirrored: keep the outside outside
+    turned = bool(np.prod(scale) < 0.0)  # mirrored: keep normals pointing outwards
     return [
         MeshPart(
             part.name,
@@ -183,11 +183,11 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
 
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
-    """Ground from a picture: black is the bottom, the brightest pixel size z above it; its top row lies at +y."""
+    """Ground from an image: black is the bottom, the brightest pixel is size z above it; the top row lies at +y."""
     from PIL import Image, UnidentifiedImageError
 
     if not shape.HasElement("uri") or not shape.Get(str, "uri"):
-        raise ParameterError("<heightmap> needs the <uri> of a picture")
+        raise ParameterError("<heightmap> needs the <uri> of an image")
     path = _find(shape)
     size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
     for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
@@ -199,7 +199,7 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
             grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
             pixels = np.array(grey, dtype=np.float64)
     except (UnidentifiedImageError, OSError) as error:
-        raise GazeboError(f"{path} is no picture that can be read: {error}") from None
+        raise GazeboError(f"{path} is not a readable image: {error}") from None
     brightest = float(pixels.max())
     heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
     rows, columns = heights.shape
@@ -211,7 +211,7 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
 
 
 def _polyline(_shape: Element, element: Element) -> list[MeshPart]:
-    """A solid drawn up from an outline; further polylines of the geometry are holes in it."""
+    """A solid extruded from an outline; further polylines of the geometry are holes in it."""
     lines = list(element.child("geometry").named("polyline"))
     rings = [[_flat(point) for point in line.named("point")] for line in lines]
     height = positive(lines[0].Get(float, "height"), "polyline height [m]")

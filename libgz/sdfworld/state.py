@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.errors import Diagnostic, Diagnostics, NotFoundError, ParameterError
+from libgz.errors import Diagnostics, NotFoundError, ParameterError
 from libgz.geometry import GzPose, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
@@ -14,7 +14,7 @@ __all__ = ["apply_state"]
 
 
 def apply_state(world: World, state: Element, diagnostics: Diagnostics) -> None:
-    """Put models, links and lights where a `<state>` says. What it names and is not there is a warning.
+    """Apply the poses and velocities of a `<state>` to models, links and lights. Unknown names are warnings.
 
     Poses are global [m, rad]; velocities [m/s, rad/s]. The sim time is that of the state. Insertions are built by who
     loads the world.
@@ -47,7 +47,7 @@ def _find(world: World, element: Element, diagnostics: Diagnostics) -> Entity | 
         found: Entity = world.model(name)
         return found
     except NotFoundError as error:
-        diagnostics.add(Diagnostic(element.file, element.line, element.name, f"of <state>: {error}", "warning"))
+        diagnostics.warn(element, f"of <state>: {error}")
         return None
 
 
@@ -59,7 +59,7 @@ def _apply_model(world: World, model: Entity, element: Element, diagnostics: Dia
         try:
             body = model.GetBody(name)
         except NotFoundError as error:
-            diagnostics.add(Diagnostic(link.file, link.line, link.name, f"of <state>: {error}", "warning"))
+            diagnostics.warn(link, f"of <state>: {error}")
             continue
         _apply_link(body, link)
     for inner in element.named("model"):

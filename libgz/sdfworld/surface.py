@@ -1,4 +1,4 @@
-"""How collisions of SDF touch each other: `<surface>` as rows of the engine's table."""
+"""Contact properties of SDF collisions: `<surface>` as rows of the engine's table."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ALL_BITS = 0xFFFFFFFF
 
 
 def set_surface(geom: Geom, element: Element) -> None:
-    """Hand a `<collision>`'s surface to the engine; negative friction coefficients are infinite ones."""
+    """Set the contact properties of a `<collision>`; negative friction coefficients mean infinite ones."""
     surface = element.child("surface")
     contact, bounce, all_friction = surface.child("contact"), surface.child("bounce"), surface.child("friction")
     ode, friction = contact.child("ode"), all_friction.child("ode")

@@ -1,4 +1,4 @@
-"""How an SDF world looks: materials of visuals, lights, and the scene behind them."""
+"""Appearance of an SDF world: materials of visuals, lights, and the scene behind them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ __all__ = [
 
 log = logging.getLogger("libgz.simulation")
 
-Note = Callable[[Element, str], object]  # tells a warning about an element
+Note = Callable[[Element, str], object]  # reports a warning about an element
 
 UNSET = "__default__"
 KINDS = ("point", "directional", "spot")
@@ -46,7 +46,7 @@ HOUR = 3600.0  # [s]
 
 
 def dress(geom: Geom, element: Element, note: Note) -> None:
-    """Give a geom the material and transparency of its `<visual>`. Without a material it is white."""
+    """Apply the material and transparency of a `<visual>` to its geom. Without a material it is white."""
     look = geom.appearance
     if not element.child("geometry").HasElement("mesh"):
         put_on(look, Material())
@@ -82,7 +82,7 @@ def material_name(element: Element) -> str:
 
 
 def scripted_material(name: str, element: Element | None) -> Material | None:
-    """A material by name, looked for in the scripts that a `<material>` names, too; None if it is not known."""
+    """A material by name, searched for in the scripts that a `<material>` names, too; None if it is not known."""
     script = next(element.named("script"), None) if element is not None else None
     if script is None:
         return find_material(name)
@@ -92,7 +92,7 @@ def scripted_material(name: str, element: Element | None) -> Material | None:
 
 
 def put_on(look: Appearance, material: Material) -> None:
-    """Give an appearance a material's colours and texture."""
+    """Apply a material's colours and texture to an appearance."""
     look.ambient, look.diffuse = GzColor(*material.ambient), GzColor(*material.diffuse)
     look.specular, look.emission = GzColor(*material.specular), GzColor(*material.emissive)
     look.shininess, look.texture_file = material.shininess, material.texture
@@ -102,7 +102,7 @@ def put_on(look: Appearance, material: Material) -> None:
 
 
 def _unlight(look: Appearance) -> None:
-    """Show plain colours, whatever the light."""
+    """Show plain colours, independent of the light."""
     glow = look.emission if any(tuple(look.emission)[:3]) else look.diffuse
     look.emission = GzColor(*glow)
     look.ambient, look.specular = GzColor(), GzColor()
@@ -110,7 +110,7 @@ def _unlight(look: Appearance) -> None:
 
 
 def set_transparency(look: Appearance, transparency: float) -> None:
-    """Set how much can be seen through, 0 to 1, on top of the alpha of the diffuse colour."""
+    """Set the transparency, 0 to 1, in addition to the alpha of the diffuse colour."""
     look.transparency = transparency
     clear = look.diffuse.a * (1.0 - transparency) < 1.0
     look.render_order = RENDER_TRANSPARENT if clear else RENDER_OPAQUE
@@ -121,10 +121,10 @@ def set_transparency(look: Appearance, transparency: float) -> None:
 
 
 def set_light(light: LightGeom, element: Element, note: Note) -> None:
-    """Give a light what a `<light>` says; one without `<attenuation>` does not fade."""
+    """Apply a `<light>` to a light; one without `<attenuation>` does not fade."""
     light.SetDiffuseColor(element.Get(GzColor, "diffuse"))
     light.SetSpecularColor(element.Get(GzColor, "specular"))
-    light.SetAmbientColor(GzColor())  # what comes from everywhere is the scene's
+    light.SetAmbientColor(GzColor())  # ambient light is the scene's
     kind = element.Get(str, "type")
     if kind not in KINDS:
         note(element, f"there is no light of type {kind!r}{nearest(kind, KINDS)}; it is shown as a point light")
@@ -145,7 +145,7 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
 
 
 def link_lights(body: Body, link: Element, note: Note) -> None:
-    """The lights of a `<link>`, which go along with it."""
+    """Add the lights of a `<link>`, which move with it."""
     for element in link.named("light"):
         light = LightGeom(body, None)
         light.SetRelativePose(element.Get(GzPose, "pose"), updateCoM=False)
@@ -156,7 +156,7 @@ def link_lights(body: Body, link: Element, note: Note) -> None:
 
 
 def apply_scene(world: World, element: Element) -> None:
-    """Give a world the colours, the fog and the sky of a `<scene>`."""
+    """Apply the colours, the fog and the sky of a `<scene>` to a world."""
     world.backdrop.ambient = element.Get(GzColor, "ambient")
     world.skyColor = element.Get(GzColor, "background")
     if element.HasElement("fog"):
@@ -175,7 +175,7 @@ def apply_scene(world: World, element: Element) -> None:
 
 
 def set_sky(world: World, time: float | None) -> None:
-    """Draw a sky for a time of day [h] behind everything, or none."""
+    """Show a sky for a time of day [h] behind everything, or none."""
     dome = next((geom for geom in world.engine.geoms.values() if isinstance(geom, DomeGeom)), None)
     if time is None:
         if dome is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.errors import Diagnostic, Diagnostics, GazeboError
+from libgz.errors import Diagnostics, GazeboError
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
@@ -36,7 +36,7 @@ class WorldJoints(Entity):
                 plan = read_joint(element, self.find_link, GzPose())
                 self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
             except GazeboError as error:
-                diagnostics.add(Diagnostic(element.file, element.line, "joint", str(error), "error"))
+                diagnostics.error(element, str(error))
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

@@ -1,4 +1,4 @@
-"""Era: what tells the worlds of one generation of Gazebo from another's."""
+"""Era: what differs between the worlds of the two generations of Gazebo."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pacer: keeps simulated time from running ahead of the clock on the wall."""
+"""Pacer: keeps sim time from running ahead of real time."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from libgz.physics.check import not_negative
 
 __all__ = ["Pacer"]
 
-LARGEST_DEBT = 1.0  # [s]; a simulation that fell further behind does not race to catch up
+LARGEST_DEBT = 1.0  # [s]; a simulation that is further behind does not try to catch up
 LONGEST_SLEEP = 0.1  # [s]; so that a signal is noticed soon
 
 
 class Pacer:
-    """Sleeps until simulated time may go on.
+    """Sleeps until the next step is due in real time.
 
     Args:
         speed: simulated seconds per second of real time; 0 for as fast as possible.
@@ -25,7 +25,7 @@ class Pacer:
         self._simulated_at_start = 0.0
 
     def ahead(self, simulated: float) -> float:
-        """How long [s] to sleep before going on from `simulated` seconds; 0 if it is time."""
+        """How long [s] to sleep before the step after `simulated` seconds of sim time; 0 if it is due."""
         if self.speed == 0.0:
             return 0.0
         now = time.monotonic()
@@ -37,7 +37,7 @@ class Pacer:
         return max(0.0, ahead)
 
     def sleep(self, simulated: float) -> bool:
-        """Sleep a while, 0.1 s at most; whether it is time to go on."""
+        """Sleep, 0.1 s at most; whether the next step is due."""
         ahead = self.ahead(simulated)
         if ahead > 0.0:
             time.sleep(min(ahead, LONGEST_SLEEP))

@@ -32,7 +32,7 @@ class Plugin:
 
 
 def collect(name: str, kind: Any) -> bool:
-    """Note a registration of the plugin file that is being loaded; false if none is."""
+    """Record a registration of the plugin file that is being loaded; false if none is."""
     plugin = _loading.get()
     if plugin is None:
         return False
@@ -48,7 +48,7 @@ def _file_names(name: str) -> list[str]:
 
 
 def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
-    """Files in a folder that have one of the names; the case may differ, for old files were careless with it."""
+    """Files in a folder that have one of the names; the case may differ, as old files often differ in it."""
     for name in names:
         if (folder / name).is_file():
             yield folder / name
@@ -60,7 +60,7 @@ def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
 def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path | None:
     """The Python file of a plugin in the first of several (why, directory) that has it; an absolute name means itself.
 
-    What was looked at in vain is added to `tried`, a line each.
+    Every place without it is added to `tried`, a line each.
     """
     names = _file_names(name)
     if name[0] in "/~":
@@ -83,7 +83,7 @@ def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path 
 
 
 def load_plugin(path: Path) -> Plugin:
-    """Run a plugin file and gather what it registers. A file is run once per process, and again once it was edited.
+    """Run a plugin file and collect what it registers. A file is run once per process, and again after it was edited.
 
     Each file is a module of its own, whatever classes it defines: two files may both define a class of one name.
     Plugins that are loaded stay what they are when their file is edited; what is loaded later is new.
@@ -107,7 +107,7 @@ def load_plugin(path: Path) -> Plugin:
         sys.path.append(str(path.parent))  # a plugin may import its neighbours, at any time
     token = _loading.set(plugin)
     try:
-        # Not by exec_module: its cache of compiled files takes an edit within a second for none.
+        # Not by exec_module: its cache of compiled files misses an edit within the same second.
         code = spec.loader.source_to_code(path.read_bytes(), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
@@ -137,8 +137,8 @@ def _edited(path: Path) -> tuple[int, int]:
 
 
 def own_traceback(error: BaseException, path: Path | None = None) -> str:
-    """The traceback of an error from the user's own code on: without the frames of libgz and importlib above it."""
-    if isinstance(error, SyntaxError):  # it names the place itself
+    """The traceback of an error in the user's own code: without the frames of libgz and importlib above it."""
+    if isinstance(error, SyntaxError):  # its message names the place
         return "".join(traceback.format_exception_only(error)).rstrip()
     frames = traceback.extract_tb(error.__traceback__)
     package = Path(__file__).parent.parent

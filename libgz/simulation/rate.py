@@ -1,16 +1,16 @@
-"""UpdateRate: when a model has to act, by sim time; and OldRate, when the old server's models did."""
+"""UpdateRate: when a model is due to act, by sim time; and OldRate, the old server's rule for it."""
 
 from __future__ import annotations
 
 import math
 
-__all__ = ["OldRate", "UpdateRate"]
+__all__ = ["TIME_SLACK", "OldRate", "UpdateRate"]
 
-_SLACK = 1e-9  # [s]; sums of step times are off by less
+TIME_SLACK = 1e-9  # [s]; the error of a sum of step times is less
 
 
 class UpdateRate:
-    """Ticks at a rate of sim time [Hz]: at the first call, then whenever a period has gone by.
+    """Ticks at a rate of sim time [Hz]: at the first call, then whenever a period has passed.
 
     The period is 1 / (rate + 1e-6), the old server's formula: 10 Hz is every fifth step of 20 ms.
     """
@@ -20,15 +20,15 @@ class UpdateRate:
         self.last = -math.inf
 
     def due(self, now: float) -> bool:
-        """Whether to act at sim time `now` [s]: also when time was set back. If so, the next period begins."""
-        if 0.0 <= now - self.last < self.period - _SLACK:
+        """Whether it is due at sim time `now` [s], also when time was set back. If so, the next period begins."""
+        if 0.0 <= now - self.last < self.period - TIME_SLACK:
             return False
         self.last = now
         return True
 
 
 class OldRate(UpdateRate):
-    """Ticks as the old server's models did: sums of step times are compared as they are, and may fall short by 1e-16 s.
+    """Ticks as the old server's models did: sums of step times are compared without a tolerance.
 
     Args:
         period: least time between two ticks [s].

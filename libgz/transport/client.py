@@ -1,4 +1,4 @@
-"""The client's side of the wire: finding a server, and sleeping until it has news."""
+"""Client: a connection to a server, which opens interfaces and waits for the server's posts."""
 
 from __future__ import annotations
 
@@ -6,14 +6,12 @@ import errno
 import os
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.errors import InterfaceError, ParameterError, ServerError, nearest
-from libgz.transport.paths import check_server_id, server_directory
+from libgz.transport.interface import Interface
+from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
 from libgz.transport.semaphores import CLIENTS, SemaphoreSet
-
-if TYPE_CHECKING:
-    from libgz.transport.interface import Interface
 
 __all__ = ["Client"]
 
@@ -21,10 +19,10 @@ _POLL = 0.02  # [s]
 
 
 class Client:
-    """A connection to a server; it opens interfaces and waits for news.
+    """A connection to a server.
 
-    Client ids: 0 to 7 are for users' programs, 8 for wxgazebo, 9 for Player. Two clients that wait under one id
-    steal each other's news.
+    Client ids: 0 to 7 are for users' programs, 8 for wxgazebo, 9 for Player. If two clients wait under one id, each
+    post wakes only one of them.
     """
 
     def __init__(self) -> None:
@@ -36,10 +34,10 @@ class Client:
 
     @staticmethod
     def query(server_id: int) -> bool:
-        """Whether a server with this id is there.
+        """Whether a server with this id is present.
 
         Raises:
-            InterfaceError: it cannot be told, because the semaphores are another user's.
+            InterfaceError: the semaphores belong to another user.
         """
         try:
             SemaphoreSet.attach(server_id)
@@ -50,15 +48,20 @@ class Client:
         return True
 
     def connect(self, server_id: int) -> None:
-        """Take note of a server: interfaces can be opened. It cannot be waited for, and need not be there yet."""
+        """Set the server of a client that does not wait. The server need not run yet.
+
+        Raises:
+            ParameterError: the server id is invalid, or the path of its directory is too long.
+        """
         self.connect_wait(server_id, -1)
 
     def connect_wait(self, server_id: int, client_id: int) -> None:
         """Connect so that `wait` works.
 
         Raises:
-            ParameterError: the client id is above 15.
-            ServerError: there is no such server.
+            ParameterError: the client id is above 15, the server id is invalid, or the path of its directory is too
+                long.
+            ServerError: there is no such server, or its semaphores belong to another user.
         """
         if client_id >= CLIENTS:
             raise ParameterError(f"invalid client ID [{client_id}]: 0 to {CLIENTS - 1} are allowed")
@@ -76,45 +79,51 @@ class Client:
             ) from None
 
     def wait_for_server(self, timeout: float) -> None:
-        """Sleep until the server serves all its interfaces; `sim` is the one it makes last.
+        """Sleep until the server serves all its interfaces; it creates `sim` last.
+
+        Args:
+            timeout: [s].
 
         Raises:
-            ServerError: it was not there in time.
+            ServerError: the server was not ready before the timeout.
+            InterfaceError: the semaphores belong to another user.
         """
         end = time.monotonic() + timeout
         ready = Path(self.path) / "sim.default"
         while not (self.query(self.server_id) and ready.exists()):
             if time.monotonic() >= end:
-                raise ServerError(f"server {self.server_id} does not appear to be running ({ready} is not there)")
+                raise ServerError(f"server {self.server_id} does not appear to be running ({ready} does not exist)")
             time.sleep(_POLL)
 
     def wait(self, timeout: float | None = None) -> bool:
         """Sleep until the server posts, once a simulation step; the first wait may return at once.
 
         Args:
-            timeout: [s]; None waits for ever.
+            timeout: [s]; None waits without a limit.
 
         Returns:
-            Whether there is news; False when the time was over. Always True for a client without an id.
+            Whether the server posted before the timeout. Always True for a client without an id.
 
         Raises:
             ServerGoneError: the server ended.
+            InterfaceError: the wait failed for another reason.
+            ParameterError: the timeout is negative or NaN.
         """
         if self._semaphores is None:
             return True
         return self._semaphores.wait(self.client_id, timeout)
 
     def interfaces(self) -> list[tuple[str, str]]:
-        """(type, id) of all interfaces the server serves."""
+        """(type, id) of all interfaces of the server, sorted."""
         try:
             names = sorted(os.listdir(self.path))  # noqa: PTH208
         except OSError:
             return []
-        pairs = (name.partition(".") for name in names if name != "gazebo.pid")
+        pairs = (name.partition(".") for name in names if name != LOCK_FILE)
         return [(kind, name) for kind, dot, name in pairs if dot]
 
     def hint(self, kind: str, name: str) -> str:
-        """What to say of an interface that is not there."""
+        """The end of an error message about an interface that is not served: those of its type, and similar ids."""
         served = [other for k, other in self.interfaces() if k == kind]
         if not served:
             return f"; server {self.server_id} serves no {kind} interface"

@@ -1,4 +1,4 @@
-"""Guard: what clients write is never trusted."""
+"""Guard: checks of the numbers that clients write."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ log = logging.getLogger("libgz.transport")
 
 
 class Guard:
-    """Lets sane numbers through, clamps large ones, drops NaN and infinities, and says each thing once.
+    """Accepts numbers in range, clamps large ones, and ignores NaN and infinities; it warns once of each problem.
 
     Args:
         label: the interface, for messages.
@@ -19,21 +19,26 @@ class Guard:
 
     def __init__(self, label: str) -> None:
         self.label = label
-        self._told: set[tuple[str, str]] = set()
+        self._reported: set[tuple[str, str]] = set()
 
     def number(self, name: str, value: float, previous: float, limit: float) -> float:
-        """`value` within +-limit, or `previous` where it is not a number."""
+        """`value` clamped to +-limit, or `previous` where it is not finite."""
         if -limit <= value <= limit:
             return value
         if not math.isfinite(value):
-            self.tell(name, f"is {value}, and is ignored")
+            self.warn(name, f"is {value}", "is ignored")
             return previous
-        self.tell(name, f"is {value:g}, and is clamped to {limit:g}")
+        self.warn(name, f"is {value:g}", f"is clamped to {limit:g}")
         return math.copysign(limit, value)
 
-    def tell(self, name: str, what: str) -> None:
-        """Warn about a field, once for each kind of error."""
-        kind = what.split(",")[-1]
-        if (name, kind) not in self._told:
-            self._told.add((name, kind))
-            log.warning("a client wrote %s: %s %s", self.label, name, what)
+    def warn(self, name: str, problem: str, consequence: str) -> None:
+        """Warn about a field, once for each consequence.
+
+        Args:
+            name: the field.
+            problem: what is wrong with it, such as "is nan".
+            consequence: what the server does about it, such as "is ignored".
+        """
+        if (name, consequence) not in self._reported:
+            self._reported.add((name, consequence))
+            log.warning("a client wrote %s: %s %s, and %s", self.label, name, problem, consequence)

@@ -12,30 +12,68 @@ import os
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from typing import Any, ClassVar, Generic, TypeAlias, TypeVar, overload
+from typing import Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, InterfaceError
-from libgz.transport.client import Client
 from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, fields_of, numpy_type
-from libgz.transport.paths import LONGEST_PATH, check_id, file_name
-from libgz.transport.server import LocalServer, Server
+from libgz.transport.paths import check_id, file_name
+from libgz.transport.segment import Segment
 
-__all__ = ["DataClass", "Interface", "View"]
+__all__ = ["DataClass", "Interface", "InterfaceClient", "InterfaceServer", "View"]
 
 log = logging.getLogger("libgz.transport")
 
 D = TypeVar("D", bound=Data)
 DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 
-SERVER_PATIENCE = 0.02  # [s] a server waits for a lock that a client holds
+SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
 
 
+class InterfaceServer(Protocol):
+    """The server of an interface, as the interface uses it."""
+
+    version: int  # of the wire
+
+    def allocate(self, interface: Interface[Any]) -> Segment:
+        """Register a new interface and return zeroed memory of `interface.size` bytes for it.
+
+        Clients do not see it before `show`. If the server has another interface of this type and id, the memory
+        belongs to this process only.
+
+        Raises:
+            OSError: the file cannot be created.
+        """
+
+    def show(self, interface: Interface[Any]) -> None:
+        """Make an interface visible to clients, once its head is written.
+
+        Raises:
+            OSError: the file cannot be renamed.
+        """
+
+    def release(self, interface: Interface[Any]) -> None:
+        """Remove an interface and its file."""
+
+    def post(self) -> None:
+        """Wake all clients."""
+
+
+class InterfaceClient(Protocol):
+    """The client of an interface, as the interface uses it."""
+
+    path: str  # of the server's directory
+    opened: list[Interface[Any]]
+
+    def hint(self, kind: str, name: str) -> str:
+        """The end of an error message about an interface that is not served."""
+
+
 class View:
-    """A field of an interface as a numpy array on the shared memory: no copy, and no lock."""
+    """A field of an interface as a numpy array on the shared memory; it is not a copy and takes no lock."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -59,10 +97,10 @@ class View:
 
 
 class Interface(Generic[D]):
-    """Base of all interfaces, on either side of the wire.
+    """Base of all interfaces, for servers and clients.
 
-    `data` is the struct as C programs see it; numpy views and properties come with each kind. Read and write under the
-    lock if the fields must belong together::
+    `data` is the struct as C programs see it; each kind adds numpy views and properties. Take the lock to read or write
+    several fields that must be consistent::
 
         with robot.locked() as data:
             data.cmd_vel_pos[0] = 0.2
@@ -70,37 +108,41 @@ class Interface(Generic[D]):
 
     type: ClassVar[str]
     data_class: ClassVar[DataClass]
-    older: ClassVar[Mapping[int, DataClass]] = {}  # version -> struct, where it was another one
+    older: ClassVar[Mapping[int, DataClass]] = {}  # wire version -> struct, where it differs
     has_post: ClassVar[bool] = True
 
     def __init__(self) -> None:
         self.id = ""
         self.layout = self.data_class
-        self.server: LocalServer | None = None
-        self.client: Client | None = None
-        self._descriptor: int | None = None
+        self.server: InterfaceServer | None = None
+        self.client: InterfaceClient | None = None
+        self.descriptor: int | None = None  # of the file; None for memory of this process
         self._memory: mmap.mmap | bytearray | None = None
         self._data: D | None = None
         self._arrays: dict[str, NDArray[Any]] = {}
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
-        self._served = False
-        self._stuck = False
+        self._blocked = False  # a client held the lock at the last attempt
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.type}.{self.id}>"
 
     @property
     def model_id(self) -> int:
-        """The number of the model that made it, on the server's side."""
+        """The number of the model that created the interface; server only."""
         return self._owner[1]
 
     @property
     def size(self) -> int:
-        """Bytes of the struct, and of its file."""
+        """Size of the struct and of its file [byte]."""
         return ctypes.sizeof(self.layout)
 
     def layout_for(self, version: int, length: int | None) -> DataClass:
-        """The struct of a wire version, in a file of so many bytes; None on the server's side, which makes the file."""
+        """The struct of a wire version.
+
+        Args:
+            version: the wire version.
+            length: size of the file [byte]; None on the server, which creates the file.
+        """
         return self.older.get(version, self.data_class)
 
     @property
@@ -115,7 +157,11 @@ class Interface(Generic[D]):
         return self._data
 
     def array(self, name: str) -> NDArray[Any]:
-        """A numeric field as a numpy array on the shared memory."""
+        """A numeric field as a numpy array on the shared memory.
+
+        Raises:
+            ClosedError: the interface is not open.
+        """
         found = self._arrays.get(name)
         if found is None:
             _ = self.data
@@ -127,49 +173,43 @@ class Interface(Generic[D]):
             self._arrays[name] = found
         return found
 
-    # Server's side -----------------------------------------------------------------------------------------------
+    # Server ------------------------------------------------------------------------------------------------------
 
     def create(
         self,
-        server: LocalServer,
+        server: InterfaceServer,
         id: str | None,
         model_type: str = "",
         model_id: int = 0,
         parent_model_id: int = 0,
     ) -> None:
-        """Make the interface on a server.
+        """Create the interface on a server.
 
-        If the server has one of this type and id already, this one becomes memory of this process that nobody reads,
-        with a warning: the model runs on without it.
+        If the server already has one of this type and id, the server warns and clients cannot reach this one: its
+        memory belongs to this process only.
+
+        Args:
+            server: the server.
+            id: the interface id, part of the file's name.
+            model_type: the class of the model that owns the interface.
+            model_id: the number of the model.
+            parent_model_id: the number of the model that this model is attached to, or 0.
 
         Raises:
-            InterfaceError: the id cannot be used, or the file cannot be made.
+            InterfaceError: the id is invalid, the interface is open already, or the file cannot be created.
         """
         self.id = check_id(self.type, id)
         self._require_closed()
         self.layout = self.layout_for(server.version, None)
-        size = self.size
-        self.server = server
-        self._served = server.claim(self)
-        if self._served and isinstance(server, Server):
-            _warn_of_length(f"{server.path}/{file_name(self.type, self.id)}")
-            try:
-                self._descriptor = server.create_file(file_name(self.type, self.id), size)
-                self._memory = mmap.mmap(self._descriptor, size)
-            except OSError as error:
-                server.release(self)
-                raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
-        else:
-            self._memory = bytearray(size)
-        self._map()
         self._owner = (model_type, model_id, parent_model_id)
-        self._write_head()
-        if self._descriptor is not None and isinstance(server, Server):
-            try:
-                server.show_file(file_name(self.type, self.id))
-            except OSError as error:
-                self.destroy()
-                raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
+        self.server = server
+        try:
+            self._map(server.allocate(self))
+            self._write_head()
+            server.show(self)
+        except OSError as error:
+            self.destroy()
+            raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
 
     def _write_head(self) -> None:
         head = self.data.head
@@ -181,26 +221,24 @@ class Interface(Generic[D]):
         head.parent_model_id = _int32(parent_model_id)
 
     def destroy(self) -> None:
-        """Take the interface off its server. Can be called twice."""
-        server = self.server
-        if server is not None and self._served:
-            if isinstance(server, Server) and self._descriptor is not None:
-                server.unlink_file(file_name(self.type, self.id), self._descriptor)
-            server.release(self)
-        self._release()
+        """Remove the interface from its server. Can be called twice."""
+        if self.server is not None:
+            self.server.release(self)
+        self._unmap()
 
     def post(self) -> None:
         """Wake the server's clients."""
         if self.server is not None:
             self.server.post()
 
-    # Client's side -----------------------------------------------------------------------------------------------
+    # Client ------------------------------------------------------------------------------------------------------
 
-    def open(self, client: Client, id: str | None) -> None:
+    def open(self, client: InterfaceClient, id: str | None) -> None:
         """Open an interface that a server serves.
 
         Raises:
-            InterfaceError: there is none of this type and id, or it is of another version.
+            InterfaceError: the id is invalid, this object is open already, the server has no interface of this type and
+                id, or the file is smaller than the struct.
         """
         self.id = check_id(self.type, id)
         self._require_closed()
@@ -217,18 +255,17 @@ class Interface(Generic[D]):
             size = self.size
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
-            self._memory = mmap.mmap(descriptor, size)
+            memory = mmap.mmap(descriptor, size)
         except (OSError, InterfaceError) as error:
             os.close(descriptor)
             if isinstance(error, InterfaceError):
                 raise
             raise InterfaceError(f"error mapping device file: {error.strerror} ({path})") from None
-        self._descriptor = descriptor
-        self._map()
-        if self.data.head.size < size:
-            told = self.data.head.size
-            self._release()
-            raise InterfaceError(f"expected file size: {size} < {told} ({path})")
+        self._map(Segment(memory, descriptor))
+        announced = self.data.head.size
+        if announced < size:
+            self._unmap()
+            raise InterfaceError(f"expected file size: {size} < {announced} ({path})")
         self.client = client
         client.opened.append(self)
 
@@ -237,83 +274,90 @@ class Interface(Generic[D]):
         if self.client is not None and self in self.client.opened:
             self.client.opened.remove(self)
         self.client = None
-        self._release()
+        self._unmap()
 
     @property
     def replaced(self) -> bool:
-        """Whether the server serves another interface of this type and id now, and this one is nobody's any more."""
-        if self.client is None or self._descriptor is None:
+        """Whether the server has created the interface again since it was opened, so that this file is stale."""
+        if self.client is None or self.descriptor is None:
             return False
         try:
-            there = os.stat(f"{self.client.path}/{self.type}.{self.id}")  # noqa: PTH116
+            current = os.stat(f"{self.client.path}/{file_name(self.type, self.id)}")  # noqa: PTH116
         except OSError:
             return False  # some old programs delete all files: what is open is still in use then
-        return not os.path.samestat(there, os.fstat(self._descriptor))
+        return not os.path.samestat(current, os.fstat(self.descriptor))
 
     # Lock --------------------------------------------------------------------------------------------------------
 
     def lock(self, timeout: float | None = None) -> bool:
-        """Take the lock that both sides share.
+        """Take the lock that server and clients share.
 
         Args:
-            timeout: [s]. None: a client waits for as long as it takes; a server waits briefly, and where a client sits
-                on the lock goes on without, for nothing a client does may stop the simulation.
+            timeout: [s]. None: a client waits without a limit; a server waits 20 ms, and not at all while a client
+                still holds the lock that the server failed to get last time, so that no client can stop the simulation.
 
         Returns:
-            Whether the lock was taken; a server then leaves the interface alone for this step.
+            Whether the lock was taken; if not, a server skips the interface in this step.
+
+        Raises:
+            ClosedError: the interface is not open.
         """
-        if self._descriptor is None:
+        if self.descriptor is None:
             _ = self.data
             return True
         if timeout is None and self.server is None:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX)
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX)
             return True
         try:
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            patience = SERVER_PATIENCE if timeout is None else timeout
-            if not self._poll_lock(0.0 if self._stuck and timeout is None else patience):
+            limit = SERVER_TIMEOUT if timeout is None else timeout
+            if not self._poll_lock(0.0 if self._blocked and timeout is None else limit):
                 return False
-        self._stuck = False
+        self._blocked = False
         if self.server is not None:
-            self._mend()
+            self._restore_length()
         return True
 
-    def _poll_lock(self, patience: float) -> bool:
-        """Try for the lock until the time is over."""
-        descriptor, end = self._descriptor or 0, time.monotonic() + patience
+    def _poll_lock(self, timeout: float) -> bool:
+        """Try to take the lock until the timeout [s]."""
+        descriptor, end = self.descriptor or 0, time.monotonic() + timeout
         while time.monotonic() < end:
             time.sleep(_POLL)
             with contextlib.suppress(BlockingIOError):
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 return True
-        if self.server is not None and not self._stuck:
-            self._stuck = True
-            log.warning("a client holds the lock of %s.%s; the simulation goes on without it", self.type, self.id)
+        if self.server is not None and not self._blocked:
+            self._blocked = True
+            log.warning("a client holds the lock of %s.%s; the simulation continues without it", self.type, self.id)
         return False
 
-    def _mend(self) -> None:
-        """Give a file that a client cut short its length back: memory beyond the end of a file kills who touches it."""
-        descriptor = self._descriptor or 0
-        if os.lseek(descriptor, 0, os.SEEK_END) < self.size:  # quicker than fstat; nobody reads at an offset
+    def _restore_length(self) -> None:
+        """Restore the length of a truncated file: access to mapped memory beyond the end of a file raises SIGBUS."""
+        descriptor = self.descriptor or 0
+        if os.lseek(descriptor, 0, os.SEEK_END) < self.size:  # quicker than fstat; the file offset is not used
             os.ftruncate(descriptor, self.size)
-            log.warning("a client cut %s.%s short; it has its length again", self.type, self.id)
+            log.warning("a client truncated %s.%s; its length was restored", self.type, self.id)
             self._write_head()
 
     def unlock(self) -> None:
-        """Give the lock back."""
-        if self._descriptor is not None:
-            fcntl.flock(self._descriptor, fcntl.LOCK_UN)
+        """Release the lock."""
+        if self.descriptor is not None:
+            fcntl.flock(self.descriptor, fcntl.LOCK_UN)
 
     @contextlib.contextmanager
     def locked(self, timeout: float | None = None) -> Iterator[D]:
         """The struct, under the lock.
 
+        Args:
+            timeout: [s], as for `lock`.
+
         Raises:
-            InterfaceError: the lock was not to be had in time.
+            InterfaceError: the lock was not available before the timeout.
+            ClosedError: the interface is not open.
         """
         if not self.lock(timeout):
-            raise InterfaceError(f"the lock of {self.type}.{self.id} was not to be had in time")
+            raise InterfaceError(f"the lock of {self.type}.{self.id} was not available before the timeout")
         try:
             yield self.data
         finally:
@@ -325,30 +369,24 @@ class Interface(Generic[D]):
         if self._data is not None:
             raise InterfaceError(f"interface {self.type}.{self.id} is open already")
 
-    def _map(self) -> None:
-        memory: Any = self._memory
+    def _map(self, segment: Segment) -> None:
+        self.descriptor = segment.descriptor
+        self._memory = segment.memory
+        memory: Any = segment.memory
         self._data = self.layout.from_buffer(memory)  # type: ignore[assignment]
 
-    def _release(self) -> None:
-        """Let memory and file go; the memory itself lives as long as somebody holds a view of it."""
+    def _unmap(self) -> None:
+        """Release memory and file; the memory itself stays mapped while a view of it exists."""
         self._data = None
         self._arrays.clear()
         self._memory = None
         self.server = None
-        self._served = False
-        if self._descriptor is not None:
-            fcntl.flock(self._descriptor, fcntl.LOCK_UN)
-            os.close(self._descriptor)
-            self._descriptor = None
-
-
-def _warn_of_length(path: str) -> None:
-    if len(os.fsencode(path)) > LONGEST_PATH:
-        log.warning(
-            "C programs cannot open %s: their paths end after %d bytes; set TMP shorter, or the id", path, LONGEST_PATH
-        )
+        if self.descriptor is not None:
+            fcntl.flock(self.descriptor, fcntl.LOCK_UN)
+            os.close(self.descriptor)
+            self.descriptor = None
 
 
 def _int32(value: int) -> int:
-    """Any int as the C int that a header holds."""
+    """The low 32 bits of an int, as the signed C int of the head."""
     return (int(value) & 0xFFFFFFFF) - ((int(value) & 0x80000000) << 1)

@@ -1,4 +1,4 @@
-"""Declaring what an interface carries: each field once, with its type, unit, writer and meaning.
+"""Declarations of the structs of interfaces: each field once, with its type, unit, writer and meaning.
 
 ::
 
@@ -9,19 +9,20 @@
         time: float = double(SERVER, "s", "sim time of this sample")
         levels: Array[float] = double(SERVER, "V", "charge; only the first is used", 10)
 
-`layout` makes the ctypes structure of it, with C's own alignment; `gz_data_t head` comes first in every one.
+`layout` makes a ctypes structure of it, with C's alignment; `gz_data_t head` is the first field of each `Data`.
 """
 
 from __future__ import annotations
 
 import ctypes
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 
-from libgz.errors import ParameterError
+from libgz.errors import GazeboError, ParameterError
 
 __all__ = [
     "BOTH",
@@ -35,7 +36,10 @@ __all__ = [
     "Element",
     "Field",
     "GzData",
+    "Struct",
     "byte",
+    "c_name",
+    "c_type",
     "char",
     "double",
     "elements",
@@ -48,20 +52,28 @@ __all__ = [
 ]
 
 LIBGAZEBO_VERSION = 0x060
-VERSIONS = (0x050, 0x060)  # that a server can announce: those of Gazebo 0.5, and of 0.6 and 0.7
+VERSIONS = (0x050, 0x060)  # that a server can announce: Gazebo 0.5, and Gazebo 0.6 and 0.7
 GAZEBO_MAX_MODEL_TYPE = 128
 
 SERVER, CLIENT, BOTH = "S", "C", "S/C"
 
 T_co = TypeVar("T_co", covariant=True)
-S = TypeVar("S", bound=type)
+S = TypeVar("S", bound="type[Struct]")
 
-
-_DECLARED: dict[type, dict[str, Field]] = {}
+C_TYPES: dict[Any, str] = {
+    ctypes.c_double: "double",
+    ctypes.c_float: "float",
+    ctypes.c_int32: "int",
+    ctypes.c_uint32: "unsigned int",
+    ctypes.c_uint16: "uint16_t",
+    ctypes.c_uint8: "uint8_t",
+    ctypes.c_char: "char",
+    ctypes.c_size_t: "size_t",
+}
 
 
 class Array(Protocol[T_co]):
-    """A C array: indexed and sliced, of fixed length."""
+    """A C array of fixed length."""
 
     def __getitem__(self, index: Any) -> Any:
         """An element, or a list of them for a slice."""
@@ -70,7 +82,7 @@ class Array(Protocol[T_co]):
         """Write an element or a slice."""
 
     def __len__(self) -> int:
-        """How many elements."""
+        """The number of elements."""
 
     def __iter__(self) -> Iterator[T_co]:
         """The elements in order."""
@@ -112,12 +124,18 @@ char = _scalar(ctypes.c_char)
 
 
 def elements(kind: type[Element], writer: str, help: str, count: int) -> Any:
-    """An array of structs."""
+    """An array of `count` structs."""
     return Field(kind, writer, "", help, (count,))
 
 
-class Element(ctypes.Structure):
-    """Base of the small structs that stand in arrays."""
+class Struct(ctypes.Structure):
+    """Base of all declared structs. The docstring of each begins with its name in C."""
+
+    declared: ClassVar[dict[str, Field]] = {}  # by name, in order, without the head
+
+
+class Element(Struct):
+    """Base of the structs that are elements of arrays."""
 
 
 class GzData(ctypes.Structure):
@@ -138,7 +156,7 @@ class GzData(ctypes.Structure):
     ]
 
 
-class Data(ctypes.Structure):
+class Data(Struct):
     """Base of the data structs: a head, then the declared fields."""
 
     head: GzData
@@ -147,22 +165,43 @@ class Data(ctypes.Structure):
 
 
 def layout(declaration: S) -> S:
-    """Turn declared fields into those of a ctypes structure."""
+    """Turn the declared fields into fields of a ctypes structure.
+
+    Raises:
+        ParameterError: no field is declared.
+    """
     declared = {name: value for name, value in vars(declaration).items() if isinstance(value, Field)}
     if not declared:
         raise ParameterError(f"{declaration.__name__} declares no field")
     for name in declared:
         delattr(declaration, name)
     setattr(declaration, "_fields_", [(name, spec.whole_ctype) for name, spec in declared.items()])  # noqa: B010
-    _DECLARED[declaration] = declared
+    declaration.declared = declared
     return declaration
 
 
-def fields_of(data: type[ctypes.Structure]) -> dict[str, Field]:
+def fields_of(struct: type[Struct]) -> dict[str, Field]:
     """Name -> declaration of the fields of a struct, without its head."""
-    return _DECLARED[data]
+    return struct.declared
 
 
 def numpy_type(field: Field) -> Any:
     """The numpy type of one element of a field."""
     return np.dtype(field.ctype)
+
+
+def c_name(struct: type[Struct]) -> str:
+    """The name of a struct in C, without its ending `_t`.
+
+    Raises:
+        GazeboError: the docstring of the declaration does not begin with it.
+    """
+    name = re.match(r"(\w+)_t\b", struct.__doc__ or "")
+    if name is None:
+        raise GazeboError(f"the docstring of {struct.__name__} must begin with the struct's name in C")
+    return name[1]
+
+
+def c_type(ctype: Any) -> str:
+    """The C name of the type of a scalar or of a declared struct."""
+    return f"{c_name(ctype)}_t" if issubclass(ctype, Struct) else C_TYPES[ctype]

@@ -1,6 +1,6 @@
-"""The old C library's functions in Python: `gz_server_*`, `gz_client_*`, `gz_error_*`, and a set per interface.
+"""The functions of the old C library in Python: `gz_server_*`, `gz_client_*`, `gz_error_*`, and those of interfaces.
 
-They return 0, or -1 after logging what went wrong, as their originals did; `gz_error_str` gives the last message.
+As in C, they return 0, or -1 after logging an error; `gz_error_str` returns the last error message.
 """
 
 from __future__ import annotations
@@ -45,41 +45,52 @@ GZ_CLIENT_ID_PLAYER = 9
 I = TypeVar("I", bound=Interface[Any])  # noqa: E741
 
 
-class _Errors:
-    """The last message, and whether messages are logged."""
+class _ErrorState:
+    """The last error message, and whether errors are logged: one for the process, as in the C library."""
 
-    last = ""
-    logged = True
+    def __init__(self) -> None:
+        self.last = ""
+        self.logged = True
+
+    def report(self, error: GazeboError) -> None:
+        self.last = str(error)[:1023]
+        if self.logged:
+            log.error("%s", error)
+
+
+_errors = _ErrorState()
 
 
 def gz_error_init(print: int, level: int) -> None:
-    """Switch the logging of errors on or off; level 5 and up logs files being opened and closed, too."""
-    _Errors.logged = bool(print)
+    """Switch the logging of errors on or off.
+
+    Args:
+        print: 0 switches it off.
+        level: from 1, informational messages are logged, too; from 5, also the opening and closing of files.
+    """
+    _errors.logged = bool(print)
     log.setLevel(logging.DEBUG if level >= 5 else logging.INFO if level >= 1 else logging.WARNING)
 
 
 def gz_error_str() -> str:
-    """The last error message."""
-    return _Errors.last
+    """The last error message, at most 1023 characters."""
+    return _errors.last
 
 
-def _attempt(action: Callable[[], object]) -> int:
-    """0, or -1 and a logged message."""
+def _attempt(action: Callable[[], int | None]) -> int:
+    """The result of an action, 0 if that is None, or -1 after it raised an error, which is logged."""
     try:
-        action()
+        return action() or 0
     except GazeboError as error:
-        _Errors.last = str(error)[:1023]
-        if _Errors.logged:
-            log.error("%s", error)
+        _errors.report(error)
         return -1
-    return 0
 
 
 # Server ----------------------------------------------------------------------------------------------------------
 
 
 def gz_server_alloc() -> Server:
-    """A server that was not started."""
+    """A server that is not running."""
     return Server()
 
 
@@ -88,22 +99,22 @@ def gz_server_free(server: Server) -> None:
 
 
 def gz_server_init(server: Server, server_id: int, force: int) -> int:
-    """Start serving under an id."""
+    """Start a server under an id; `force` takes over an id whose owner may be alive. Returns 0 or -1."""
 
     def start() -> None:
-        server.__init__(server_id, bool(force))  # type: ignore[misc]
+        server.configure(server_id, bool(force))
         server.start()
 
     return _attempt(start)
 
 
 def gz_server_fini(server: Server) -> int:
-    """Stop serving; files, directory and semaphores are removed."""
+    """Stop a server; files, directory and semaphores are removed. Returns 0 or -1."""
     return _attempt(server.stop)
 
 
 def gz_server_post(server: LocalServer) -> int:
-    """Wake all clients."""
+    """Wake all clients. Returns 0 or -1."""
     return _attempt(server.post)
 
 
@@ -120,41 +131,38 @@ def gz_client_free(client: Client) -> None:
 
 
 def gz_client_query(client: Client, server_id: int) -> int:
-    """0 if the server is there, 1 if not, -1 if that cannot be told."""
-    present: list[bool] = []
-    if _attempt(lambda: present.append(client.query(server_id))) != 0:
-        return -1
-    return 0 if present[0] else 1
+    """0 if the server is present, 1 if not, -1 if its semaphores belong to another user."""
+    return _attempt(lambda: 0 if client.query(server_id) else 1)
 
 
 def gz_client_connect(client: Client, server_id: int) -> int:
-    """Connect without the ability to wait."""
+    """Connect without the ability to wait. Returns 0 or -1."""
     return gz_client_connect_wait(client, server_id, -1)
 
 
 def gz_client_connect_wait(client: Client, server_id: int, client_id: int) -> int:
-    """Connect as client number `client_id`."""
+    """Connect as client number `client_id`, 0 to 15. Returns 0 or -1."""
     return _attempt(lambda: client.connect_wait(server_id, client_id))
 
 
 def gz_client_disconnect(client: Client) -> int:
-    """Close what is open."""
+    """Close all open interfaces. Returns 0 or -1."""
     return _attempt(client.disconnect)
 
 
 def gz_client_wait(client: Client, timeout: float | None = None) -> int:
-    """Sleep until the server posts; 0, or -1 when the server ended. 1 if a timeout [s] was given and is over."""
-    news: list[bool] = []
-    if _attempt(lambda: news.append(client.wait(timeout))) != 0:
-        return -1
-    return 0 if news[0] else 1
+    """Sleep until the server posts: 0, or -1 when the server ended, or 1 after a timeout [s] if one is given."""
+    return _attempt(lambda: 0 if client.wait(timeout) else 1)
 
 
 # Interfaces ------------------------------------------------------------------------------------------------------
 
 
 class LegacyFunctions(Generic[I]):
-    """The functions `gz_<type>_*` of one kind of interface."""
+    """The functions `gz_<type>_*` of one kind of interface.
+
+    Those with an int as result return 0, or -1 after logging an error.
+    """
 
     def __init__(self, kind: type[I]) -> None:
         self._kind = kind
@@ -175,11 +183,11 @@ class LegacyFunctions(Generic[I]):
         model_id: int = 0,
         parent_model_id: int = 0,
     ) -> int:
-        """Make the interface on a server."""
+        """Create the interface on a server."""
         return _attempt(lambda: interface.create(server, id, model_type, model_id, parent_model_id))
 
     def destroy(self, interface: I) -> int:
-        """Take the interface off its server."""
+        """Remove the interface from its server."""
         return _attempt(interface.destroy)
 
     def open(self, interface: I, client: Client, id: str | None) -> int:
@@ -191,12 +199,11 @@ class LegacyFunctions(Generic[I]):
         return _attempt(interface.close)
 
     def lock(self, interface: I, blocking: int = 1) -> int:
-        """Take the lock; `blocking` never had an effect. -1 if the server could not have it in time."""
-        taken: list[bool] = []
-        return -1 if _attempt(lambda: taken.append(interface.lock())) or not taken[0] else 0
+        """Take the lock; `blocking` is ignored. -1 also if a server could not take it within its time limit."""
+        return _attempt(lambda: 0 if interface.lock() else -1)
 
     def unlock(self, interface: I) -> None:
-        """Give the lock back."""
+        """Release the lock."""
         interface.unlock()
 
     def post(self, interface: I) -> int:

@@ -1,4 +1,4 @@
-"""Where a server keeps its interface files."""
+"""Paths and names of servers' directories and interface files."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from libgz.errors import InterfaceError, ParameterError
 
 __all__ = ["LOCK_FILE", "LONGEST_PATH", "check_id", "check_server_id", "file_name", "server_directory"]
 
-# Holds the server's pid, and a flock for as long as it lives: that tells a dead server's directory from a live one's.
-# Clients of the time never look at files they do not know.
+# Holds the server's pid. The server keeps a flock on it while it runs, which distinguishes its directory from a stale
+# one. Old clients ignore files they do not know.
 LOCK_FILE = "gazebo.pid"
 LONGEST_PATH = 127  # the old library's buffers held 128 characters
 
 
 def server_directory(server_id: int) -> str:
-    """``$TMP/gazebo-$USER-<server id>``, as clients compute it too.
+    """``$TMP/gazebo-$USER-<server id>``; servers and clients compute it in the same way.
 
-    It is TMP, not TMPDIR, and an empty variable is used as it is; unset ones stand for /tmp and nobody.
+    It is TMP, not TMPDIR, and an empty variable is used as it is; the defaults of unset ones are /tmp and nobody.
 
     Raises:
-        ParameterError: the path is longer than old clients can hold.
+        ParameterError: the path has more than 127 bytes, the limit of old clients.
     """
     path = f"{os.environ.get('TMP', '/tmp')}/gazebo-{os.environ.get('USER', 'nobody')}-{server_id}"
     if len(os.fsencode(path)) > LONGEST_PATH:
@@ -40,10 +40,10 @@ def check_server_id(server_id: int) -> int:
 
 
 def check_id(kind: str, name: str | None) -> str:
-    """An interface's id.
+    """The interface id `name`, checked.
 
     Raises:
-        InterfaceError: it is absent, or has a character that cannot stand in a file name.
+        InterfaceError: it is None, or has a character that is not allowed in a file name.
     """
     if name is None:
         raise InterfaceError(f"interface [{kind}] id is NULL")
@@ -55,5 +55,9 @@ def check_id(kind: str, name: str | None) -> str:
 
 
 def file_name(kind: str, name: str | None) -> str:
-    """``<type>.<id>``."""
+    """``<type>.<id>``.
+
+    Raises:
+        InterfaceError: the id is None, or has a character that is not allowed in a file name.
+    """
     return f"{kind}.{check_id(kind, name)}"

@@ -1,6 +1,6 @@
-"""The semaphore set by which a server wakes its clients: one System V set, one semaphore a client id.
+"""The System V semaphore set with which a server wakes its clients: one semaphore for each client id.
 
-Python's sysv_ipc makes sets of one semaphore only and has no SETALL, so these few calls go to libc directly.
+Python's sysv_ipc supports only sets of one semaphore and has no SETALL, so this module calls libc directly.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _libc.semget.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_int]
 _libc.semctl.argtypes = [ctypes.c_int, ctypes.c_int, ctypes.c_int, ctypes.c_void_p]
 _libc.semtimedop.argtypes = [ctypes.c_int, ctypes.c_void_p, ctypes.c_size_t, ctypes.c_void_p]
 
-# Posting is a microsecond: keep the interpreter lock for it.
+# Posting takes a microsecond: less than releasing the interpreter lock for it.
 _quick = ctypes.PyDLL(None, use_errno=True)
 _quick.semctl.argtypes = _libc.semctl.argtypes
 
@@ -47,12 +47,12 @@ _ZEROS = (ctypes.c_ushort * CLIENTS)()
 
 
 class SemaphoreSet:
-    """The set of one server id. The key does not hold the user: two users cannot serve the same id."""
+    """The set of one server id. The key does not contain the user: two users cannot serve the same id."""
 
     def __init__(self, server_id: int, handle: int) -> None:
         self.server_id = server_id
         self._handle = handle
-        # A look-up of its own is free of types, and its arguments are ready-made: half the time of a plain call.
+        # Indexing gives a function object without argtypes: with prepared arguments, half the time of a plain call.
         arguments = (ctypes.c_int(handle), ctypes.c_int(0), ctypes.c_int(SETALL), ctypes.byref(_ONES))
         self._raise_flags = functools.partial(_quick["semctl"], *arguments)
 
@@ -66,10 +66,11 @@ class SemaphoreSet:
 
     @classmethod
     def create(cls, server_id: int) -> SemaphoreSet:
-        """A new set, all flags down.
+        """A new set with all flags cleared.
 
         Raises:
-            FileExistsError: there is one for this id.
+            FileExistsError: a set of this id exists.
+            OSError: the set cannot be created.
         """
         new = cls(server_id, cls._get(server_id, CLIENTS, IPC_CREAT | IPC_EXCL | MODE))
         new.clear()
@@ -77,11 +78,11 @@ class SemaphoreSet:
 
     @classmethod
     def attach(cls, server_id: int) -> SemaphoreSet:
-        """The set that is there.
+        """The existing set.
 
         Raises:
             FileNotFoundError: there is none.
-            PermissionError: it is another user's.
+            PermissionError: it belongs to another user.
         """
         return cls(server_id, cls._get(server_id, 0, MODE))
 
@@ -93,11 +94,15 @@ class SemaphoreSet:
         return result
 
     def clear(self) -> None:
-        """Put all flags down."""
+        """Clear all flags.
+
+        Raises:
+            OSError: the set was removed.
+        """
         self._control(0, SETALL, _ZEROS)
 
     def post(self) -> None:
-        """Raise the flag of every client; a flag, not a count.
+        """Set the flag of every client; it is a flag, not a count.
 
         Raises:
             OSError: the set was removed.
@@ -107,29 +112,42 @@ class SemaphoreSet:
             raise OSError(error, os.strerror(error))
 
     def last_poster(self) -> int:
-        """Pid of the process that last set the flags: the server's; 0 if it is in another pid namespace."""
+        """Pid of the process that last set the flags, the server; 0 if it is in another pid namespace.
+
+        Raises:
+            OSError: the set was removed.
+        """
         return self._control(CLIENTS - 1, GETPID)
 
     def waiting(self, client_id: int) -> int:
-        """How many processes wait under this client id."""
+        """The number of processes that wait under this client id, 0 to 15.
+
+        Raises:
+            OSError: the set was removed.
+        """
         return self._control(client_id, GETNCNT)
 
     def remove(self) -> None:
-        """Remove the set; waiting clients wake with an error."""
+        """Remove the set; the waits of clients end with an error.
+
+        Raises:
+            OSError: the set was removed already.
+        """
         self._control(0, IPC_RMID)
 
     def wait(self, client_id: int, timeout: float | None) -> bool:
-        """Sleep until the flag of `client_id` is up, and take it down.
+        """Sleep until the flag of `client_id` is set, and clear it.
 
         Args:
             client_id: 0 to 15.
-            timeout: [s]; None waits for ever.
+            timeout: [s]; None waits without a limit.
 
         Returns:
-            Whether the flag was up before the time was over.
+            Whether the flag was set before the timeout.
 
         Raises:
             ServerGoneError: the server ended.
+            InterfaceError: the wait failed for another reason.
             ParameterError: the timeout is negative or NaN.
         """
         if timeout is not None and not timeout >= 0.0:
@@ -147,6 +165,6 @@ class SemaphoreSet:
             if error == errno.EAGAIN:
                 return False
             if error in (errno.EIDRM, errno.EINVAL):
-                raise ServerGoneError(f"server {self.server_id} ended: its semaphores are gone")
+                raise ServerGoneError(f"server {self.server_id} ended: its semaphores were removed")
             if error != errno.EINTR:
                 raise InterfaceError(f"error on semaphore wait [{os.strerror(error)}]")

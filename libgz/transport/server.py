@@ -1,41 +1,34 @@
-"""The server's side of the wire: its directory, its semaphores, and the interfaces it serves."""
+"""Servers of interfaces: in shared memory for other processes, or in the memory of this process."""
 
 from __future__ import annotations
 
 import atexit
 import contextlib
-import errno
-import fcntl
 import logging
 import os
-import stat
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from libgz.errors import ParameterError, ServerError
+from libgz.transport.directory import ServerDirectory
+from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
-from libgz.transport.paths import LOCK_FILE, check_server_id, server_directory
+from libgz.transport.paths import LONGEST_PATH, check_server_id, file_name, server_directory
+from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
-
-if TYPE_CHECKING:
-    from libgz.transport.interface import Interface
 
 __all__ = ["LocalServer", "Server", "alive", "free_server_id"]
 
 log = logging.getLogger("libgz.transport")
 
-_running: set[Server] = set()
-
-_FILE_FLAGS = os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC
-
 
 class LocalServer:
-    """A server without a wire: its interfaces are memory of this process, for worlds that run in process.
+    """A server for this process only: its interfaces are memory of the process.
 
     Args:
-        version: what interfaces announce.
+        version: the wire version that interfaces announce: 0x060 or 0x050.
 
     Raises:
-        ParameterError: there is no such version.
+        ParameterError: the version is not supported.
     """
 
     server_id: int | None = None
@@ -50,225 +43,196 @@ class LocalServer:
     def start(self) -> None:
         """Nothing to do."""
 
-    def claim(self, interface: Interface[Any]) -> bool:
-        """Take an interface in; false if one of its type and id is there already."""
+    def allocate(self, interface: Interface[Any]) -> Segment:
+        """Register a new interface and return zeroed memory for it.
+
+        If there is another interface of this type and id, the server warns, and the memory belongs to this process
+        only.
+
+        Raises:
+            OSError: the file cannot be created.
+        """
         key = (interface.type, interface.id)
         if key in self.interfaces:
             log.warning(
                 "there is a second %s interface with id %r: the first one is served, the second model runs without it",
                 *key,
             )
-            return False
+            return Segment(bytearray(interface.size))
+        segment = self._new_segment(file_name(*key), interface.size)
         self.interfaces[key] = interface
-        return True
+        return segment
+
+    def _new_segment(self, name: str, size: int) -> Segment:
+        return Segment(bytearray(size))
+
+    def show(self, interface: Interface[Any]) -> None:
+        """Nothing to do: there are no clients."""
+
+    def serves(self, interface: Interface[Any]) -> bool:
+        """Whether an interface is registered; the second one of a type and id is not."""
+        return self.interfaces.get((interface.type, interface.id)) is interface
 
     def release(self, interface: Interface[Any]) -> None:
-        """Let an interface go."""
-        key = (interface.type, interface.id)
-        if self.interfaces.get(key) is interface:
-            del self.interfaces[key]
+        """Remove an interface, if it is registered."""
+        if self.serves(interface):
+            del self.interfaces[interface.type, interface.id]
 
     def post(self) -> None:
-        """Wake all clients: there are none."""
+        """Nothing to do: there are no clients."""
 
     def stop(self) -> None:
-        """Destroy what models left behind."""
+        """Destroy the interfaces that models have not destroyed. Can be called twice."""
         for interface in list(self.interfaces.values()):
             interface.destroy()
 
 
 class Server(LocalServer):
-    """A server of the wire.
+    """A server for clients in other processes.
 
     Args:
         server_id: 0 and up; several servers on one machine need different ones.
-        force: take over an id whose owner cannot be told to be dead. A server that is alive is never disturbed.
-        version: what interfaces announce, and lie by: 0x060, or 0x050 for clients of Gazebo 0.5.
+        force: take over an id whose owner may be alive, if it is not a server of libgz. A live server of libgz is never
+            disturbed.
+        version: the wire version that interfaces announce, and whose structs they have: 0x060, or 0x050 for clients of
+            Gazebo 0.5.
+
+    Raises:
+        ParameterError: the server id or the version is invalid, or the path of the directory is too long.
     """
 
     server_id: int
+    force: bool
+    _directory: ServerDirectory
 
     def __init__(self, server_id: int = 0, force: bool = False, version: int = LIBGAZEBO_VERSION) -> None:
         super().__init__(version)
-        self.server_id = check_server_id(server_id)
-        self.force = force
-        self.path = server_directory(self.server_id)
-        self._directory: int | None = None
-        self._lock: int | None = None
         self._semaphores: SemaphoreSet | None = None
-        self._gone = False
-        self._pid = os.getpid()
+        self._lost_semaphores = False
+        self.configure(server_id, force)
 
-    # Start -------------------------------------------------------------------------------------------------------
+    @property
+    def path(self) -> str:
+        """The directory of the interface files."""
+        return self._directory.path
 
-    def start(self) -> None:
-        """Make the directory and the semaphores; what a dead server left is cleared away.
+    def configure(self, server_id: int, force: bool = False) -> None:
+        """Set the id of a server that is not running.
 
         Raises:
-            ServerError: the id is in use, or the directory cannot be used.
+            ParameterError: the server id is invalid, or the path of the directory is too long.
+            ServerError: the server is running.
         """
-        self._pid = os.getpid()
-        self._open_directory()
-        try:
-            self._take_lock()
-            left = self._left_semaphores()
-            # Old files go before new semaphores come: a client that finds the new set never opens an old file.
-            self._remove_files()
-            self._make_semaphores(left)
-        except BaseException as error:
-            self._abandon()
-            if isinstance(error, OSError):
-                raise self._unusable(error) from None
-            raise
-        _running.add(self)
-        log.debug("creating %s", self.path)
+        self._require_stopped()
+        self.server_id = check_server_id(server_id)
+        self.force = force
+        self._directory = ServerDirectory(server_directory(self.server_id))
 
-    def _abandon(self) -> None:
-        """Leave no trace of a start that failed."""
-        if self._lock is not None:
-            self.unlink_file(LOCK_FILE, self._lock)
-            with contextlib.suppress(OSError):
-                os.rmdir(self.path)  # noqa: PTH106
-            os.close(self._lock)
-            self._lock = None
-        self._close_directory()
+    def _require_stopped(self) -> None:
+        if self._semaphores is not None:
+            raise self._in_use(f"pid {os.getpid()}")
 
-    def _open_directory(self) -> None:
-        """Make the directory, or open the one that is there if it is ours alone."""
-        try:
-            with contextlib.suppress(FileExistsError):
-                os.mkdir(self.path, 0o700)  # noqa: PTH102
-            self._directory = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
-        except OSError as error:
-            raise self._unusable(error) from None
-        about = os.fstat(self._directory)
-        if about.st_uid != os.geteuid():
-            self._close_directory()
-            raise ServerError(f"{self.path} belongs to another user (uid {about.st_uid}); use another server id: -s")
-        if about.st_mode & 0o077:
-            os.fchmod(self._directory, 0o700)
-
-    def _unusable(self, error: OSError) -> ServerError:
-        return ServerError(
-            f"cannot use {self.path} as the server's directory: {error.strerror}; "
-            "set TMP to a directory you may write in, or use another server id: -s"
-        )
-
-    def _take_lock(self) -> None:
-        """Hold a lock for as long as this process lives; whoever cannot have it knows that we are alive."""
-        lock = os.open(LOCK_FILE, _FILE_FLAGS | os.O_CREAT, 0o600, dir_fd=self._directory)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            owner = os.pread(lock, 32, 0).split() or [b"unknown"]
-            os.close(lock)
-            raise self._in_use(f"pid {owner[0].decode(errors='replace')}", "") from None
-        self._lock = lock
-        os.ftruncate(lock, 0)
-        os.pwrite(lock, f"{os.getpid()}\n".encode(), 0)
-
-    def _in_use(self, who: str, advice: str) -> ServerError:
+    def _in_use(self, who: str, advice: str = "") -> ServerError:
         return ServerError(
             f"there is another server running with id {self.server_id} ({who}); use -s to try a different server id"
             + advice
         )
 
-    def _left_semaphores(self) -> SemaphoreSet | None:
+    # Start -------------------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Create the directory and the semaphores; stale ones of a dead server are removed first.
+
+        Raises:
+            ServerError: the id is in use, or the directory cannot be used.
+        """
+        self._require_stopped()
+        directory = self._directory
+        directory.open()
+        try:
+            owner = directory.take_lock()
+            if owner is not None:
+                raise self._in_use(f"pid {owner}")
+            stale = self._stale_semaphores()
+            # Stale files are removed before semaphores are created: a client that finds the new set never opens one.
+            directory.remove_stale_files()
+            self._semaphores = self._new_semaphores(stale)
+        except BaseException as error:
+            directory.abandon()
+            if isinstance(error, OSError):
+                raise directory.unusable(error) from None
+            raise
+        self._lost_semaphores = False
+        atexit.register(self.stop)
+        log.debug("creating %s", self.path)
+
+    def _stale_semaphores(self) -> SemaphoreSet | None:
         """The set of a dead server, or of any server if force is on; None if there is no set."""
         try:
             semaphores = SemaphoreSet.attach(self.server_id)
         except FileNotFoundError:
             return None
         except OSError as error:
-            raise self._in_use(f"its semaphores belong to another user: {error.strerror}", "") from None
+            raise self._in_use(f"its semaphores belong to another user: {error.strerror}") from None
         poster = semaphores.last_poster()
         if not self.force and poster != os.getpid() and alive(poster):
-            # Our own lock was free, so this is a server of another kind, or one that lost its directory.
+            # This object holds the lock, so this is not a server of libgz, or its directory was removed.
             advice = ", or -f if you definitely want to use this id"
             raise self._in_use(f"pid {poster} posts to its semaphores", advice)
         return semaphores
 
-    def _make_semaphores(self, left: SemaphoreSet | None) -> None:
-        """Create the set. One that a dead server left is removed, not used again: who waits on it must learn that the
-        files it has open are nobody's any more."""
+    def _new_semaphores(self, stale: SemaphoreSet | None) -> SemaphoreSet:
+        """Create the set. A stale one is removed, not used again: clients that wait on it must get an error, for the
+        files that they have open are stale, too."""
         try:
-            if left is not None:
-                log.info("removing the semaphores that a dead server left (id %d)", self.server_id)
-                left.remove()
-            self._semaphores = SemaphoreSet.create(self.server_id)
+            if stale is not None:
+                log.info("removing stale semaphores of server id %d", self.server_id)
+                stale.remove()
+            return SemaphoreSet.create(self.server_id)
         except FileExistsError:
-            raise self._in_use("it started just now", "") from None
+            raise self._in_use("it started just now") from None
         except OSError as error:
             raise ServerError(f"failed to allocate semaphore [{error.strerror}]") from None
 
-    def _remove_files(self) -> None:
-        """Remove what a dead server left in the directory. Links are removed, never followed."""
-        for name in os.listdir(self._directory):  # noqa: PTH208
-            about = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
-            if name != LOCK_FILE and not stat.S_ISDIR(about.st_mode):
-                log.info("removing %s/%s, left by a dead server", self.path, name)
-                os.unlink(name, dir_fd=self._directory)
+    # Interfaces --------------------------------------------------------------------------------------------------
 
-    # Files -------------------------------------------------------------------------------------------------------
+    def _new_segment(self, name: str, size: int) -> Segment:
+        path = f"{self.path}/{name}"
+        if len(os.fsencode(path)) > LONGEST_PATH:
+            log.warning(
+                "C programs cannot open %s: their limit is a path of %d bytes; shorten TMP or the id",
+                path,
+                LONGEST_PATH,
+            )
+        return self._directory.create_file(name, size)
 
-    def create_file(self, name: str, size: int) -> int:
-        """A new file of zeros in the directory, mode 0600, hidden until `show_file`; its descriptor.
-
-        A client that opens a file must find it whole, its head included.
-
-        Raises:
-            OSError: it cannot be made.
-        """
-        flags, hidden = _FILE_FLAGS | os.O_CREAT | os.O_TRUNC, _hidden(name)
-        try:
-            descriptor = os.open(hidden, flags, 0o600, dir_fd=self._directory)
-        except FileNotFoundError:
-            # Some old programs delete every server's directory before they start their own.
-            log.warning("the directory %s was removed under the running server, and is made again", self.path)
-            if self._directory is not None:
-                os.close(self._directory)
-            self._open_directory()
-            descriptor = os.open(hidden, flags, 0o600, dir_fd=self._directory)
-        try:
-            # Not only its length: a page of shared memory that the disk has no room for kills who touches it.
-            os.posix_fallocate(descriptor, 0, size)
-        except OSError:
-            self.unlink_file(hidden, descriptor)
-            os.close(descriptor)
-            raise
-        log.debug("creating %s/%s %d", self.path, name, size)
-        return descriptor
-
-    def show_file(self, name: str) -> None:
-        """Give a new file its name, in place of one that has it.
+    def show(self, interface: Interface[Any]) -> None:
+        """Make an interface visible to clients, once its head is written.
 
         Raises:
-            OSError: it is gone.
+            OSError: the file was removed.
         """
-        os.rename(_hidden(name), name, src_dir_fd=self._directory, dst_dir_fd=self._directory)
+        if self.serves(interface):
+            self._directory.show_file(file_name(interface.type, interface.id))
 
-    def unlink_file(self, name: str, descriptor: int) -> None:
-        """Remove a file if it is still the one behind `descriptor`; in a child that was forked, leave it."""
-        if not self._is_own():
-            return
-        with contextlib.suppress(FileNotFoundError):
-            there = os.stat(name, dir_fd=self._directory, follow_symlinks=False)
-            if os.path.samestat(there, os.fstat(descriptor)):
-                os.unlink(name, dir_fd=self._directory)
-        log.debug("deleting %s/%s", self.path, name)
+    def release(self, interface: Interface[Any]) -> None:
+        """Remove an interface and its file, if it is registered."""
+        if self.serves(interface) and interface.descriptor is not None:
+            self._directory.unlink_file(file_name(interface.type, interface.id), interface.descriptor)
+        super().release(interface)
 
     # Run and stop ------------------------------------------------------------------------------------------------
 
     def post(self) -> None:
         """Wake all clients."""
-        if self._semaphores is None or self._gone:
+        if self._semaphores is None or self._lost_semaphores:
             return
         try:
             self._semaphores.post()
         except OSError as error:
-            self._gone = True
+            self._lost_semaphores = True
             log.warning(
-                "the semaphores of server %d were removed (%s): clients cannot wait any more",
+                "the semaphores of server %d were removed (%s): clients can no longer wait",
                 self.server_id,
                 error.strerror,
             )
@@ -276,57 +240,21 @@ class Server(LocalServer):
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""
         super().stop()
-        _running.discard(self)
-        if self._lock is not None:
-            if self._is_own():
-                self._remove_directory()
-            os.close(self._lock)
-            self._lock = None
+        atexit.unregister(self.stop)
+        owned = self._directory.owned
+        self._directory.remove()
         if self._semaphores is not None:
-            if self._is_own():
+            if owned:
                 with contextlib.suppress(OSError):
                     self._semaphores.remove()
             self._semaphores = None
-        self._close_directory()
-
-    def _is_own(self) -> bool:
-        """Whether this process started the server: a child that a program forks has a copy, and must not end it."""
-        return os.getpid() == self._pid
-
-    def _remove_directory(self) -> None:
-        if self._lock is not None:
-            self.unlink_file(LOCK_FILE, self._lock)
-        try:
-            os.rmdir(self.path)  # noqa: PTH106
-        except FileNotFoundError:
-            return
-        except OSError as error:
-            if error.errno != errno.ENOTEMPTY:
-                log.warning("failed to cleanly remove [%s] : [%s]", self.path, error.strerror)
-                return
-            log.info("failed to cleanly remove [%s]: it holds files that are not the server's", self.path)
-            self._remove_files()
-            with contextlib.suppress(OSError):
-                os.rmdir(self.path)  # noqa: PTH106
-
-    def _close_directory(self) -> None:
-        if self._directory is not None:
-            os.close(self._directory)
-            self._directory = None
-
-
-@atexit.register
-def _stop_all() -> None:
-    """Leave nothing behind of servers whose program ended without closing their worlds."""
-    for server in list(_running):
-        server.stop()
 
 
 def free_server_id() -> int:
-    """The lowest id that no server, dead or alive, has semaphores or a directory for.
+    """The lowest id for which there are neither semaphores nor a directory, of live or dead servers.
 
     Raises:
-        ServerError: the first thousand are all taken.
+        ServerError: ids 0 to 999 are all taken.
     """
     for server_id in range(1000):
         try:
@@ -340,7 +268,7 @@ def free_server_id() -> int:
 
 
 def alive(pid: int) -> bool:
-    """Whether a process lives; pid 0, of another pid namespace, counts as alive."""
+    """Whether a process is alive; pid 0, a process of another pid namespace, counts as alive."""
     if pid == 0:
         return True
     try:
@@ -350,7 +278,3 @@ def alive(pid: int) -> bool:
     except PermissionError:
         return True
     return True
-
-
-def _hidden(name: str) -> str:
-    return f".{name}.new"

@@ -1,4 +1,4 @@
-"""Leavings: directories and semaphores of servers that died."""
+"""Stale files: directories and semaphores of servers that died without removing them."""
 
 from __future__ import annotations
 
@@ -15,27 +15,30 @@ from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import alive
 
-__all__ = ["Leaving", "remove_leavings"]
+__all__ = ["StaleItem", "remove_stale"]
 
 _SEMAPHORES = Path("/proc/sysvipc/sem")
 _HIGHEST_ID = 1 << 30
 
 
 @dataclass(frozen=True)
-class Leaving:
-    """Something a dead server left, and has no more."""
+class StaleItem:
+    """A file, directory or semaphore set of a dead server that was removed."""
 
     server_id: int
-    what: str
+    name: str
 
 
-def remove_leavings(server_id: int | None = None) -> Iterator[Leaving]:
-    """Remove what this user's dead servers left, and tell each thing.
+def remove_stale(server_id: int | None = None) -> Iterator[StaleItem]:
+    """Remove the stale files and semaphores of this user's dead servers, and yield each item that was removed.
 
-    What belongs to a server that lives, to another user, or cannot be told to be dead, is not touched.
+    Those of live servers, of other users, and of servers that may be alive are not touched.
 
     Args:
-        server_id: of one server; None for all.
+        server_id: one server; None for all.
+
+    Raises:
+        ParameterError: the path of the server's directory is too long.
     """
     ids = {*_directories(), *_semaphore_ids()} if server_id is None else {server_id}
     for number in sorted(ids):
@@ -43,7 +46,7 @@ def remove_leavings(server_id: int | None = None) -> Iterator[Leaving]:
 
 
 def _directories() -> Iterator[int]:
-    """Server ids that have a directory of this user's."""
+    """Server ids for which there is a directory named for this user."""
     folder, _, stem = server_directory(0).rpartition("/")
     pattern = re.compile(re.escape(stem.removesuffix("0")) + r"(\d{1,9})")
     with contextlib.suppress(OSError):
@@ -54,7 +57,7 @@ def _directories() -> Iterator[int]:
 
 
 def _semaphore_ids() -> Iterator[int]:
-    """Server ids that have semaphores of this user's."""
+    """Server ids for which there are semaphores of this user."""
     try:
         lines = _SEMAPHORES.read_text().splitlines()[1:]
     except OSError:
@@ -66,8 +69,8 @@ def _semaphore_ids() -> Iterator[int]:
             yield key - GZ_SEM_KEY
 
 
-def _remove_one(server_id: int) -> Iterator[Leaving]:
-    """What one dead server left. Its lock is held meanwhile, so that no server starts on the id."""
+def _remove_one(server_id: int) -> Iterator[StaleItem]:
+    """Remove the stale items of one server id, under its lock, so that no server starts on the id meanwhile."""
     with contextlib.ExitStack() as stack:
         directory = _open_own(server_directory(server_id), stack)
         if directory is not None and not _hold_lock(directory, stack):
@@ -83,13 +86,13 @@ def _remove_one(server_id: int) -> Iterator[Leaving]:
                 semaphores.remove()
             except OSError:
                 return
-            yield Leaving(server_id, f"semaphores {GZ_SEM_KEY + server_id:#x}")
+            yield StaleItem(server_id, f"semaphores {GZ_SEM_KEY + server_id:#x}")
         if directory is not None:
             yield from _remove_directory(server_id, directory)
 
 
 def _open_own(path: str, stack: contextlib.ExitStack) -> int | None:
-    """A directory of this user's, not through a link; None if there is none."""
+    """A directory of this user, opened without following links; None if there is none."""
     try:
         directory = os.open(path, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC)
     except OSError:
@@ -99,7 +102,7 @@ def _open_own(path: str, stack: contextlib.ExitStack) -> int | None:
 
 
 def _hold_lock(directory: int, stack: contextlib.ExitStack) -> bool:
-    """Take a server's lock; false if it lives. A directory without a lock is another kind of server's."""
+    """Take a server's lock; False if it is alive. A directory without a lock file belongs to another kind of server."""
     try:
         lock = os.open(LOCK_FILE, os.O_RDWR | os.O_NOFOLLOW | os.O_CLOEXEC, dir_fd=directory)
     except FileNotFoundError:
@@ -114,16 +117,16 @@ def _hold_lock(directory: int, stack: contextlib.ExitStack) -> bool:
     return True
 
 
-def _remove_directory(server_id: int, directory: int) -> Iterator[Leaving]:
-    """Remove interface files, then the directory if nothing else is in it."""
+def _remove_directory(server_id: int, directory: int) -> Iterator[StaleItem]:
+    """Remove interface files, then the directory if it is empty."""
     path = server_directory(server_id)
     for name in sorted(os.listdir(directory), key=lambda name: (name == LOCK_FILE, name)):
         about = os.stat(name, dir_fd=directory, follow_symlinks=False)
         if stat.S_ISREG(about.st_mode) and (name == LOCK_FILE or "." in name):
             os.unlink(name, dir_fd=directory)
-            yield Leaving(server_id, f"{path}/{name}")
+            yield StaleItem(server_id, f"{path}/{name}")
     try:
         os.rmdir(path)  # noqa: PTH106
     except OSError:
         return
-    yield Leaving(server_id, path)
+    yield StaleItem(server_id, path)

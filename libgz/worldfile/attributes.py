@@ -9,13 +9,12 @@ A model lists them as a dataclass and reads them in one line::
 
     values = read(BallAttributes, node)
 
-The declaration is what messages, and whatever describes the models, are made from.
+Messages, reference pages and the grammar are made from the declaration.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,9 +22,10 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from libgz.errors import nearest
+from libgz.files import installed_worlds
 from libgz.geometry import DTOR, RTOD, GzColor, GzPose, GzQuaternToEuler, GzVector, VectorLike
 from libgz.worldfile.node import WorldFileNode
-from libgz.worldfile.number import rubbish
+from libgz.worldfile.number import malformed
 
 __all__ = [
     "Attribute",
@@ -54,7 +54,7 @@ T = TypeVar("T")
 
 
 class Limits(NamedTuple):
-    """What a number may be, in the file's unit; None where there is no limit."""
+    """The range of a number, in the file's unit; None where there is no limit."""
 
     above: float | None = None
     least: float | None = None
@@ -90,9 +90,9 @@ class Attribute:
     allowed: str = ""  # in words
     check: Callable[[Any], bool] | None = None
     limits: Limits = NO_LIMITS
-    words: tuple[str, ...] = ()  # the only ones allowed
-    by: str = ""  # an earlier attribute that decides which default holds
-    cases: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # its values -> defaults
+    words: tuple[str, ...] = ()  # the only values allowed
+    by: str = ""  # an earlier attribute on which the default depends
+    cases: Mapping[str, Any] = dataclasses.field(default_factory=dict)  # values of that attribute -> defaults
 
 
 @dataclass(frozen=True)
@@ -100,9 +100,9 @@ class NoAttributes:
     """A model without attributes of its own."""
 
 
-def _field(default: Any, attribute: Attribute) -> Any:
+def _field(default: T, attribute: Attribute) -> T:
     metadata = {"attribute": attribute}
-    if isinstance(default, GzColor | GzVector | GzPose):
+    if isinstance(default, GzColor | GzVector | GzPose):  # mutable: each object has its own
         return dataclasses.field(default_factory=lambda: dataclasses.replace(default), metadata=metadata)
     return dataclasses.field(default=default, metadata=metadata)
 
@@ -119,7 +119,7 @@ def number(
     """A number."""
     limits = Limits(above, least, most)
     attribute = Attribute("number", unit, help, WorldFileNode.GetDouble, str(limits), limits.check, limits)
-    return _field(default, attribute)  # type: ignore[no-any-return]
+    return _field(default, attribute)
 
 
 def length(default: float, *, help: str, above: float | None = None, least: float | None = None) -> float:
@@ -131,7 +131,7 @@ def integer(default: int, *, unit: str = "", help: str, least: int | None = None
     """A whole number."""
     limits = Limits(None, least, most)
     attribute = Attribute("whole number", unit, help, WorldFileNode.GetInt, str(limits), limits.check, limits)
-    return _field(default, attribute)  # type: ignore[no-any-return]
+    return _field(default, attribute)
 
 
 def angle(default_degrees: float, *, help: str, above: float | None = None, most: float | None = None) -> float:
@@ -141,17 +141,17 @@ def angle(default_degrees: float, *, help: str, above: float | None = None, most
     in_degrees = None if check is None else lambda radians: check(math.degrees(radians))
     words = f"{allowed} deg" if allowed else ""
     attribute = Attribute("angle", "deg", help, WorldFileNode.GetAngle, words, in_degrees, limits)
-    return _field(DTOR(default_degrees), attribute)  # type: ignore[no-any-return]
+    return _field(DTOR(default_degrees), attribute)
 
 
 def boolean(default: bool, *, help: str) -> bool:
     """True or false."""
-    return _field(default, Attribute("bool", "", help, WorldFileNode.GetBool, "true or false"))  # type: ignore[no-any-return]
+    return _field(default, Attribute("bool", "", help, WorldFileNode.GetBool, "true or false"))
 
 
 def text(default: str, *, help: str) -> str:
     """A word."""
-    return _field(default, Attribute("text", "", help, _read_text))  # type: ignore[no-any-return]
+    return _field(default, Attribute("text", "", help, _read_text))
 
 
 def _read_text(node: WorldFileNode, key: str, default: str) -> str:
@@ -162,22 +162,22 @@ def choice(default: str, allowed: tuple[str, ...], *, help: str) -> str:
     """One of several words."""
     words = f"one of {', '.join(allowed)}"
     attribute = Attribute("word", "", help, _read_text, words, allowed.__contains__, words=allowed)
-    return _field(default, attribute)  # type: ignore[no-any-return]
+    return _field(default, attribute)
 
 
 def color(r: float, g: float, b: float, a: float = 1.0, *, help: str) -> GzColor:
-    """Red, green, blue and perhaps alpha."""
-    return _field(GzColor(r, g, b, a), Attribute("colour", "", help, WorldFileNode.GetColor))  # type: ignore[no-any-return]
+    """Red, green, blue and optionally alpha."""
+    return _field(GzColor(r, g, b, a), Attribute("colour", "", help, WorldFileNode.GetColor))
 
 
 def vector(default: VectorLike, *, unit: str = "m", help: str) -> GzVector:
     """Three numbers."""
-    return _field(GzVector(*default), Attribute("3 numbers", unit, help, WorldFileNode.GetPosition))  # type: ignore[no-any-return]
+    return _field(GzVector(*default), Attribute("3 numbers", unit, help, WorldFileNode.GetPosition))
 
 
 def rotation(*, help: str) -> GzPose:
     """Roll, pitch and yaw in degrees; a pose without a position once read."""
-    return _field(GzPose(), Attribute("3 angles", "deg", help, _read_rotation))  # type: ignore[no-any-return]
+    return _field(GzPose(), Attribute("3 angles", "deg", help, _read_rotation))
 
 
 def _read_rotation(node: WorldFileNode, key: str, default: GzPose) -> GzPose:
@@ -191,15 +191,15 @@ def numbers(
     above: float | None = None,
     least: float | None = None,
 ) -> tuple[float, ...]:
-    """Several numbers; those that a file leaves out have their defaults."""
+    """Several numbers; a file may omit the last ones, which keep their defaults."""
     limits = Limits(above, least, None)
     allowed, test = _each(limits)
     attribute = Attribute(f"{len(default)} numbers", unit, help, _read_numbers, allowed, test, limits)
-    return _field(tuple(default), attribute)  # type: ignore[no-any-return]
+    return _field(tuple(default), attribute)
 
 
 def _each(limits: Limits) -> tuple[str, Callable[[Any], bool] | None]:
-    """Words and test for several numbers, each within the limits."""
+    """Description and test for several numbers, each within the limits."""
     check = limits.check
     return ("", None) if check is None else (f"{limits} each", lambda values: all(map(check, values)))
 
@@ -210,18 +210,18 @@ def lengths(*default: float, help: str) -> tuple[float, ...]:
 
 
 def lengths_by(by: str, cases: Mapping[str, tuple[float, ...]], *, help: str) -> tuple[float, ...]:
-    """Several lengths [m], each above zero, whose number and defaults hang on another attribute.
+    """Several lengths [m], each above zero; their count and defaults depend on another attribute.
 
     Args:
-        by: name of an attribute declared before this one, with a word as its value.
+        by: name of an attribute declared before this one, whose value is a word.
         cases: that word -> defaults.
-        help: what they mean.
+        help: their meaning.
     """
     counts = sorted({len(default) for default in cases.values()})
     kind = f"{counts[0]} to {counts[-1]} numbers" if len(counts) > 1 else f"{counts[0]} numbers"
     limits = Limits(above=0.0)
     attribute = Attribute(kind, "m", help, _read_numbers, *_each(limits), limits, by=by, cases=cases)
-    return _field((), attribute)  # type: ignore[no-any-return]
+    return _field((), attribute)
 
 
 def _read_numbers(node: WorldFileNode, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
@@ -230,18 +230,12 @@ def _read_numbers(node: WorldFileNode, key: str, default: tuple[float, ...]) -> 
 
 def file(*, help: str) -> Path | None:
     """A file beside the worldfile, in the current directory, or among the installed worlds."""
-    return _field(None, Attribute("file", "", help, _read_file))  # type: ignore[no-any-return]
+    return _field(None, Attribute("file", "", help, _read_file))
 
 
 def _read_file(node: WorldFileNode, key: str, default: None) -> Path | None:
     found = node.SearchFilename(key, str(installed_worlds()))
     return Path(found) if found else default
-
-
-def installed_worlds() -> Path:
-    """Where the ready worlds and their pictures are installed."""
-    spec = importlib.util.find_spec("libgz.worlds")
-    return Path(spec.origin).parent if spec is not None and spec.origin is not None else Path()
 
 
 def attributes_of(declaration: type[Any]) -> Mapping[str, Attribute]:
@@ -252,8 +246,8 @@ def attributes_of(declaration: type[Any]) -> Mapping[str, Attribute]:
 def read(declaration: type[T], node: WorldFileNode) -> T:
     """The attributes of a model's element.
 
-    A value that is not allowed is an error of the worldfile, told with all others after loading; the default stands
-    in for it until then.
+    A value that is not allowed is an error of the worldfile, reported with all others after loading; until then the
+    default replaces it.
     """
     defaults = declaration()
     values: dict[str, Any] = {}
@@ -286,7 +280,7 @@ def written(attribute: Attribute, value: Any) -> str:
 
 def _report(node: WorldFileNode, name: str, attribute: Attribute, value: Any) -> None:
     child = node.GetChild(name) or node
-    said = child.content.strip() if child is not node else str(value)
-    hint = nearest(said, attribute.allowed.removeprefix("one of ").split(", ")) if rubbish(said) else ""
+    text = child.content.strip() if child is not node else str(value)
+    hint = nearest(text, attribute.allowed.removeprefix("one of ").split(", ")) if malformed(text) else ""
     unit = f" [{attribute.unit}]" if attribute.unit else ""
-    child.error(f"{said!r} is not allowed; {name}{unit} must be {attribute.allowed}{hint}")
+    child.error(f"{text!r} is not allowed; {name}{unit} must be {attribute.allowed}{hint}")

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import codecs
-import errno
 import functools
 import logging
 import os
-import tempfile
 from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import Diagnostic, Diagnostics, WorldFileError
-from libgz.worldfile.node import WorldFileNode
+from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
+from libgz.files import read_limited, write_whole, xml_parser
+from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice
 from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
 
-__all__ = ["WorldFile", "write_whole"]
+__all__ = ["WorldFile"]
 
 log = logging.getLogger("libgz.worldfile")
 
-LARGEST_FILE = 64 * 1024 * 1024  # bytes
 LATER_ROOTS = {
     "gazebo": "an SDF world of Gazebo 1.0",
     "sdf": "an SDF world of Gazebo classic",
@@ -39,14 +37,12 @@ class WorldFile:
 
     def __init__(self) -> None:
         self.filename: str | None = None
-        self.label = "<worldfile>"  # what messages call the file
+        self.label = "<worldfile>"  # the file's name in messages
         self.diagnostics = Diagnostics()
         self.source = b""
         self.encoding = "utf-8"
         self.root: WorldFileNode | None = None
-        self.changed: dict[int, str] = {}  # element number -> new text
-        self.changed_attributes: dict[tuple[int, str], str] = {}  # (element number, XML attribute) -> new value
-        self.added: dict[int, list[WorldFileNode]] = {}  # element number -> new children
+        self.changes = Changes()  # since the file was read or saved
 
     @classmethod
     def from_file(cls, filename: str | os.PathLike[str]) -> WorldFile:
@@ -59,6 +55,17 @@ class WorldFile:
         file.Load(filename)
         return file
 
+    @staticmethod
+    def of(node: WorldFileNode) -> WorldFile:
+        """The worldfile of an element.
+
+        Raises:
+            ParameterError: the element belongs to something else.
+        """
+        if not isinstance(node.file, WorldFile):
+            raise ParameterError(f"{node!r} does not belong to a WorldFile")
+        return node.file
+
     def Load(self, filename: str | os.PathLike[str]) -> int:
         """Read a worldfile; 0.
 
@@ -67,16 +74,14 @@ class WorldFile:
         """
         path = Path(filename)
         try:
-            if path.stat().st_size > LARGEST_FILE:
-                raise WorldFileError(f"worldfile {path} is larger than {LARGEST_FILE >> 20} MiB")
-            source = path.read_bytes()
+            source = read_limited(path)
         except OSError as error:
             raise WorldFileError(f"cannot read worldfile {str(path)!r}: {error.strerror}") from None
         self._parse(source, str(path), str(path))
         return 0
 
     def LoadString(self, text: str | bytes, label: str = "<string>") -> int:
-        """The same from text; `label` is what messages call it."""
+        """The same from text; `label` is its name in messages."""
         self._parse(text.encode() if isinstance(text, str) else text, None, label)
         return 0
 
@@ -84,20 +89,11 @@ class WorldFile:
         if self.root is not None:
             raise WorldFileError(f"this WorldFile holds {self.label} already; use a new one for {label}")
         self.filename, self.label, self.source = filename, label, source
-        parser = etree.XMLParser(
-            recover=True,
-            resolve_entities=False,
-            no_network=True,
-            load_dtd=False,
-            dtd_validation=False,
-            remove_comments=False,
-            huge_tree=False,
-        )
+        parser = xml_parser(recover=True)  # files of those years have invalid namespace addresses
         try:
             root = etree.fromstring(source, parser)
         except etree.XMLSyntaxError as error:
             raise WorldFileError(f"{label}:{error.lineno or 1}: {error.msg}") from None
-        # Recovery is on because real files have namespace addresses that are none; only such errors are forgiven.
         fatal = [e for e in parser.error_log if e.level == etree.ErrorLevels.FATAL]
         if fatal:
             raise WorldFileError("\n".join(f"{label}:{e.line}: {e.message.strip()}" for e in fatal))
@@ -106,7 +102,7 @@ class WorldFile:
         self.encoding = _encoding(root)
         self._numbered = 0
         self.root = self._node(root, None)
-        for entry in parser.error_log:  # namespace addresses: nothing ever looks at them
+        for entry in parser.error_log:  # namespace addresses, which nothing uses
             log.info("%s:%d: %s", label, entry.line, entry.message.strip())
         self._refuse_later_formats()
 
@@ -117,7 +113,7 @@ class WorldFile:
         if element.prefix is None and ":" in name:
             prefix, _, local = name.partition(":")
             undeclared = f"prefix {prefix!r} is not declared, so this element is skipped; add xmlns:{prefix}='...'"
-            self.diagnostics.add(Diagnostic(self.label, line, f"{prefix}:{local}", undeclared, "warning"))
+            self.diagnostics.warn(Place(self.label, line, f"{prefix}:{local}"), undeclared)
         attributes = {str(k): str(v) for k, v in element.attrib.items()}
         number = self._numbered
         self._numbered += 1
@@ -132,7 +128,7 @@ class WorldFile:
         return node
 
     def _refuse_later_formats(self) -> None:
-        """Worlds of later Gazebos are other languages: refuse them whole instead of reading half."""
+        """Raise an error for the formats of later Gazebos, instead of reading half of them."""
         root = self.GetRootNode()
         if root.prefix == "gazebo":
             raise WorldFileError(
@@ -146,10 +142,10 @@ class WorldFile:
             )
 
     def note_foreign(self, empty: bool) -> None:
-        """Warn of a file that says by nothing that it is a worldfile; the old server's way was an empty world.
+        """Warn of a file without any sign of a worldfile; the old server loaded it as an empty world.
 
         Args:
-            empty: whether there is no model in it.
+            empty: whether it has no model.
         """
         root = self.GetRootNode()
         if empty and root.prefix is None:
@@ -174,14 +170,14 @@ class WorldFile:
         return str((Path.cwd() / folder / path).resolve())
 
     def WarnUnused(self) -> bool:
-        """Log a warning for each element that nobody asked for, with its line; whether there was one."""
+        """Log a warning for each element that no getter read, with its line; whether there was one."""
         return self.GetRootNode().WarnUnused()
 
     # Older files -------------------------------------------------------------------------------------------------
 
     @functools.cached_property
     def step_time(self) -> float:
-        """The world's stepTime [s], wherever it stands: older contact attributes depend on it."""
+        """The world's stepTime [s], wherever it is in the file; older contact attributes depend on it."""
         found = next((node for node in self.GetRootNode().walk() if node.name == "stepTime"), None)
         return (atof(found.content) if found else 0.0) or DEFAULT_STEP
 
@@ -189,7 +185,7 @@ class WorldFile:
     def is_old(self) -> bool:
         """Whether this file was written for Gazebo 0.4, when some models had their origin higher.
 
-        A `version` attribute of the root says so; without one, tags that only 0.4 had, and models that ended with it.
+        The root's `version` attribute decides; without one, tags and models that only 0.4 had.
         """
         version = self.GetRootNode().attributes.get("version")
         if version is not None:
@@ -211,19 +207,11 @@ class WorldFile:
 
     # Saving ------------------------------------------------------------------------------------------------------
 
-    def add_child(self, node: WorldFileNode, tag: str, text: str) -> None:
-        """Give an element a new first child."""
-        child = WorldFileNode(self, node, tag, None, node.line, -1, {})
-        child.pieces, child.used = [text], True
-        added = self.added.setdefault(node.number, [])
-        node.children.insert(len(added), child)
-        added.append(child)
-
     def Save(self, filename: str | os.PathLike[str] | None = None) -> int:
         """Write the file with its changed values; comments, order and layout stay. 0.
 
         Args:
-            filename: where to; None for the file that was loaded.
+            filename: where to write; None for the file that was loaded.
 
         Raises:
             WorldFileError: the file cannot be written, or has no name.
@@ -231,18 +219,15 @@ class WorldFile:
         target = filename or self.filename
         if target is None:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
-        if self.changed or self.changed_attributes or self.added:
-            children = {
-                number: [(child.name, child.content) for child in added] for number, added in self.added.items()
-            }
+        if self.changes:
+            changes = self.changes
+            children = {number: [(child.name, child.content) for child in c] for number, c in changes.children.items()}
             try:
-                self.source = splice(self.source, self.changed, self.changed_attributes, children, self.encoding)
+                self.source = splice(self.source, changes.texts, changes.attributes, children, self.encoding)
             except WorldFileError as error:
                 raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
             self._renumber()
-            self.changed.clear()
-            self.changed_attributes.clear()
-            self.added.clear()
+            self.changes = Changes()
         log.info("saving: %s", target)
         try:
             write_whole(Path(target), self.source)
@@ -257,41 +242,9 @@ class WorldFile:
 
 
 def _encoding(root: etree._Element) -> str:
-    """The document's encoding, if Python knows it, else UTF-8."""
+    """The document's encoding if Python has it, else UTF-8."""
     name = root.getroottree().docinfo.encoding or "utf-8"
     try:
         return codecs.lookup(name).name
     except LookupError:
         return "utf-8"
-
-
-def write_whole(target: Path, data: bytes) -> None:
-    """Replace a file in one step, so that nobody ever sees half of it. Pipes and devices are written to.
-
-    Raises:
-        OSError: it cannot be written, or is protected: putting another file in its place would ask nobody. `filename`
-            is the target.
-    """
-    try:
-        if target.exists() and not target.is_file():
-            target.write_bytes(data)
-        else:
-            _replace(target.resolve(), data)
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, str(target)) from None
-
-
-def _replace(target: Path, data: bytes) -> None:
-    mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
-    if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
-        raise PermissionError(errno.EACCES, "it is write-protected", str(target))
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
-        path = Path(temporary.name)
-        try:
-            temporary.write(data)
-            temporary.flush()
-            path.chmod(mode)
-            path.replace(target)
-        except OSError:
-            path.unlink(missing_ok=True)
-            raise

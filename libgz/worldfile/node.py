@@ -1,6 +1,6 @@
 """WorldFileNode: one element of a worldfile, with the getters of the old API.
 
-This is the one place where degrees become radians: files are in degrees, everything above is in radians.
+Degrees become radians here and nowhere else: files are in degrees, the API is in radians.
 """
 
 from __future__ import annotations
@@ -8,24 +8,66 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import Protocol, TypeVar
 
-from libgz.errors import Diagnostic, nearest
-from libgz.geometry import DTOR, RTOD, GzColor, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
-from libgz.worldfile.number import atof, atoi, rubbish
+from libgz.errors import Diagnostics, Place, nearest
+from libgz.geometry import (
+    DTOR,
+    RTOD,
+    GzColor,
+    GzQuatern,
+    GzQuaternFromEuler,
+    GzQuaternToEuler,
+    GzVector,
+    QuaternLike,
+    VectorLike,
+)
+from libgz.worldfile.number import atof, atoi, malformed
 from libgz.worldfile.spelling import ignored_tags, renamed_tags
 
-if TYPE_CHECKING:
-    from libgz.geometry import QuaternLike, VectorLike
-    from libgz.worldfile.file import WorldFile
-
-__all__ = ["WorldFileNode"]
+__all__ = ["Changes", "Document", "WorldFileNode"]
 
 log = logging.getLogger("libgz.worldfile")
 
 T = TypeVar("T")
 _BLANK = " \t\r\n"
+
+
+class Document(Protocol):
+    """What an element needs of the file it belongs to; `WorldFile` is one."""
+
+    label: str
+    filename: str | None
+    diagnostics: Diagnostics
+    changes: Changes
+
+    @property
+    def step_time(self) -> float:
+        """The world's stepTime [s]."""
+
+    @property
+    def is_old(self) -> bool:
+        """Whether the file was written for Gazebo 0.4."""
+
+    def origin_height(self, node: WorldFileNode) -> float:
+        """How far above its present origin a model of this file is meant to have it [m]."""
+
+    def ResolveFilename(self, name: str) -> str:
+        """A file name made absolute."""
+
+
+@dataclass
+class Changes:
+    """Values that differ from the file's text, by the number of their element in document order."""
+
+    texts: dict[int, str] = field(default_factory=dict)
+    attributes: dict[tuple[int, str], str] = field(default_factory=dict)  # (element, XML attribute) -> value
+    children: dict[int, list[WorldFileNode]] = field(default_factory=dict)  # added at the beginning
+
+    def __bool__(self) -> bool:
+        return bool(self.texts or self.attributes or self.children)
 
 
 class WorldFileNode:
@@ -38,7 +80,7 @@ class WorldFileNode:
 
     def __init__(
         self,
-        file: WorldFile,
+        file: Document,
         parent: WorldFileNode | None,
         name: str,
         prefix: str | None,
@@ -56,7 +98,7 @@ class WorldFileNode:
         self.children: list[WorldFileNode] = []
         self.pieces: list[str | WorldFileNode] = []  # text and children in order
         self.used = False
-        self.asked: dict[str, None] = {}  # keys that getters looked for: what could have stood here
+        self.asked: dict[str, None] = {}  # keys that getters looked for
 
     def __repr__(self) -> str:
         return f"<WorldFileNode {self.tag} at {self.file.label}:{self.line}>"
@@ -73,13 +115,18 @@ class WorldFileNode:
 
     # Errors ------------------------------------------------------------------------------------------------------
 
+    @property
+    def place(self) -> Place:
+        """File, line and tag, for messages."""
+        return Place(self.file.label, self.line, self.tag)
+
     def error(self, message: str) -> None:
-        """Note an error that keeps the world from loading; all are told together."""
-        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "error"))
+        """Add an error: the world does not load; all errors are reported together."""
+        self.file.diagnostics.error(self.place, message)
 
     def warn(self, message: str) -> None:
-        """Note an error with which the world still loads."""
-        self.file.diagnostics.add(Diagnostic(self.file.label, self.line, self.tag, message, "warning"))
+        """Add a warning: the world still loads."""
+        self.file.diagnostics.warn(self.place, message)
 
     # Structure ---------------------------------------------------------------------------------------------------
 
@@ -108,6 +155,21 @@ class WorldFileNode:
         """The first child with this prefix."""
         return next((child for child in self.children if child.prefix == prefix), None)
 
+    def along(self, path: tuple[str, ...]) -> list[WorldFileNode]:
+        """The first elements on a path of local names below this one, as far as it exists."""
+        found: list[WorldFileNode] = []
+        for step in path:
+            node = (found[-1] if found else self).GetChild(step)
+            if node is None:
+                break
+            found.append(node)
+        return found
+
+    def at(self, path: tuple[str, ...]) -> WorldFileNode | None:
+        """The element at the end of such a path; None if there is none."""
+        found = self.along(path)
+        return found[-1] if len(found) == len(path) else None
+
     def walk(self) -> Iterator[WorldFileNode]:
         """This element and all below it, in document order."""
         yield self
@@ -132,20 +194,18 @@ class WorldFileNode:
         return old
 
     def _attribute_child(self, key: str) -> WorldFileNode | None:
-        """The child that holds an attribute; a model of that name is none."""
+        """The child that holds an attribute; a model of that name does not count."""
         return next((child for child in self.children if child.name == key and child.prefix != "model"), None)
 
     def _find_old(self, key: str) -> tuple[WorldFileNode, str] | None:
         """The same under an older spelling."""
         found = None
         for renamed in renamed_tags(self.name, key):
-            node: WorldFileNode | None = self
-            for step in renamed.path:
-                node = node.GetChild(step) if node is not None else None
-                if node is not None:
-                    node.used = True
-            if node is not None and found is None:
-                found = node, renamed.convert(node.content, self.file.step_time)
+            for node in self.along(renamed.path):
+                node.used = True
+            old = self.at(renamed.path)
+            if old is not None and found is None:
+                found = old, renamed.convert(old.content, self.file.step_time)
         return found
 
     def _absent(self, key: str, require: int, default: T) -> T:
@@ -157,13 +217,13 @@ class WorldFileNode:
         return [child.name for child in self.children if not child.used]
 
     def IsDefined(self, key: str) -> bool:
-        """Whether the attribute is there; marks it as used."""
+        """Whether the attribute is present; marks it as used."""
         return self._find(key) is not None
 
     def _number(self, node: WorldFileNode, text: str) -> float:
-        """A number as atof reads it, with a warning where that drops something."""
+        """A number as atof reads it, with a warning where that ignores something."""
         value = atof(text)
-        if rubbish(text):
+        if malformed(text):
             node.warn(f"{text.strip()!r} is not a number, and is read as {value:g}")
         if math.isnan(value):
             node.error("'nan' is not allowed here")
@@ -173,7 +233,7 @@ class WorldFileNode:
     # Getters -----------------------------------------------------------------------------------------------------
 
     def GetString(self, key: str, default: str | None = None, require: int = 0) -> str | None:
-        """The text as it stands, blanks included."""
+        """The text as written, blanks included."""
         found = self._find(key)
         return found[1] if found else self._absent(key, require, default)
 
@@ -211,7 +271,7 @@ class WorldFileNode:
         node, text = found[0], found[1].strip().lower()
         if text in ("true", "false"):
             return text == "true"
-        if rubbish(text):
+        if malformed(text):
             node.warn(f"{text!r} is neither true, false nor a number, and is read as false")
             return False
         return atoi(text) != 0
@@ -244,7 +304,7 @@ class WorldFileNode:
             return None
         values = [self._number(found[0], token) for token in tokens]
         if len(values) > count:
-            found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is dropped")
+            found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is ignored")
         for value in values:
             if math.isinf(value):
                 found[0].error("infinite numbers are not allowed here")
@@ -316,10 +376,10 @@ class WorldFileNode:
     # Setters -----------------------------------------------------------------------------------------------------
 
     def SetString(self, key: str, value: str) -> None:
-        """Change the text of an attribute that is there; `WorldFile.Save` writes it."""
+        """Change the text of an attribute that is present; `WorldFile.Save` writes it."""
         if key in self.attributes:
             if self.attributes[key] != value:
-                self.attributes[key] = self.file.changed_attributes[self.number, key] = value
+                self.attributes[key] = self.file.changes.attributes[self.number, key] = value
             return
         node = self if key == self.name else self._attribute_child(key)
         if node is not None:
@@ -329,10 +389,10 @@ class WorldFileNode:
         if self.content.strip(_BLANK) != value:
             self.pieces = [value]
             if self.number >= 0:  # else it was added, and is not in the file yet
-                self.file.changed[self.number] = value
+                self.file.changes.texts[self.number] = value
 
     def SetPosition(self, key: str, value: VectorLike, *, add: bool = False) -> None:
-        """Write three lengths [m] with three decimals; `add` makes the attribute if it is missing."""
+        """Write three lengths [m] with three decimals; `add` creates the attribute if it is missing."""
         self._set(key, " ".join(f"{_no_minus_zero(v, 3):.3f}" for v in value), add)
 
     def SetRotation(self, key: str, value: QuaternLike, *, add: bool = False) -> None:
@@ -344,19 +404,25 @@ class WorldFileNode:
         old = self._find_old(key)
         if key in self.attributes or self._attribute_child(key) is not None:
             self.SetString(key, text)
-        elif old is not None:  # `pos` and `rot` of 0.3 are written as xyz and rpy are
+        elif old is not None:  # `pos` and `rot` of 0.3 are in the form of xyz and rpy
             old[0]._set_content(text)
         elif add and any(atof(token) for token in text.split()):  # an absent one reads as zeros
-            self.file.add_child(self, key, text)
+            self._add_child(key, text)
+
+    def _add_child(self, tag: str, text: str) -> None:
+        """Add a new child in front of those of the file."""
+        child = WorldFileNode(self.file, self, tag, None, self.line, -1, {})
+        child.pieces, child.used = [text], True
+        added = self.file.changes.children.setdefault(self.number, [])
+        self.children.insert(len(added), child)
+        added.append(child)
 
     # Unused attributes -------------------------------------------------------------------------------------------
 
     def note_unused(self) -> bool:
-        """Note a warning for each element below that nobody asked for; whether there was one."""
+        """Add a warning for each element below this one that no getter read; whether there was one."""
         for path in ignored_tags(self.name):
-            node: WorldFileNode | None = self
-            for step in path:
-                node = node.GetChild(step) if node is not None else None
+            node = self.at(path)
             if node is not None and not node.used:
                 node.used = True
                 log.info("%s:%d: <%s> has no effect since Gazebo 0.5", self.file.label, node.line, node.tag)
@@ -364,13 +430,13 @@ class WorldFileNode:
         for child in self.children:
             if not child.used:
                 found = True
-                if self.used or self.parent is None:  # else it was told with this element
+                if self.used or self.parent is None:  # else this element's own warning covers it
                     child.warn(self._unused(child))
             found = child.note_unused() or found
         return found
 
     def _unused(self, child: WorldFileNode) -> str:
-        """What to say of a child that nobody asked for."""
+        """The warning about a child that no getter read."""
         first = self._attribute_child(child.name)
         if child.name in self.asked and child.name in self.attributes:
             return f"is not used: the attribute {child.name}= counts"
@@ -380,16 +446,16 @@ class WorldFileNode:
         return f"is not used{owner}{nearest(child.name, self.asked)}"
 
     def WarnUnused(self) -> bool:
-        """Log a warning for each element below this one that nobody asked for; whether there was one."""
+        """Log a warning for each element below this one that no getter read; whether there was one."""
         before = set(self.file.diagnostics.found)
         found = self.note_unused()
-        for error in self.file.diagnostics.warnings:
-            if error not in before:
-                log.warning("%s", error)
+        for warning in self.file.diagnostics.warnings:
+            if warning not in before:
+                log.warning("%s", warning)
         return found
 
     def Print(self) -> str:
-        """The element and what is in it, one line each, for debugging."""
+        """The element and all in it, one line each, for debugging."""
         lines = [f"{self.tag}: {self.content.strip()!r}" if not self.children else f"{self.tag}:"]
         for child in self.children:
             lines += ["  " + line for line in child.Print().splitlines()]

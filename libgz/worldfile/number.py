@@ -1,10 +1,10 @@
-"""Numbers as C's atof and atoi read them: leading blanks, the longest valid prefix, rubbish is zero."""
+"""Numbers as C's atof and atoi read them: leading blanks, the longest valid prefix, else zero."""
 
 from __future__ import annotations
 
 import re
 
-__all__ = ["atof", "atoi", "rubbish"]
+__all__ = ["atof", "atoi", "malformed"]
 
 _FLOAT = re.compile(r"\s*([+-]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|inf(?:inity)?|nan))", re.IGNORECASE)
 _INT = re.compile(r"\s*([+-]?\d+)")
@@ -22,7 +22,7 @@ def atoi(text: str) -> int:
     return int(match.group(1)) if match else 0
 
 
-def rubbish(text: str) -> bool:
-    """Whether `text` is more, or less, than one number."""
+def malformed(text: str) -> bool:
+    """Whether `text` is anything but one number."""
     match = _FLOAT.match(text)
     return match is None or bool(text[match.end() :].strip())

@@ -1,24 +1,39 @@
-"""The worldfile's own bytes: new values are spliced in, so that comments and layout survive saving."""
+"""The bytes of a worldfile: new values are spliced in, so that saving keeps comments and layout."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 from xml.parsers import expat
 from xml.sax.saxutils import escape
 
 from libgz.errors import WorldFileError
 
-__all__ = ["Span", "attribute_spans", "element_spans", "splice"]
+__all__ = [
+    "Edit",
+    "Span",
+    "apply_edits",
+    "attribute_spans",
+    "element_spans",
+    "fill",
+    "indent_of",
+    "put_first",
+    "splice",
+    "tag_of",
+]
+
+Edit: TypeAlias = tuple[int, int, bytes]  # start and end of what is replaced, new bytes
 
 _ATTRIBUTE = re.compile(rb"""\s([^\s=]+)\s*=\s*("[^"]*"|'[^']*')""")
-_WIDE = (b"\xff\xfe", b"\xfe\xff", b"\0<", b"<\0")  # how documents begin whose characters have two bytes or more
+_TAG = re.compile(rb"<([^\s/>]+)")
+_WIDE = (b"\xff\xfe", b"\xfe\xff", b"\0<", b"<\0")  # first bytes of UTF-16 and UTF-32
 
 
 @dataclass
 class Span:
-    """Where an element stands: byte offsets of its tags and its content."""
+    """The place of an element: byte offsets of its tags and its content."""
 
     start: int
     content: int
@@ -31,7 +46,7 @@ def element_spans(source: bytes) -> list[Span]:
     """The spans of all elements in document order.
 
     Raises:
-        WorldFileError: the document's encoding has no bytes of ASCII to look for.
+        WorldFileError: the document is in UTF-16 or UTF-32.
     """
     if source.startswith(_WIDE):
         raise WorldFileError("a worldfile in UTF-16 or UTF-32 can be read, but not changed; make it UTF-8")
@@ -40,7 +55,7 @@ def element_spans(source: bytes) -> list[Span]:
     parser = expat.ParserCreate()
 
     def start(_name: str, _attributes: dict[str, str]) -> None:
-        # A '>' may stand inside a quoted attribute value: skip those.
+        # A quoted attribute value may contain '>': skip those.
         index, quote = parser.CurrentByteIndex, 0
         while quote or source[index] != ord(">"):
             byte = source[index]
@@ -70,6 +85,44 @@ def attribute_spans(source: bytes, span: Span) -> dict[bytes, tuple[int, int]]:
     return {match[1]: (match.start(2) + 1, match.end(2) - 1) for match in found}
 
 
+def tag_of(source: bytes, span: Span) -> bytes:
+    """The tag of an element, with its prefix."""
+    match = _TAG.match(source, span.start)
+    return match[1] if match else b""
+
+
+def fill(source: bytes, span: Span, content: bytes, tag: bytes = b"") -> Edit:
+    """The edit that replaces the content of an element; `<tag/>` becomes `<tag>...</tag>`.
+
+    Args:
+        source: the document.
+        span: of the element.
+        content: what replaces its content.
+        tag: the element's tag after all edits; empty if it stays.
+    """
+    if span.empty:
+        return span.content - 2, span.content, b">" + content + b"</" + (tag or tag_of(source, span)) + b">"
+    return span.content, span.end, content
+
+
+def put_first(source: bytes, span: Span, content: bytes) -> Edit:
+    """The edit that puts something at the beginning of an element's content."""
+    return fill(source, span, content) if span.empty else (span.content, span.content, content)
+
+
+def indent_of(source: bytes, span: Span) -> bytes:
+    """The blanks in front of the first thing inside an element."""
+    inside = source[span.content : span.end]
+    return inside[: len(inside) - len(inside.lstrip())]
+
+
+def apply_edits(source: bytes, edits: Sequence[Edit]) -> bytes:
+    """The document after edits, which are in order of their starts and do not overlap."""
+    for start, end, new in reversed(edits):
+        source = source[:start] + new + source[end:]
+    return source
+
+
 def splice(
     source: bytes,
     texts: Mapping[int, str],
@@ -77,7 +130,7 @@ def splice(
     children: Mapping[int, list[tuple[str, str]]],
     encoding: str,
 ) -> bytes:
-    """New bytes with changed and added values.
+    """The document with changed and added values.
 
     Args:
         source: the document.
@@ -87,37 +140,17 @@ def splice(
         encoding: of the document.
 
     Raises:
-        WorldFileError: the document's encoding has no bytes of ASCII to look for.
+        WorldFileError: the document is in UTF-16 or UTF-32.
     """
     spans = element_spans(source)
-    edits: list[tuple[int, int, bytes]] = []
+    edits: list[Edit] = []
     for (number, name), value in attributes.items():
         place = attribute_spans(source, spans[number])[name.encode(encoding)]
         edits.append((*place, escape(value, {'"': "&quot;", "'": "&apos;"}).encode(encoding)))
     for number, text in texts.items():
-        span = spans[number]
-        new = escape(text).encode(encoding)
-        if span.empty:
-            tag = source[span.start + 1 : span.content].split(None, 1)[0].rstrip(b"/>")
-            edits.append((span.content - 2, span.content, b">" + new + b"</" + tag + b">"))
-        else:
-            edits.append((span.content, span.end, new))
+        edits.append(fill(source, spans[number], escape(text).encode(encoding)))
     for number, added in children.items():
-        span = spans[number]
-        indent = _indent(source, span)
-        lines = "".join(f"{indent}<{tag}>{escape(text)}</{tag}>" for tag, text in added).encode(encoding)
-        if span.empty:
-            tag = source[span.start + 1 : span.content].split(None, 1)[0].rstrip(b"/>")
-            edits.append((span.content - 2, span.content, b">" + lines + b"</" + tag + b">"))
-        else:
-            edits.append((span.content, span.content, lines))
-    for first, last, new in sorted(edits, reverse=True):
-        source = source[:first] + new + source[last:]
-    return source
-
-
-def _indent(source: bytes, span: Span) -> str:
-    """The blanks that set off the first thing inside an element."""
-    inside = source[span.content : span.end]
-    blanks = inside[: len(inside) - len(inside.lstrip())]
-    return blanks.decode("ascii", "replace") if blanks.strip(b" \t\r\n") == b"" else ""
+        indent = indent_of(source, spans[number])
+        lines = b"".join(indent + f"<{tag}>{escape(text)}</{tag}>".encode(encoding) for tag, text in added)
+        edits.append(put_first(source, spans[number], lines))
+    return apply_edits(source, sorted(edits))

@@ -1,6 +1,6 @@
-"""Older spellings: the tags of Gazebo 0.3 and 0.4, read as what they became in 0.5.
+"""Older spellings: the tags of Gazebo 0.3 and 0.4, read as their successors in 0.5.
 
-Each element is judged by its own tags, whatever the file's age. Where both spellings stand, the newer wins.
+Each element's own tags decide, whatever the file's age. Where both spellings are present, the newer one counts.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ DEFAULT_STEP = 0.02  # [s]
 
 @dataclass(frozen=True)
 class Renamed:
-    """An older place of an attribute: its path below the model, and how its text becomes that of the newer one."""
+    """An older place of an attribute: its path below the model, and the conversion of its text to the newer form."""
 
     path: tuple[str, ...]
     convert: Callable[[str, float], str] = lambda text, _step: text
@@ -90,13 +90,13 @@ IGNORED: dict[str, tuple[tuple[str, ...], ...]] = {
 OLD_TAGS = frozenset({"window", "lens", "updatePeriod", "displayLaser", "imgSize", "cfm"})
 OLD_MODELS = frozenset({"MapExtruder", "Pioneer2Sonars"})
 
-# Models of 0.4 of which no more than the name is known, and what to say of them.
+# Models of 0.4 of which only the name is known -> end of the warning about them.
 NAMES_ONLY = {
-    "PointSet": "; no manual tells its attributes: it only drew points, and touched nothing",
-    "TotemPole": "; no manual tells its attributes: SimpleSolids on top of each other can stand in for it",
+    "PointSet": "; its attributes are not documented: it only displayed points, without collisions",
+    "TotemPole": "; its attributes are not documented: SimpleSolids on top of each other can replace it",
 }
 
-# Where the origin of 0.4 lay above that of 0.5 [m]; SimpleSolid's lay at its centre.
+# Height of the origin of 0.4 above that of 0.5 [m]; SimpleSolid's was at its centre.
 OLD_ORIGIN_HEIGHT = {"SickLMS200": 0.10, "Pioneer2AT": 0.195}
 
 

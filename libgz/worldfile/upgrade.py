@@ -6,37 +6,39 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from libgz.errors import Remark
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
-from libgz.worldfile.source import Span, attribute_spans, element_spans
+from libgz.worldfile.source import (
+    Edit,
+    Span,
+    apply_edits,
+    attribute_spans,
+    element_spans,
+    fill,
+    indent_of,
+    put_first,
+    tag_of,
+)
 from libgz.worldfile.spelling import Renamed, ignored_tags, renamed_keys, renamed_tags
 
 __all__ = ["Change", "upgrade"]
 
 VERSION = "0.5"
 NAMESPACE = "http://playerstage.sourceforge.net/gazebo/xmlschema/#param"
-_TAG = re.compile(rb"<([^\s/>]+)")
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 @dataclass(frozen=True)
-class Change:
-    """One thing that was rewritten. `str()` gives ``file:line: <element>: what became of it``."""
-
-    file: str
-    line: int
-    element: str
-    message: str
-
-    def __str__(self) -> str:
-        return f"{self.file}:{self.line}: <{self.element}>: {self.message}"
+class Change(Remark):
+    """A change of one element."""
 
 
 def upgrade(file: WorldFile) -> tuple[bytes, list[Change]]:
-    """The worldfile's bytes in the newer spelling, and what was changed.
+    """The worldfile's bytes in the newer spelling, and the changes.
 
-    Models of plugins are left alone: only their code knows what their attributes mean.
+    Models of plugins stay as they are: only their code defines the meaning of their attributes.
     """
     work = _Upgrade(file)
     work.settings()
@@ -50,12 +52,14 @@ def upgrade(file: WorldFile) -> tuple[bytes, list[Change]]:
     source = work.apply()
     if file.is_old and _judged_old(source):
         source = _marked(source)
-        work.note(file.GetRootNode(), f'marked as version="{VERSION}", for some of its models ended with 0.4')
+        work.note(
+            file.GetRootNode(), f'marked as version="{VERSION}", because some of its models existed until 0.4 only'
+        )
     return source, sorted(work.changes, key=lambda change: change.line)
 
 
 def _marked(source: bytes) -> bytes:
-    """The same with the present version in the root's tag, in place of an older one."""
+    """The document with the current version in the root's tag."""
     root = element_spans(source)[0]
     end = root.content - (2 if root.empty else 1)
     older = attribute_spans(source, root).get(b"version")
@@ -76,22 +80,19 @@ class _Upgrade:
         self.file = file
         self.source = file.source
         self.spans = element_spans(self.source)
-        self.edits: list[tuple[int, int, bytes]] = []
+        self.edits: list[Edit] = []
         self.changes: list[Change] = []
 
     def note(self, node: WorldFileNode, message: str) -> None:
         self.changes.append(Change(self.file.label, node.line, node.tag, message))
 
     def apply(self) -> bytes:
-        """The source with all edits; those inside a stretch that goes as a whole are dropped."""
-        source = self.source
-        kept: list[tuple[int, int, bytes]] = []
-        for edit in sorted(self.edits, key=lambda e: (e[0], e[1] > e[0], -e[1])):  # what is put in before what goes
+        """The source with all edits, except those inside a range that another edit removes."""
+        kept: list[Edit] = []
+        for edit in sorted(self.edits, key=lambda e: (e[0], e[1] > e[0], -e[1])):  # insertions before removals
             if not kept or edit[0] >= kept[-1][1]:
                 kept.append(edit)
-        for start, end, new in reversed(kept):
-            source = source[:start] + new + source[end:]
-        return source
+        return apply_edits(self.source, kept)
 
     # Edits -------------------------------------------------------------------------------------------------------
 
@@ -101,15 +102,14 @@ class _Upgrade:
     def rename(self, node: WorldFileNode, tag: str) -> None:
         """Another tag, the same content."""
         span = self.span(node)
-        old = _TAG.match(self.source, span.start)
-        length = len(old.group(1)) if old else 0
+        length = len(tag_of(self.source, span))
         new = tag.encode(self.file.encoding)
         self.edits.append((span.start + 1, span.start + 1 + length, new))
         if not span.empty:
             self.edits.append((span.end + 2, span.end + 2 + length, new))
 
-    def write(self, node: WorldFileNode, text: str) -> None:
-        """Another text; comments and the blanks around the old text stay."""
+    def write(self, node: WorldFileNode, text: str, tag: str = "") -> None:
+        """Another text; comments and the blanks around the old text stay. `tag` is the new tag, if there is one."""
         span = self.span(node)
         inside = self.source[span.content : span.end]
         comments = b"".join(b" " + comment for comment in _COMMENT.findall(inside))
@@ -117,10 +117,10 @@ class _Upgrade:
         before = plain[: len(plain) - len(plain.lstrip())]
         after = plain[len(plain.rstrip()) :] if plain.strip() else b""
         new = before + text.encode(self.file.encoding) + comments + after
-        self.edits.append((span.content, span.end, new))
+        self.edits.append(fill(self.source, span, new, tag.encode(self.file.encoding)))
 
     def remove(self, node: WorldFileNode) -> None:
-        """Take an element out, with its line if it has one for itself; comments in it stay."""
+        """Remove an element, with its line if nothing else is on it; comments in it stay."""
         span = self.span(node)
         comments = _COMMENT.findall(self.source[span.content : span.end])
         if comments:
@@ -129,7 +129,7 @@ class _Upgrade:
             self.edits.append((*self._line(span.start, span.after), b""))
 
     def unwrap(self, node: WorldFileNode) -> None:
-        """Take an element's tags away and leave what is in it, indented as the element was."""
+        """Replace an element by its content, indented as the element was."""
         span = self.span(node)
         self.edits.append((*self._line(span.start, span.content), b""))
         self.edits.append((*self._line(span.end, span.after), b""))
@@ -144,17 +144,10 @@ class _Upgrade:
         """A new first child."""
         span = self.span(node)
         child = f"<{tag}>{text}</{tag}>".encode(self.file.encoding)
-        if span.empty:
-            name = _TAG.match(self.source, span.start)
-            closing = b"</" + (name.group(1) if name else b"") + b">"
-            self.edits.append((span.content - 2, span.content, b">" + child + closing))
-            return
-        inside = self.source[span.content : span.end]
-        blanks = inside[: len(inside) - len(inside.lstrip())]
-        self.edits.append((span.content, span.content, blanks + child))
+        self.edits.append(put_first(self.source, span, indent_of(self.source, span) + child))
 
     def _line(self, start: int, end: int) -> tuple[int, int]:
-        """The whole line, if a stretch stands alone on it; else the stretch itself."""
+        """The whole line if nothing else is on it, else the range itself."""
         line_start = self.source.rfind(b"\n", 0, start) + 1
         newline = self.source.find(b"\n", end)
         line_end = len(self.source) if newline < 0 else newline + 1
@@ -173,14 +166,14 @@ class _Upgrade:
         newer = any(node.tag == "param:Global" for node in self.file.GetRootNode().walk())
         for node in nodes if newer else nodes[:-1]:
             self.remove(node)
-            self.note(node, "removed, for another element with settings comes after it and has the last word")
+            self.note(node, "removed, because only the last element with settings has an effect")
         if nodes and not newer:
             self.rename(nodes[-1], "param:Global")
-            self.note(nodes[-1], "is <param:Global> now")
+            self.note(nodes[-1], "renamed to <param:Global>")
             self._declare_prefix(nodes)
 
     def _declare_prefix(self, renamed: list[WorldFileNode]) -> None:
-        """Make the prefix `param` known, by renaming `params` if nothing else needs that."""
+        """Declare the prefix `param`, by renaming `params` if nothing else uses it."""
         root = self.spans[0]
         tag = self.source[root.start : root.content]
         if re.search(rb"\sxmlns:param\s*=", tag):
@@ -203,8 +196,8 @@ class _Upgrade:
                 for old in _all_at(node, renamed.path):
                     if len(renamed.path) > 1 and old.parent is not None:
                         wrappers.setdefault(old.parent)
-                    if taken or old is not _first_at(node, renamed.path):
-                        self._drop(old, f"removed, for it never counted beside another <{key}>")
+                    if taken or old is not node.at(renamed.path):
+                        self._drop(old, f"removed, because another <{key}> overrides it")
                     else:
                         self._rename(old, key, renamed)
                         survivors.add(old)
@@ -214,21 +207,21 @@ class _Upgrade:
                 if any(longer[:-1] == path for longer in ignored_tags(node.name)):
                     wrappers.setdefault(old)
                 else:
-                    self._drop(old, "removed, for it has no effect since 0.5")
+                    self._drop(old, "removed, because it has no effect since 0.5")
         for wrapper in wrappers:
             self._open(wrapper, survivors)
 
     def _open(self, wrapper: WorldFileNode, survivors: set[WorldFileNode]) -> None:
-        """Let what still counts out of a `<window>` or `<lens>`."""
+        """Move what still has an effect out of a `<window>` or `<lens>`."""
         if not any(child in survivors for child in wrapper.children):
-            self._drop(wrapper, "removed, for nothing in it has an effect since 0.5")
+            self._drop(wrapper, "removed, because nothing in it has an effect since 0.5")
             return
-        told = {(change.line, change.element) for change in self.changes}
+        noted = {(change.line, change.element) for change in self.changes}
         for child in wrapper.children:
-            if child not in survivors and (child.line, child.tag) not in told:
-                self._drop(child, "removed, for nothing ever read it")
+            if child not in survivors and (child.line, child.tag) not in noted:
+                self._drop(child, "removed, because it was never read")
         self.unwrap(wrapper)
-        self.note(wrapper, "opened: what was in it stands in the model itself now")
+        self.note(wrapper, "removed; its content is now in the model itself")
 
     def _drop(self, node: WorldFileNode, why: str) -> None:
         self.remove(node)
@@ -238,13 +231,13 @@ class _Upgrade:
         self.rename(node, key)
         text = renamed.convert(node.content, self.file.step_time)
         if text != node.content:
-            self.write(node, text)
-            self.note(node, f"{node.content.strip()} is <{key}> {text} now")
+            self.write(node, text, key)
+            self.note(node, f"{node.content.strip()} is now <{key}> {text}")
         elif node.name != key:
-            self.note(node, f"is <{key}> now")
+            self.note(node, f"renamed to <{key}>")
 
     def origin(self, node: WorldFileNode) -> None:
-        """The pose of today's origin, where 0.4 counted from another."""
+        """Convert the pose of a model whose origin was elsewhere in 0.4."""
         own = self.file.origin_height(node)
         parent = node.parent
         of_parent = self.file.origin_height(parent) if parent is not None and parent.prefix == "model" else 0.0
@@ -266,24 +259,14 @@ class _Upgrade:
             self.write(place, text)
         else:
             self.add(node, "xyz", text)
-        self.note(
-            node, f"xyz is {text} now, for the origin of this model or of the one it stands on has moved since 0.4"
-        )
+        self.note(node, f"xyz is now {text}, because the origin of this model or of its parent has moved since 0.4")
 
 
 def _number(new: float, old: float, index: int, words: list[str]) -> str:
-    """A coordinate; as the file had it where it has not changed."""
+    """A coordinate; as written in the file if it has not changed."""
     if abs(new - old) < 1e-12 and index < len(words):
         return words[index]
     return f"{round(new, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
-
-
-def _first_at(node: WorldFileNode, path: tuple[str, ...]) -> WorldFileNode | None:
-    """The element at a path that the getters read: the first child of the first child."""
-    found: WorldFileNode | None = node
-    for step in path:
-        found = found.GetChild(step) if found is not None else None
-    return found
 
 
 def _all_at(node: WorldFileNode, path: tuple[str, ...]) -> Iterator[WorldFileNode]:

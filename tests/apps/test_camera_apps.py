@@ -8,7 +8,7 @@ import pytest
 from imageio import v3
 from PIL import Image
 
-from libgz.worldfile.attributes import installed_worlds
+from libgz.files import installed_worlds
 
 PTZ = installed_worlds() / "ptz.world"
 BODY = (

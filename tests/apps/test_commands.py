@@ -14,7 +14,7 @@ import pytest
 
 import libgz
 from libgz.apps import doctor
-from libgz.worldfile.attributes import installed_worlds
+from libgz.files import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
 

@@ -16,7 +16,7 @@ import libgz
 from libgz.apps import gazebo as command, libgz as toolbox, model, record
 from libgz.apps.console import INTERRUPTED, LogFile, as_command
 from libgz.errors import GazeboError, ParameterError
-from libgz.worldfile.attributes import installed_worlds
+from libgz.files import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
 FULL = "No space left on device"

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+from master_uri import free_master_uri
 
 ROOT = Path(__file__).parents[2]
 HELLO = ROOT / "examples" / "plugins" / "hello_world"
@@ -20,14 +21,11 @@ EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"
 @pytest.fixture
 def place(tmp_path):
     """An environment of its own: home, port, plugin path."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
     kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
     home = tmp_path / "home"
     home.mkdir()
     paths = {"HOME": str(home), "TMP": str(tmp_path), "GAZEBO_PLUGIN_PATH": str(tmp_path)}
-    return {**kept, **paths, "GAZEBO_MASTER_URI": f"http://localhost:{port}", "GAZEBO_IP": "127.0.0.1"}
+    return {**kept, **paths, "GAZEBO_MASTER_URI": free_master_uri(), "GAZEBO_IP": "127.0.0.1"}
 
 
 def run(place, *words, timeout=60):

@@ -1,4 +1,4 @@
-"""libgz interfaces, echo, set and clean, run as users run them."""
+"""The commands libgz interfaces, echo, set and clean."""
 
 import json
 import math
@@ -11,11 +11,11 @@ import pytest
 
 import libgz
 from libgz.apps import clean, libgz as toolbox
+from libgz.files import installed_worlds
 from libgz.interfaces.catalog import new_interface
+from libgz.transport import stale_files
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import SemaphoreSet
-from libgz.transport.server import Server
-from libgz.worldfile.attributes import installed_worlds
 
 WORLD = installed_worlds() / "pioneer2at.world"
 
@@ -26,14 +26,13 @@ def command(capsys, *words):
         code = toolbox.main([str(word) for word in words])
     except SystemExit as end:
         code = end.code
-    told = capsys.readouterr()
-    return code, told.out, told.err
+    printed = capsys.readouterr()
+    return code, printed.out, printed.err
 
 
 @pytest.fixture
-def server(wire):
-    running = Server(wire)
-    running.start()
+def server(server):
+    """A server with one interface of each kind that the tests need."""
     for kind, name in (
         ("position", "robot1"),
         ("laser", "laser1"),
@@ -41,9 +40,8 @@ def server(wire):
         ("factory", "f"),
         ("sim", "default"),
     ):
-        new_interface(kind).create(running, name, "Tester", 7)
-    yield running
-    running.stop()
+        new_interface(kind).create(server, name, "Tester", 7)
+    return server
 
 
 def served(server, kind, name):
@@ -73,7 +71,7 @@ def test_interfaces_are_listed(capsys, server):
     (Path(server.path) / "strange.thing").unlink()
 
 
-def test_without_a_server_all_say_so(capsys, wire):
+def test_a_missing_server_is_reported(capsys, wire):
     for words in (["interfaces"], ["echo", "sim", "--once"], ["set", "sim", "pause=1"]):
         code, out, err = command(capsys, *words, "-s", wire)
         assert (code, out) == (1, "")
@@ -108,7 +106,7 @@ def test_echo_in_json(capsys, server):
     assert json.loads(out) == {"joints[1].angle": 0.5}
 
 
-def test_counts_of_a_mad_server_are_bounded(capsys, server):
+def test_counts_are_clamped(capsys, server):
     laser = served(server, "laser", "laser1")
     for count in (-5, 1 << 30):
         laser.range_count = count
@@ -130,7 +128,7 @@ def test_counts_of_a_mad_server_are_bounded(capsys, server):
         (["position.robot1", "--plot", "x.png"], "--plot needs a field"),
     ],
 )
-def test_echo_says_what_is_wrong(capsys, server, words, sentence):
+def test_errors_of_echo(capsys, server, words, sentence):
     more = [] if "--plot" in words and "pos" in words else ["--seconds", "0.1"]
     code, out, err = command(capsys, "echo", "-s", server.server_id, *words, *more)
     assert (code, out) == (1, "")
@@ -138,13 +136,13 @@ def test_echo_says_what_is_wrong(capsys, server, words, sentence):
 
 
 @pytest.mark.parametrize("seconds", ["nan", "inf", "-1"])
-def test_echo_ends(capsys, server, seconds):
+def test_invalid_durations_of_echo(capsys, server, seconds):
     code, out, err = command(capsys, "echo", "-s", server.server_id, "position.robot1", "--seconds", seconds)
     assert (code, out) == (1, "")
     assert f"--seconds is {seconds}; it must be finite and not negative" in err
 
 
-def test_only_what_is_required_is_said_to_be(capsys):
+def test_only_required_arguments_are_reported_as_missing(capsys):
     code, _, err = command(capsys, "echo")
     assert code == 2
     assert "the following arguments are required: TYPE.ID;" in err
@@ -164,7 +162,7 @@ def test_echo_follows_a_running_robot(capsys, gazebo, tmp_path):
     assert out.splitlines()
 
 
-def test_echo_draws(capsys, gazebo, tmp_path):
+def test_echo_plots(capsys, gazebo, tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed")
     server = gazebo(WORLD, "--rate", "10")
     command(capsys, "set", "position.robot1", "cmd_vel_pos=0.3", "cmd_vel_rot[2]=0.4", "-s", server.id)
@@ -190,7 +188,7 @@ def test_echo_draws(capsys, gazebo, tmp_path):
     assert "cannot be written to '/no/such/place.png'" in command(capsys, *words)[2]
 
 
-def test_a_missing_matplotlib_is_named(server):
+def test_a_missing_matplotlib_is_reported(server):
     code = "import sys; sys.modules['matplotlib'] = None; from libgz.apps.libgz import main; sys.exit(main())"
     words = ["echo", "position.robot1", "pos", "--once", "--plot", "x.png", "-s", str(server.server_id)]
     done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, timeout=30, check=False)
@@ -229,7 +227,7 @@ def test_set_writes_fields(capsys, server):
         (["factory.f", "string=" + "x" * 4096], "has 4096 bytes; 4095 are allowed"),
     ],
 )
-def test_set_says_what_is_wrong_and_writes_nothing(capsys, server, words, sentence):
+def test_set_with_an_error_writes_nothing(capsys, server, words, sentence):
     more = ["cmd_vel_rot=9"] if words[0].startswith("position") else []
     code, out, err = command(capsys, "set", words[0], *more, *words[1:], "-s", server.server_id)
     assert (code, out) == (1, "")
@@ -256,7 +254,7 @@ os._exit(9)
 """
 
 
-def test_clean_removes_what_a_dead_server_left(capsys, wire):
+def test_clean_removes_stale_files_of_a_dead_server(capsys, wire):
     assert subprocess.run([sys.executable, "-c", DYING.format(wire)], timeout=30, check=False).returncode == 9
     folder = Path(server_directory(wire))
     code, out, _ = command(capsys, "clean", "-s", wire)
@@ -268,10 +266,8 @@ def test_clean_removes_what_a_dead_server_left(capsys, wire):
     assert command(capsys, "clean", "-s", wire) == (0, "no stale files of dead servers\n", "")
 
 
-def test_clean_finds_servers_by_itself(capsys, wire, monkeypatch):
-    from libgz.transport import stale_files
-
-    # Semaphores are one name space for the whole machine: leave those of other tests alone.
+def test_clean_finds_all_dead_servers(capsys, wire, monkeypatch):
+    # Semaphores have one name space for the whole machine: do not touch those of other tests.
     monkeypatch.setattr(stale_files, "_SEMAPHORES", Path("/nonexistent"))
     for number in (wire, wire + 1):
         subprocess.run([sys.executable, "-c", DYING.format(number)], timeout=30, check=False)
@@ -281,10 +277,8 @@ def test_clean_finds_servers_by_itself(capsys, wire, monkeypatch):
 
 
 def test_orphaned_semaphores_are_found(wire):
-    from libgz.transport.stale_files import _semaphore_ids
-
     subprocess.run([sys.executable, "-c", DYING.format(wire)], timeout=30, check=False)
-    assert wire in set(_semaphore_ids())
+    assert wire in set(stale_files._semaphore_ids())
     for path in Path(server_directory(wire)).iterdir():
         path.unlink()
     Path(server_directory(wire)).rmdir()
@@ -295,11 +289,11 @@ def test_clean_never_touches_a_live_server(capsys, server):
     before = sorted(Path(server.path).iterdir())
     assert "no stale files" in command(capsys, "clean", "-s", server.server_id)[1]
     assert sorted(Path(server.path).iterdir()) == before
-    # Nor one that lost its directory: its semaphores say that it lives.
+    # Nor a server whose directory was removed: its semaphores show that it is alive.
     assert libgz.Client.query(server.server_id)
 
 
-def test_clean_neither_follows_links_nor_removes_what_is_not_a_servers(capsys, wire, tmp_path):
+def test_clean_neither_follows_links_nor_removes_other_files(capsys, wire, tmp_path):
     victim = tmp_path / "position.precious"
     victim.write_text("precious")
     folder = Path(server_directory(wire))

@@ -3,12 +3,12 @@
 import contextlib
 import os
 import re
-import socket
 import subprocess
 import sys
 import time
 
 import pytest
+from master_uri import free_master_uri
 
 WORLD = """
 <sdf version='1.6'><world name='w'>
@@ -30,11 +30,8 @@ WORLD = """
 def serve(folder):
     """(environment for clients, process) of a server that runs."""
     (folder / "w.world").write_text(WORLD)
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
     kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
-    env = {**kept, "HOME": str(folder), "GAZEBO_MASTER_URI": f"http://localhost:{port}"}
+    env = {**kept, "HOME": str(folder), "GAZEBO_MASTER_URI": free_master_uri()}
     command = [sys.executable, "-m", "libgz.apps.gzserver", "--verbose", str(folder / "w.world")]
     with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True) as server:
         while "Publicized" not in server.stdout.readline():

@@ -2,12 +2,12 @@
 
 import json
 import re
-import socket
 import subprocess
 import sys
 import time
 
 import pytest
+from master_uri import free_master_uri
 
 from libgz.classic import msgs
 from libgz.classic.transport import Node, TopicManager, fini, run, serve
@@ -18,10 +18,8 @@ manager = TopicManager.Instance()
 @pytest.fixture(scope="module", autouse=True)
 def server():
     """A server with one world, which delivers messages in a thread."""
-    with socket.socket() as probe, pytest.MonkeyPatch.context() as patch:
-        probe.bind(("127.0.0.1", 0))
-        patch.setenv("GAZEBO_MASTER_URI", f"http://localhost:{probe.getsockname()[1]}")
-        probe.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("GAZEBO_MASTER_URI", free_master_uri())
         with serve():
             manager.AddTopicNamespace("w")
             run()

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternMul, GzQuaternToEuler, GzVector
 from libgz.ode.types import JointType
-from libgz.worldfile.attributes import installed_worlds
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 LASER = "<model:SickLMS200><id>laser1</id><xyz>0 0 0.05</xyz><parentBody>topPlate</parentBody></model:SickLMS200>"

@@ -51,7 +51,7 @@ def test_joints_reach_into_nested_models(load):
 
 def test_frames_of_later_versions_are_refused(load):
     for text in ("<pose frame='x'>0 0 0 0 0 0</pose>", "<pose relative_to='x'>0 0 0 0 0 0</pose>"):
-        with pytest.raises(WorldFileError, match=r"is of SDF 1\.7 and later, which libgz does not read"):
+        with pytest.raises(WorldFileError, match=r"is part of SDF 1\.7 and later, which libgz does not read"):
             load(world(f"<model name='m'>{text}<link name='l'/></model>"))
 
 

@@ -1,4 +1,4 @@
-"""Servers and C programs: what a program is told when it cannot have one, when one ends, and a server in C."""
+"""C programs and servers: errors of clients, the end of a server, and servers in C."""
 
 import subprocess
 import threading
@@ -44,7 +44,7 @@ int main(int count, char **words)
 
 
 @needs_compiler
-def test_failures_are_told_as_they_were(tmp_path, flags, server):
+def test_the_errors_are_those_of_the_old_library(tmp_path, flags, server):
     (Path(server.path) / "camera.short").write_bytes(bytes(100))
     (Path(server.path) / "camera.old").write_bytes(bytes(921776))
     done = run(compile_c(tmp_path, FAILURES, *flags), server.server_id)
@@ -77,14 +77,14 @@ int main(int count, char **words)
     if (gz_client_connect_wait(client, atoi(words[count - 1]), 0) != 0)
         return 1;
     while (gz_client_wait(client) == 0)
-        puts("news");
+        puts("post");
     return 9;
 }
 """
 
 
 @needs_compiler
-def test_a_c_client_learns_that_the_server_ended(tmp_path, flags, wire):
+def test_a_wait_ends_with_an_error_when_the_server_ends(tmp_path, flags, wire):
     program = compile_c(tmp_path, WAITER, *flags)
     server = Server(wire)
     server.start()
@@ -153,7 +153,7 @@ def test_a_server_in_c_serves_python(tmp_path, flags, wire):
 
 
 @needs_compiler
-def test_a_crashed_c_server_is_succeeded(tmp_path, flags, wire):
+def test_a_crashed_c_server_is_replaced(tmp_path, flags, wire):
     program = compile_c(tmp_path, SERVER, *flags)
     for words in ([wire], [wire, "-f"]):
         crash = subprocess.run([str(program), *map(str, words)], input="k", text=True, timeout=30, check=False)

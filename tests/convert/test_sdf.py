@@ -1,12 +1,11 @@
-"""libgz convert: the SDF says what the engine has."""
+"""libgz convert: the SDF agrees with the engine."""
 
 import math
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import run_libgz
 from lxml import etree
 
 import libgz
@@ -30,14 +29,14 @@ from libgz.convert.joints import ends_of
 from libgz.convert.sdf import convert
 from libgz.convert.shapes import is_shape
 from libgz.errors import ParameterError
+from libgz.files import installed_worlds
 from libgz.geometry import GzHomoFromQuatern, GzQuaternNormal
 from libgz.legacy.factory import GZ_REGISTER_STATIC
 from libgz.models import MODELS
 from libgz.physics.geoms import HeightfieldGeom, PlaneGeom
 from libgz.reference.catalogue import entry
-from libgz.worldfile.attributes import installed_worlds
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 WORLDS = sorted(installed_worlds().glob("*.world"))
 
 
@@ -232,7 +231,7 @@ def machine():
         yield w, next(model for model in w.models if isinstance(model, Machine))
 
 
-def test_joints_stand_where_the_engine_has_them(machine):
+def test_joints_have_the_poses_of_the_engine(machine):
     world, model = machine
     converted, root = sdf_of(world)
     assert check_links(world, root) == 9
@@ -274,7 +273,7 @@ def assert_child_moves_along(name, joint, part, direction):
     assert max(rates) == pytest.approx(1.0, abs=1e-9), (name, rates)
 
 
-def test_attached_models_are_links_held_by_fixed_joints():
+def test_attached_models_are_links_with_fixed_joints():
     robot = (
         "<model:Pioneer2AT><id>robot</id><xyz>1 2 0</xyz><rpy>0 0 40</rpy><model:SickLMS200><id>laser</id>"
         "<xyz>.1 0 .31</xyz><model:SonyVID30><id>eye</id><xyz>0 0 .2</xyz></model:SonyVID30></model:SickLMS200>"
@@ -316,9 +315,9 @@ def test_sensors():
         camera = root.find(".//sensor[@name='eye']/camera")
         assert float(camera.findtext("horizontal_fov")) == pytest.approx(math.radians(50))
         assert (camera.findtext("image/width"), camera.findtext("image/height")) == ("64", "48")
-        told = "\n".join(converted.notes)
-        assert "<model:Pioneer2DX> 'robot': interfaces without a counterpart: position, power" in told
-        assert "<model:SickLMS200> 'laser': interfaces without a counterpart: fiducial" in told
+        notes = "\n".join(converted.notes)
+        assert "<model:Pioneer2DX> 'robot': interfaces without a counterpart: position, power" in notes
+        assert "<model:SickLMS200> 'laser': interfaces without a counterpart: fiducial" in notes
         _, root = sdf_of(world, rays="gpu_ray")
         assert root.find(".//sensor[@name='laser']").get("type") == "gpu_ray"
         with pytest.raises(ParameterError, match="must be ray or gpu_ray"):
@@ -326,7 +325,7 @@ def test_sensors():
 
 
 @pytest.mark.parametrize("name", ["pioneer2at", "gripper", "simplesolids", "terrain"])
-def test_what_stands_stands_in_the_converted_world_too(tmp_path, name):
+def test_models_rest_in_the_converted_world_too(tmp_path, name):
     """Soft wheels above all: by SDF's own defaults contacts push out at 1 cm/s, and robots sink."""
     with libgz.World.from_file(installed_worlds() / f"{name}.world") as world:
         converted = convert(world, meshes="m")
@@ -352,10 +351,10 @@ def test_bounce_needs_two_in_sdf():
         converted, root = sdf_of(world)
         bounce = root.find("world/model[@name='ball']/link/collision/surface/bounce")
         assert [float(bounce.findtext(tag)) for tag in ("restitution_coefficient", "threshold")] == [0.7, 0.0]
-        assert any("'ball': bounces only off what bounces, too" in note for note in converted.notes)
+        assert any("'ball': bounces only off surfaces that bounce, too" in note for note in converted.notes)
 
 
-def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
+def test_surfaces_materials_lights_and_notes_on_losses(tmp_path):
     (tmp_path / "a.png").write_bytes(b"")
     body = (
         "<param:Global><stepTime>0.01</stepTime><gravity>0 0 -3.7</gravity><skyColor>0.1 0.2 0.3</skyColor>"
@@ -389,10 +388,16 @@ def test_surfaces_materials_lights_and_what_is_lost(tmp_path):
         assert box.findtext("visual/transparency") == "0.75"
         assert box.findtext("visual/material/diffuse") == "1 0 0 1"
         assert found.find("model[@name='box_2']/link").findtext("gravity") == "false"
-        told = "\n".join(converted.notes)
-        lost = ("texture a.png", "fiducial 7", "'two': is left out", "window looks from", "<model:Robby>: unknown")
-        for words in lost:
-            assert words in told
+        notes = "\n".join(converted.notes)
+        lost = (
+            "texture a.png",
+            "fiducial 7",
+            "'two': is omitted",
+            "view of the simulator's own window",
+            "<model:Robby>: unknown",
+        )
+        for note in lost:
+            assert note in notes
 
 
 def test_meshes_are_written_beside():
@@ -413,7 +418,7 @@ def test_meshes_are_written_beside():
         ]
 
 
-def test_a_plane_lies_where_it_is_in_the_engine():
+def test_a_plane_has_its_place_of_the_engine():
     with loaded('<gz:world xmlns:gz="g" xmlns:model="m"><model:GroundPlane><height>2</height><normal>0 3 4</normal>'
                 "</model:GroundPlane></gz:world>") as world:  # fmt: skip
         _, root = sdf_of(world)
@@ -434,29 +439,20 @@ def test_numbers_names_and_straight_poses():
         np.testing.assert_allclose(matrix_of(pose(turned)), matrix_of_engine(turned), atol=1e-9)
 
 
-def run(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "libgz.apps.libgz", "convert", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-    )
-
-
 def test_the_command(tmp_path):
     world = installed_worlds() / "pioneer2at.world"
     target, report = tmp_path / "new.sdf", tmp_path / "report.txt"
-    done = run(world, "-o", target, "--report", report)
+    done = run_libgz("convert", world, "-o", target, "--report", report)
     assert done.returncode == 0, done.stderr
     assert etree.parse(target).getroot().get("version") == "1.6"
     lines = report.read_text().splitlines()
     assert lines
     assert done.stderr.splitlines() == lines
     assert all(line.startswith(f"{world}:") for line in lines)
-    assert run(world).returncode == 2
-    assert "cannot write" in run(world, "-o", tmp_path / "no" / "new.sdf").stderr
+    assert run_libgz("convert", world).returncode == 2
+    assert "cannot write" in run_libgz("convert", world, "-o", tmp_path / "no" / "new.sdf").stderr
     broken = tmp_path / "broken.world"
     broken.write_text(body_world("<model:SimpleSolid><shape>blob</shape></model:SimpleSolid>"))
-    wrong = run(broken, "-o", target)
+    wrong = run_libgz("convert", broken, "-o", target)
     assert wrong.returncode == 1
     assert "'blob' is not allowed" in wrong.stderr

@@ -1,7 +1,6 @@
-"""The C side: the shipped header and library, and programs that know the layouts alone."""
+"""The C header and library, and C programs that are clients."""
 
 import ctypes
-import json
 import shutil
 import subprocess
 import sys
@@ -9,23 +8,21 @@ from pathlib import Path
 
 import pytest
 from c_programs import COMPILER, WARNINGS, compile_c, config, needs_compiler, run
+from wire_layout import LAYOUT
 
 import libgz
 from libgz.clib import FOLDER, header, library
+from libgz.files import installed_worlds
 from libgz.geometry import GzQuaternFromEuler
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
 from libgz.transport.layout import fields_of
 from libgz.transport.server import Server
-from libgz.worldfile.attributes import installed_worlds
 
-LAYOUT = json.loads((Path(__file__).parent / "data" / "libgazebo-layout.json").read_text())
-
-
-# What is generated -----------------------------------------------------------------------------------------------
+# Generated files ------------------------------------------------------------------------------------------------
 
 
-def test_the_shipped_header_is_what_the_declarations_say():
+def test_the_generated_files_are_up_to_date():
     again = "run `python -m libgz.clib.header`"
     assert (FOLDER / "gazebo.h").read_text() == header.header(), again
     assert (FOLDER / "interfaces.def").read_text() == header.interface_list(), again
@@ -45,7 +42,7 @@ def c_assertions(name, entry):
 
 
 @needs_compiler
-def test_c_structs_lie_as_they_did(tmp_path, flags):
+def test_struct_layouts_in_c(tmp_path, flags):
     lines = ["#include <gazebo.h>"]
     for name in structs_and_variants():
         lines += c_assertions(LAYOUT[name]["typedef"], LAYOUT[name])
@@ -70,7 +67,7 @@ def test_every_declared_function_is_in_the_library(tmp_path, flags):
 
 
 @needs_compiler
-def test_the_library_compiles_without_a_warning(tmp_path):
+def test_the_library_compiles_without_warnings(tmp_path):
     for source in library.SOURCES:
         command = [COMPILER, *WARNINGS, "-std=gnu99", "-c", str(FOLDER / source), "-o", str(tmp_path / "object.o")]
         done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
@@ -79,7 +76,7 @@ def test_the_library_compiles_without_a_warning(tmp_path):
 
 @needs_compiler
 @pytest.mark.skipif(shutil.which("g++") is None, reason="there is no C++ compiler here")
-def test_the_header_and_library_serve_cplusplus(tmp_path, flags):
+def test_a_cplusplus_program_compiles_and_links(tmp_path, flags):
     source = tmp_path / "program.cc"
     source.write_text("#include <gazebo.h>\nint main() { gz_client_t *c = gz_client_alloc(); gz_client_free(c); }\n")
     done = subprocess.run(["g++", *WARNINGS, str(source), *flags, "-o", str(tmp_path / "p")], timeout=60, check=False)
@@ -93,7 +90,7 @@ def test_python_has_every_name_of_the_header():
     assert not {name for name in names if not name.startswith("gz_iface_")} - set(dir(libgz))
 
 
-def test_a_program_in_the_flat_names_of_the_old_python_module(server):
+def test_a_program_for_the_old_python_module(server):
     served = new_interface("position")
     served.create(server, "robot1")
     served.data.pos[0] = 1.25
@@ -197,7 +194,7 @@ def test_a_c_program_reads_and_commands_every_interface(tmp_path, flags, server,
 
 
 @needs_compiler
-def test_a_c_program_of_late_2006_reads_a_gripper_of_its_time(tmp_path, flags, server):
+def test_a_c_program_of_late_2006_reads_the_gripper_struct_of_2006(tmp_path, flags, server):
     served = Gripper(later=True)
     served.create(server, "thing1", "Tester", 7, 3)
     served.data.state, served.data.lift_down = 2, 1
@@ -246,7 +243,7 @@ int main(int count, char **words)
 
 @needs_compiler
 @pytest.mark.parametrize("kind", sorted(LAYOUT["_files"]))
-def test_a_c_program_without_any_library_reads_by_offsets(tmp_path, server, kind):
+def test_a_c_program_without_the_library_reads_by_offsets(tmp_path, server, kind):
     served = new_interface(kind)
     served.create(server, "default" if kind == "sim" else "thing1", "Tester")
     struct, head = LAYOUT[LAYOUT["_files"][kind]["struct"]], LAYOUT["gz_data"]["fields"]
@@ -318,7 +315,7 @@ def test_a_c_program_drives_the_robot_of_a_running_server(tmp_path, flags, gazeb
 
 
 @needs_compiler
-def test_rotations_are_those_of_python(tmp_path, flags):
+def test_rotations_equal_those_of_python(tmp_path, flags):
     source = r"""
 #include <stdio.h>
 #include <gazebo.h>
@@ -348,7 +345,7 @@ def test_the_library_is_compiled_once(tmp_path):
     assert config("--cflags").stdout == f"-I{FOLDER}\n"
 
 
-def test_a_missing_compiler_is_named():
+def test_a_missing_compiler_is_reported():
     done = config("--libs", CC="no-such-cc")
     assert done.returncode == 1
-    assert "the compiler that CC names, 'no-such-cc', is not there" in done.stderr
+    assert "the compiler 'no-such-cc', named by CC, is not installed" in done.stderr

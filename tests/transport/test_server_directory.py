@@ -1,4 +1,4 @@
-"""A server's directory: its start and end, its place, and what others left or do there."""
+"""A server's directory: its creation and removal, stale files, and files of other programs."""
 
 import errno
 import os
@@ -10,11 +10,11 @@ import pytest
 from served import serve
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.interfaces.position import Position
 from libgz.transport.paths import LOCK_FILE, server_directory
 from libgz.transport.semaphores import CLIENTS, GZ_SEM_KEY, SemaphoreSet
 from libgz.transport.server import Server, free_server_id
-from libgz.worldfile.attributes import installed_worlds
 
 
 def test_directory_is_named_by_tmp_user_and_id(monkeypatch):
@@ -52,7 +52,7 @@ def test_a_live_server_is_never_disturbed(server):
     assert (Path(server.path) / "position.robot1").exists()
 
 
-def test_a_dead_servers_leavings_are_reclaimed(wire):
+def test_stale_files_and_semaphores_are_removed_at_the_start(wire):
     script = (
         f"import os; from libgz.transport.server import Server; from libgz.interfaces.position import Position\n"
         f"s = Server({wire}); s.start(); p = Position(); p.create(s, 'old'); s.post(); os._exit(9)"
@@ -69,7 +69,7 @@ def test_a_dead_servers_leavings_are_reclaimed(wire):
     assert not folder.exists()
 
 
-def test_clients_of_a_dead_server_learn_of_its_successor(wire):
+def test_waits_for_a_dead_server_end_when_a_new_server_starts(wire):
     script = (
         f"import os; from libgz.transport.server import Server; from libgz.interfaces.sim import Sim\n"
         f"s = Server({wire}); s.start(); Sim().create(s, 'default'); s.post()\n"
@@ -85,14 +85,14 @@ def test_clients_of_a_dead_server_learn_of_its_successor(wire):
     server = Server(wire)
     server.start()
     server.post()
-    with pytest.raises(libgz.ServerGoneError):  # its files are frozen: news would be a lie
+    with pytest.raises(libgz.ServerGoneError):  # its files are stale
         client.wait(timeout=5.0)
     client.disconnect()
     server.stop()
 
 
-def test_semaphores_of_a_live_foreign_server_are_respected(wire):
-    # A server of another kind holds no lock of ours, but posts to its semaphores.
+def test_semaphores_of_a_live_server_of_another_kind_are_kept(wire):
+    # It does not hold libgz's lock, but it posts to its semaphores.
     script = (
         f"import sys; from libgz.transport.semaphores import SemaphoreSet\n"
         f"s = SemaphoreSet.create({wire}); s.post(); print('up', flush=True); sys.stdin.read(); s.remove()"
@@ -130,7 +130,7 @@ def test_links_in_a_shared_tmp_are_not_followed(wire, tmp_path):
     assert victim.read_text() == "precious"
 
 
-def test_ids_that_cannot_be_used(server):
+def test_invalid_ids(server):
     for name, message in ((None, "is NULL"), ("a.b", "must not contain '.'"), ("a/b", "must not contain '/'")):
         with pytest.raises(libgz.InterfaceError, match=message):
             Position().create(server, name)
@@ -148,7 +148,7 @@ def test_the_first_of_two_with_one_id_is_served(server, caplog):
     assert (Path(server.path) / "position.robot1").exists()
 
 
-def test_the_directory_may_vanish_under_a_running_server(server, caplog):
+def test_the_directory_is_removed_under_a_running_server(server, caplog):
     first = serve(server)
     for path in Path(server.path).iterdir():
         path.unlink()
@@ -166,8 +166,8 @@ def test_a_free_server_id(wire):
         SemaphoreSet.attach(number)
 
 
-def test_a_disk_without_room_is_told_before_anybody_touches_the_memory(server, monkeypatch):
-    """Memory mapped from a file that has only its length kills who touches a page that the disk has no room for."""
+def test_a_full_disk_is_reported_when_an_interface_is_created(server, monkeypatch):
+    """Access to a page of a sparse mapped file raises SIGBUS if the disk is full."""
 
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -178,12 +178,12 @@ def test_a_disk_without_room_is_told_before_anybody_touches_the_memory(server, m
     assert [path.name for path in Path(server.path).iterdir()] == [LOCK_FILE]
 
 
-def test_files_of_interfaces_hold_their_room_on_the_disk(server):
+def test_blocks_of_interface_files_are_allocated(server):
     interface = serve(server)
     assert (Path(server.path) / "position.robot1").stat().st_blocks * 512 >= interface.size
 
 
-def test_a_directory_that_cannot_be_written_is_one_sentence(wire, monkeypatch):
+def test_a_directory_that_cannot_be_written_is_reported(wire, monkeypatch):
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
@@ -193,8 +193,8 @@ def test_a_directory_that_cannot_be_written_is_one_sentence(wire, monkeypatch):
     assert not Path(server_directory(wire)).exists()
 
 
-def test_a_child_that_was_forked_does_not_end_its_parents_server(wire):
-    """In a process of its own: that of the tests has threads, and those do not go well with forks."""
+def test_a_forked_child_does_not_end_its_parents_server(wire):
+    """In a separate process, because the process of the tests has threads."""
     program = f"""
 import os, sys, libgz
 world = libgz.World.from_file({str(installed_worlds() / "pioneer2at.world")!r}, server_id={wire})
@@ -210,3 +210,9 @@ with world:
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60)
     assert done.stdout.startswith("0 ['fiducial.laser1', 'gazebo.pid', 'laser.laser1', "), done.stderr
     assert done.stdout.endswith("True\n")
+
+
+def test_a_server_is_stopped_when_its_program_ends(wire):
+    program = f"from libgz.transport.server import Server\nServer({wire}).start()"
+    assert subprocess.run([sys.executable, "-c", program], timeout=30).returncode == 0
+    assert not Path(server_directory(wire)).exists()

@@ -2,16 +2,15 @@
 
 import json
 import re
-import subprocess
-import sys
 
 import pytest
+from commands import run_libgz
 
+from libgz.files import installed_worlds
 from libgz.reference.check import check
-from libgz.worldfile.attributes import installed_worlds
 
 HEAD = '<gz:world xmlns:gz="g" xmlns:model="m" xmlns:param="p">\n'
-FAULTY = (
+WRONG = (
     HEAD
     + """\
 <model:GroundPlane><texturFile>x.ppm</texturFile></model:GroundPlane>
@@ -25,46 +24,36 @@ FAULTY = (
 )
 
 
-def libgz(*arguments, **options):
-    return subprocess.run(
-        [sys.executable, "-m", "libgz.apps.libgz", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        **options,
-    )
-
-
 @pytest.fixture
-def faulty(tmp_path):
-    path = tmp_path / "faulty.world"
-    path.write_text(FAULTY)
+def wrong(tmp_path):
+    path = tmp_path / "wrong.world"
+    path.write_text(WRONG)
     return path
 
 
-def test_all_faults_at_once_in_order_of_lines(faulty):
-    done = libgz("check", faulty)
+def test_all_errors_at_once_in_order_of_lines(wrong):
+    done = run_libgz("check", wrong)
     assert done.returncode == 1, done.stderr
     assert done.stderr == ""
-    lines = [line for line in done.stdout.splitlines() if line.startswith(str(faulty))]
-    assert [int(line.removeprefix(f"{faulty}:").partition(":")[0]) for line in lines] == [2, 3, 4, 5, 6, 7]
+    lines = [line for line in done.stdout.splitlines() if line.startswith(str(wrong))]
+    assert [int(line.removeprefix(f"{wrong}:").partition(":")[0]) for line in lines] == [2, 3, 4, 5, 6, 7]
     assert lines[0].endswith(
         "<texturFile>: warning: is not used by <model:GroundPlane>; did you mean 'textureFile' or 'textureSize'?"
     )
     assert "<shape>: 'blob' is not allowed; shape must be one of box, cylinder, sphere" in lines[1]
     assert "plugin 'Ball.so' was not found; tried" in lines[2]
     assert "plugin 'Cup.py' was not found; tried" in lines[4]
-    assert f"{faulty.parent}/ (the worldfile's directory): has no Ball.py" in done.stdout
+    assert f"{wrong.parent}/ (the worldfile's directory): has no Ball.py" in done.stdout
     assert "unknown model class" in lines[5]
     assert "did you mean 'Pioneer2" in lines[5]
 
 
-def test_json(faulty):
-    done = libgz("check", "--json", faulty)
+def test_json(wrong):
+    done = run_libgz("check", "--json", wrong)
     diagnostics = json.loads(done.stdout)
     assert done.returncode == 1
     assert diagnostics[1] == {
-        "file": str(faulty),
+        "file": str(wrong),
         "line": 3,
         "element": "shape",
         "message": "'blob' is not allowed; shape must be one of box, cylinder, sphere",
@@ -75,14 +64,14 @@ def test_json(faulty):
 def test_warnings_are_errors_if_wanted(tmp_path):
     path = tmp_path / "unused.world"
     path.write_text(HEAD + "<model:GroundPlane><colour>1 0 0</colour></model:GroundPlane></gz:world>")
-    assert libgz("check", path).returncode == 0
-    strict = libgz("check", "--strict", path)
+    assert run_libgz("check", path).returncode == 0
+    strict = run_libgz("check", "--strict", path)
     assert strict.returncode == 1
     assert "warning: " not in strict.stdout
     assert "did you mean 'color'" in strict.stdout
 
 
-def test_what_is_inside_an_unused_element_is_told_with_it(tmp_path):
+def test_one_warning_covers_an_unused_element_and_its_content(tmp_path):
     path = tmp_path / "nested.world"
     path.write_text(HEAD + "<model:GroundPlane><optics><hfov>60</hfov></optics></model:GroundPlane></gz:world>")
     (error,) = check(path)
@@ -106,12 +95,12 @@ def test_files_that_are_no_worlds(tmp_path):
     assert "Gazebo classic" in error.message
     (error,) = check(absent)
     assert str(error.message).startswith("cannot read worldfile")
-    done = libgz("check", broken, later, absent)
+    done = run_libgz("check", broken, later, absent)
     assert done.returncode == 1
     assert f"{later}:2: <sdf>: this is an SDF world" in done.stdout
 
 
-def test_two_models_that_want_one_interface(tmp_path):
+def test_two_models_with_the_same_interface_and_id(tmp_path):
     path = tmp_path / "twins.world"
     path.write_text(
         HEAD + "<model:Pioneer2AT><id>r</id></model:Pioneer2AT>\n<model:Pioneer2DX><id>r</id>\n"
@@ -123,7 +112,7 @@ def test_two_models_that_want_one_interface(tmp_path):
     assert "<model:Pioneer2AT>, line 2, does" in error.message
 
 
-def test_ids_that_no_interface_can_have(tmp_path):
+def test_invalid_ids_of_interfaces(tmp_path):
     path = tmp_path / "ids.world"
     path.write_text(
         HEAD + "<model:SimpleSolid><id>a.b</id></model:SimpleSolid>\n<model:Pioneer2AT>\n<id>a.b</id>"
@@ -150,7 +139,7 @@ def test_elements_that_are_almost_models_or_settings(tmp_path):
     assert (group.line, group.message) == (5, "is not used by <gz:world>")
 
 
-def test_pictures_and_skins_that_cannot_be_read(tmp_path):
+def test_textures_and_skins_that_cannot_be_read(tmp_path):
     for name in ("bad.png", "bad.3ds"):
         (tmp_path / name).write_bytes(b"junk")
     path = tmp_path / "looks.world"
@@ -159,13 +148,13 @@ def test_pictures_and_skins_that_cannot_be_read(tmp_path):
         "<model:CarChassis><skinFile>bad.3ds</skinFile></model:CarChassis>\n"
         "<model:SimpleSolid><skinFile>bad.3ds</skinFile></model:SimpleSolid></gz:world>"
     )
-    picture, skin = check(path)
-    assert (picture.line, picture.severity, skin.line) == (2, "warning", 3)
-    assert "bad.png cannot be read" in picture.message
+    texture, skin = check(path)
+    assert (texture.line, texture.severity, skin.line) == (2, "warning", 3)
+    assert "bad.png cannot be read" in texture.message
     assert "bad.3ds cannot be read" in skin.message
 
 
-def test_the_ninth_light_stays_dark(tmp_path):
+def test_the_ninth_light_is_a_warning(tmp_path):
     path = tmp_path / "lights.world"
     path.write_text(HEAD + "<model:LightSource/>\n" * 9 + "</gz:world>")
     (error,) = check(path)
@@ -202,46 +191,46 @@ def test_plugins_are_loaded_but_not_started_and_nothing_is_left(wire, tmp_path):
 
 
 def test_models_are_listed_and_described(tmp_path):
-    listed = libgz("models")
+    listed = run_libgz("models")
     assert listed.returncode == 0
     assert re.search(r"^SickLMS200 +SICK's scanning laser range-finder", listed.stdout, re.MULTILINE)
-    told = libgz("models", "SickLMS200").stdout
-    for words in (
+    described = run_libgz("models", "SickLMS200").stdout
+    for text in (
         "minAngle [deg]: angle, default -90",
         "Interfaces: laser, fiducial",
         "parentBody",
         "7 kg",
         "<id>laser1",
     ):
-        assert words in told
-    wrong = libgz("models", "Sik")
-    assert wrong.returncode == 1
-    assert wrong.stderr.startswith("libgz: there is no model 'Sik'; there are ")
-    assert "SickLMS200.md" in libgz("models", "--pages", tmp_path / "pages").stdout
+        assert text in described
+    unknown = run_libgz("models", "Sik")
+    assert unknown.returncode == 1
+    assert unknown.stderr.startswith("libgz: there is no model 'Sik'; there are ")
+    assert "SickLMS200.md" in run_libgz("models", "--pages", tmp_path / "pages").stdout
     (tmp_path / "file").write_text("")
-    assert "cannot write" in libgz("models", "--pages", tmp_path / "file").stderr
+    assert "cannot write" in run_libgz("models", "--pages", tmp_path / "file").stderr
 
 
 def test_the_grammar_is_written(tmp_path):
     path = tmp_path / "world.rng"
-    assert libgz("schema", "--rng", "-o", path).returncode == 0
-    assert path.read_text() == libgz("schema", "--rng").stdout
-    assert "cannot write" in libgz("schema", "--rng", "-o", tmp_path / "no" / "world.rng").stderr
+    assert run_libgz("schema", "--rng", "-o", path).returncode == 0
+    assert path.read_text() == run_libgz("schema", "--rng").stdout
+    assert "cannot write" in run_libgz("schema", "--rng", "-o", tmp_path / "no" / "world.rng").stderr
 
 
 @pytest.mark.parametrize("id", ["a/b", "robot.1"])
-def test_the_command_tells_ids_that_no_interface_can_have(tmp_path, id):
+def test_the_command_reports_invalid_ids_of_interfaces(tmp_path, id):
     path = tmp_path / "a.world"
     models = (f"<model:{name}><id>{id}</id></model:{name}>" for name in ("Pioneer2AT", "SimpleSolid"))
     path.write_text(f"{HEAD}{''.join(models)}</gz:world>")
-    done = libgz("check", path)
+    done = run_libgz("check", path)
     assert done.returncode == 1
     assert len(done.stdout.splitlines()) == 1
     assert f"{path}:2: <id>: invalid id [{id}] (must not contain" in done.stdout
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("<a/>", "1: <a>: warning: there is no <model:...> element in this file, and its root is not like <gz:world>"),
         ("<robot name='a'><link name='b'/></robot>", "1: <robot>: this is a robot description (URDF), not a worldfile"),
@@ -250,8 +239,8 @@ def test_the_command_tells_ids_that_no_interface_can_have(tmp_path, id):
         ("<gz:world xmlns:gz='g'/>", ""),
     ],
 )
-def test_files_that_are_no_worldfiles(tmp_path, text, told):
+def test_files_that_are_no_worldfiles(tmp_path, text, message):
     path = tmp_path / "a.world"
     path.write_text(text)
-    assert libgz("check", path).stdout.startswith(f"{path}:{told}" if told else "")
-    assert bool(check(path)) == bool(told)
+    assert run_libgz("check", path).stdout.startswith(f"{path}:{message}" if message else "")
+    assert bool(check(path)) == bool(message)

@@ -1,10 +1,9 @@
 """SDF documents: defaults by version, getters, errors, includes."""
 
 import math
-import subprocess
-import sys
 
 import pytest
+from commands import run_libgz
 from hypothesis import given, strategies as st
 
 from libgz.errors import NotFoundError, ParameterError, WorldFileError
@@ -40,7 +39,7 @@ def texts(file):
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_every_block_that_is_named_is_described(version):
+def test_every_block_that_is_referenced_is_described(version):
     blocks = describe(version)
 
     def walk(description, seen):
@@ -104,7 +103,7 @@ def test_required_children_are_made():
     assert old.child("physics").Get(GzVector, "gravity") == GzVector(0, 0, -9.8)
 
 
-def test_plugins_keep_whatever_they_hold():
+def test_plugins_keep_all_their_content():
     plugin = model(
         "<plugin name='p' filename='libp.so'><speed unit='m'>0.5</speed><list><a>1</a><a>2</a></list></plugin>"
     ).child("plugin")
@@ -122,14 +121,14 @@ def test_plugins_keep_whatever_they_hold():
         plugin.Get(int, "speed")
 
 
-def test_own_kinds_of_value():
+def test_values_of_own_classes():
     class Angle(float):
         @classmethod
         def from_sdf(cls, text):
             return cls(math.radians(float(text)))
 
     assert parse(Angle, "180") == pytest.approx(math.pi)
-    with pytest.raises(ParameterError, match="is no kind of SDF value"):
+    with pytest.raises(ParameterError, match="is not a type of SDF values"):
         parse(list, "1")
 
 
@@ -172,7 +171,7 @@ def test_printed_documents_read_the_same():
 # Errors ----------------------------------------------------------------------------------------------------------
 
 
-def test_all_faults_at_once_with_their_lines():
+def test_all_errors_at_once_with_their_lines():
     file = read(
         "\n<model nam='m'>\n<link name='l'>\n<pose>1 2</pose>\n<gravty>1</gravty>\n<gravity>maybe</gravity></link>\n"
         "<joint name='j' type='revolute'><parent>a</parent></joint></model>",
@@ -185,8 +184,8 @@ def test_all_faults_at_once_with_their_lines():
         "x.sdf:7: <joint>: <child> is missing and must be given",
     ]
     warnings = [str(f) for f in file.diagnostics.warnings]
-    assert "x.sdf:2: <model>: attribute 'nam' is not of SDF 1.6, and is ignored; did you mean 'name'?" in warnings
-    assert any("<gravty>: is not of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
+    assert "x.sdf:2: <model>: attribute 'nam' is not part of SDF 1.6 and is ignored; did you mean 'name'?" in warnings
+    assert any("<gravty>: is not part of SDF 1.6 in <link>" in w and "did you mean 'gravity'?" in w for w in warnings)
 
 
 def test_joints_need_an_axis_but_balls_do_not():
@@ -203,7 +202,7 @@ def test_joints_need_an_axis_but_balls_do_not():
         ("", "empty"),
     ],
 )
-def test_what_is_not_sdf_is_refused(text, what):
+def test_what_is_not_sdf_is_an_error(text, what):
     with pytest.raises(WorldFileError, match=what) as caught:
         SdfFile.from_string(text, "y.sdf")
     assert str(caught.value).startswith("y.sdf:")
@@ -289,7 +288,7 @@ def test_includes_by_file(tmp_path, monkeypatch):
         ("", "<uri> is missing"),
     ],
 )
-def test_includes_that_are_not_there(uri, what):
+def test_missing_includes(uri, what):
     import re
 
     file = world(INCLUDE.format(uri, ""))
@@ -306,34 +305,29 @@ def test_a_model_that_includes_itself(tmp_path, monkeypatch):
 # Command ---------------------------------------------------------------------------------------------------------
 
 
-def run(*arguments):
-    command = [sys.executable, "-m", "libgz.apps.libgz", "sdf", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
-
-
 def test_the_command(tmp_path):
     good, bad = tmp_path / "good.sdf", tmp_path / "bad.sdf"
     good.write_text("<sdf version='1.5'><model name='m'><link name='l'/></model></sdf>")
     bad.write_text("<sdf version='1.5'><model><link name='l'/></model></sdf>")
-    assert run("--check", good).stdout == "Check complete\n"
-    done = run("--check", bad)
+    assert run_libgz("sdf", "--check", good).stdout == "Check complete\n"
+    done = run_libgz("sdf", "--check", bad)
     assert (done.returncode, done.stdout) == (1, "")
     assert f"error   : {bad}:1: <model>: attribute 'name' is missing" in done.stderr
-    assert '<model name="m">' in run("--print", good).stdout
-    assert run("--check", tmp_path / "none.sdf").returncode == 1
+    assert '<model name="m">' in run_libgz("sdf", "--print", good).stdout
+    assert run_libgz("sdf", "--check", tmp_path / "none.sdf").returncode == 1
 
 
-def test_things_of_one_kind_and_name_in_one_place_are_told():
+def test_elements_of_one_kind_and_name_in_one_parent_are_a_warning():
     shape = "<geometry><sphere><radius>1</radius></sphere></geometry>"
     parts = "".join(f"<{kind} name='v'>{shape}</{kind}>" for kind in ("visual", "visual", "collision"))
     link = f"<link name='l'>{parts}</link>"
-    told = texts(world(f"<model name='m'>{link}</model>\n<model name='m'/>\n<light name='m' type='point'/>"))
-    assert told == [
+    found = texts(world(f"<model name='m'>{link}</model>\n<model name='m'/>\n<light name='m' type='point'/>"))
+    assert found == [
         "<string>:2: <model>: 'm' is the name of another <model>, at <string>:1; names must differ",
         "<string>:1: <visual>: 'v' is the name of another <visual>, at <string>:1; names must differ",
     ]
 
 
-def test_actors_are_said_not_to_be_simulated():
+def test_actors_are_a_warning():
     file = world("<actor name='a'><skin><filename>a.dae</filename></skin></actor>")
-    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it is kept without effect"]
+    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it has no effect"]

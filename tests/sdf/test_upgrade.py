@@ -1,8 +1,9 @@
-"""Older SDF in the words of 1.6: it means what it meant."""
+"""Older SDF as 1.6: its meaning stays."""
+
+from itertools import combinations
 
 import pytest
 from sdf_worlds import collision, link, model, world
-from test_sdf_shapes import mesh, write_stl
 
 import libgz
 from libgz.classic import physics
@@ -44,7 +45,7 @@ def test_gravity_moves_to_the_world_and_noise_to_each_axis(version):
     for axis in "xyz":
         assert imu.child("angular_velocity").child(axis).child("noise").Get(float, "stddev") == 0.1
         assert imu.child("linear_acceleration").child(axis).child("noise").Get(float, "mean") == 0.2
-    assert old.child("world").child("physics").HasElement("gravity")  # the old one is as it was
+    assert old.child("world").child("physics").HasElement("gravity")  # the original is unchanged
 
 
 def test_an_axis_keeps_its_direction(tmp_path):
@@ -58,7 +59,7 @@ def test_an_axis_keeps_its_direction(tmp_path):
         core.close()
 
 
-def test_models_of_several_versions_stand_in_one_saved_world(tmp_path):
+def test_models_of_several_versions_are_saved_in_one_world(tmp_path):
     old = libgz.World.from_string(WORLD.format(version="1.4", imu=IMU))
     view = physics.get_world("w")
     view.InsertModelFile("model://pioneer2dx")
@@ -68,13 +69,21 @@ def test_models_of_several_versions_stand_in_one_saved_world(tmp_path):
     old.close()
 
 
+CORNERS = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
+
+
+def facet(corners):
+    lines = "\n".join(f"vertex {corner}" for corner in corners)
+    return f"facet normal 0 0 0\nouter loop\n{lines}\nendloop\nendfacet\n"
+
+
 @pytest.fixture
 def with_mesh(tmp_path):
-    """A world whose mesh lies beside it."""
+    """A world with a mesh in its folder."""
     home = tmp_path / "home"
     home.mkdir()
-    write_stl(home / "cube.stl", binary=True)
-    solid = model("m", link("l", collision(mesh("cube.stl"))), pose="0 0 3 0 0 0")
+    (home / "solid.stl").write_text(f"solid tetrahedron\n{''.join(map(facet, combinations(CORNERS, 3)))}endsolid\n")
+    solid = model("m", link("l", collision("<mesh><uri>solid.stl</uri></mesh>")), pose="0 0 3 0 0 0")
     (home / "w.world").write_text(f"<sdf version='1.5'>{world(solid)}</sdf>")
     return home / "w.world"
 
@@ -83,19 +92,19 @@ def triangles_of(core):
     return len(core.model("m").GetBody("l").geoms[0].triangles)
 
 
-def test_meshes_beside_a_file_are_found_from_elsewhere(with_mesh, tmp_path):
+def test_relative_meshes_are_found_from_other_folders(with_mesh, tmp_path):
     core = libgz.World.from_file(with_mesh)
     view = physics.get_world("default")
     for folder, short in ((tmp_path, False), (with_mesh.parent, True)):
         view.Save(str(folder / "saved.world"))
-        assert (">cube.stl<" in (folder / "saved.world").read_text()) == short
+        assert (">solid.stl<" in (folder / "saved.world").read_text()) == short
         with libgz.World.from_file(folder / "saved.world") as saved:
-            assert triangles_of(saved) == 12
+            assert triangles_of(saved) == 4
     with LogRecord(core, tmp_path / "logs" / "state.log"):
         core.step(10)
     with LogPlay(tmp_path / "logs" / "state.log") as play:
-        assert triangles_of(play.core) == 12
+        assert triangles_of(play.core) == 4
     view.RemoveModel("m")
     view.InsertModelSDF(SdfFile.load(with_mesh))
-    assert triangles_of(core) == 12
+    assert triangles_of(core) == 4
     core.close()

@@ -10,7 +10,7 @@ from libgz.errors import WorldFileError
 from libgz.geometry import GzColor, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.worldfile.attributes import angle, choice, color, length, number, numbers, read
 from libgz.worldfile.file import WorldFile
-from libgz.worldfile.number import atof, atoi, rubbish
+from libgz.worldfile.number import atof, atoi, malformed
 
 HEAD = """<?xml version="1.0"?>
 <gz:world xmlns:gz='urn:gz' xmlns:model='urn:model' xmlns:param='urn:param' xmlns:params='urn:params'>
@@ -57,8 +57,8 @@ def test_atoi_stops_at_the_point():
     assert (atoi("12.9"), atoi(" -3 "), atoi("x")) == (12, -3, 0)
 
 
-def test_rubbish_is_told_from_numbers():
-    assert [rubbish(t) for t in ("1", " 1 ", "1x", "", "1 2", "-.5e-3")] == [False, False, True, True, True, False]
+def test_malformed_numbers():
+    assert [malformed(t) for t in ("1", " 1 ", "1x", "", "1 2", "-.5e-3")] == [False, False, True, True, True, False]
 
 
 # Getters ---------------------------------------------------------------------------------------------------------
@@ -156,7 +156,7 @@ def test_files_are_searched(tmp_path, monkeypatch):
 # Errors ----------------------------------------------------------------------------------------------------------
 
 
-def test_unused_attributes_are_told_with_line_and_guess():
+def test_unused_attributes_are_reported_with_line_and_suggestion():
     file = load("<model:Thing>\n  <updaterate>5</updaterate>\n  <used>1</used>\n</model:Thing>")
     node = file.GetRootNode().GetChildByNSPrefix("model")
     file.GetRootNode().GetNSPrefix()
@@ -177,7 +177,7 @@ def test_unused_attributes_are_told_with_line_and_guess():
         ("<sdf version='1.4'/>", "SDF world"),
     ],
 )
-def test_unfit_files_are_refused_with_file_and_line(text, what):
+def test_invalid_files_are_errors_with_file_and_line(text, what):
     with pytest.raises(WorldFileError, match=what) as caught:
         WorldFile().LoadString(text, "my.world")
     assert str(caught.value).startswith("my.world:")
@@ -194,13 +194,13 @@ def test_a_second_load_is_refused():
         file.LoadString("<a/>")
 
 
-def test_undeclared_prefix_is_told():
+def test_undeclared_prefix_is_a_warning():
     file = WorldFile()
     file.LoadString("<gz:world xmlns:gz='x'><model:X/></gz:world>", "w")
     assert "prefix 'model' is not declared" in messages(file)[0]
 
 
-def test_damaged_namespaces_are_forgiven():
+def test_invalid_namespaces_are_accepted():
     file = WorldFile()
     file.LoadString("<gz:world xmlns:gz='&quot;http://x/#gz&quot;' xmlns:model='&quot;x y&quot;'><model:X/></gz:world>")
     assert file.GetRootNode().GetChildByNSPrefix("model").GetName() == "X"
@@ -215,7 +215,7 @@ def test_entities_and_files_outside_are_not_followed(tmp_path):
     assert "SECRET" not in file.GetRootNode().content
 
 
-def test_entity_bombs_do_not_go_off():
+def test_entity_bombs_are_not_expanded():
     bomb = "<!DOCTYPE b [<!ENTITY a 'aaaaaaaaaa'>" + "".join(
         f"<!ENTITY {chr(98 + i)} '{('&' + chr(97 + i) + ';') * 10}'>" for i in range(9)
     )
@@ -388,7 +388,7 @@ def test_a_protected_file_is_left_alone(tmp_path):
     assert "1.000 2.000 3.000" in (tmp_path / "copy.world").read_text()
 
 
-def test_saving_fails_in_words(tmp_path):
+def test_saving_fails_with_a_reason(tmp_path):
     file = load("<a>1</a>")
     with pytest.raises(WorldFileError, match="name a file"):
         file.Save()
@@ -442,7 +442,7 @@ def test_files_of_wide_characters_are_read_and_left_alone(tmp_path):
     assert path.read_bytes() == before
 
 
-def test_a_second_value_is_told_to_be_one():
+def test_a_second_value_is_a_warning():
     for body, message in (
         ("<m><a>1</a>\n<a>2</a></m>", "is not used: the first one counts, line 3"),
         ("<m a='1'><a>2</a></m>", "is not used: the attribute a= counts"),

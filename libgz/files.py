@@ -1,0 +1,75 @@
+"""Files: read up to a size, replaced in one step, parsed safely as XML; and where those of libgz are installed."""
+
+from __future__ import annotations
+
+import errno
+import importlib.util
+import os
+import tempfile
+from pathlib import Path
+
+from lxml import etree
+
+__all__ = ["installed_worlds", "read_limited", "write_whole", "xml_parser"]
+
+LARGEST_FILE = 64 * 1024 * 1024  # bytes of a world
+
+
+def read_limited(path: Path) -> bytes:
+    """The bytes of a world or model file of at most 64 MiB.
+
+    Raises:
+        OSError: the file cannot be read, or is larger.
+    """
+    if path.stat().st_size > LARGEST_FILE:
+        raise OSError(errno.EFBIG, f"it is larger than {LARGEST_FILE >> 20} MiB", str(path))
+    return path.read_bytes()
+
+
+def xml_parser(*, recover: bool = False) -> etree.XMLParser:
+    """A parser for files from anywhere: without entities, external files, network access and huge trees.
+
+    Args:
+        recover: parse what is not well-formed as far as possible; `error_log` of the parser lists what it skipped.
+    """
+    return etree.XMLParser(
+        recover=recover, resolve_entities=False, no_network=True, load_dtd=False, dtd_validation=False, huge_tree=False
+    )
+
+
+def write_whole(target: Path, data: bytes) -> None:
+    """Replace a file in one step, so that no reader ever finds half of it. Pipes and devices are written to.
+
+    Raises:
+        OSError: it cannot be written, or is write-protected. `filename` is the target.
+    """
+    try:
+        if target.exists() and not target.is_file():
+            target.write_bytes(data)
+        else:
+            _replace(target.resolve(), data)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from None
+
+
+def _replace(target: Path, data: bytes) -> None:
+    mode = target.stat().st_mode & 0o777 if target.exists() else 0o644
+    # Renaming would replace a write-protected file all the same.
+    if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
+        raise PermissionError(errno.EACCES, "it is write-protected", str(target))
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
+        path = Path(temporary.name)
+        try:
+            temporary.write(data)
+            temporary.flush()
+            path.chmod(mode)
+            path.replace(target)
+        except OSError:
+            path.unlink(missing_ok=True)
+            raise
+
+
+def installed_worlds() -> Path:
+    """The directory of the worlds, textures and skins that are installed with libgz."""
+    spec = importlib.util.find_spec("libgz.worlds")
+    return Path(spec.origin).parent if spec is not None and spec.origin is not None else Path()

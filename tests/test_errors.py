@@ -1,0 +1,41 @@
+"""Diagnostics: collected, reported together, each once."""
+
+import pytest
+
+from libgz.errors import Diagnostics, Place, WorldFileError, nearest
+from libgz.sdf.element import Element
+
+
+def test_errors_and_warnings_are_collected_in_order_once_each():
+    diagnostics, place = Diagnostics(), Place("a.world", 3, "size")
+    for _ in range(2):
+        diagnostics.warn(place, "has no effect")
+        diagnostics.error(place, "must be above 0")
+    assert [str(found) for found in diagnostics.found] == [
+        "a.world:3: <size>: has no effect",
+        "a.world:3: <size>: must be above 0",
+    ]
+    assert [found.message for found in diagnostics.warnings] == ["has no effect"]
+    assert [found.message for found in diagnostics.errors] == ["must be above 0"]
+
+
+def test_all_errors_are_raised_together_and_warnings_never():
+    diagnostics = Diagnostics()
+    diagnostics.warn(Place("a.world", 1, "a"), "odd")
+    diagnostics.raise_errors()
+    diagnostics.error(Place("a.world", 2, "b"), "wrong")
+    diagnostics.error(Place("a.world", 3, "c"), "wrong, too")
+    with pytest.raises(WorldFileError) as raised:
+        diagnostics.raise_errors()
+    assert str(raised.value).splitlines() == ["a.world:2: <b>: wrong", "a.world:3: <c>: wrong, too"]
+
+
+def test_elements_are_places_and_those_of_no_file_are_strings():
+    diagnostics = Diagnostics()
+    diagnostics.warn(Element("link", line=4), "is empty")
+    assert [str(found) for found in diagnostics.found] == ["<string>:4: <link>: is empty"]
+
+
+def test_nearest_names():
+    assert nearest("radus", ["radius", "mass"]) == "; did you mean 'radius'?"
+    assert nearest("xyz", ["radius", "mass"]) == ""

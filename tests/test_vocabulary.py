@@ -1,0 +1,54 @@
+"""The words of the project: standard terms, so that a reader never has to translate. CONTRIBUTING.md has the table."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PLACES = ["libgz", "interfaces", "models", "examples", "docs", "scripts", "benchmarks", "worlds"]
+ENDINGS = {".py", ".pyi", ".c", ".h", ".md", ".world", ".sh", ".toml", ".cfg"}
+
+# A word that must not be used, and what to use.
+INSTEAD = {
+    r"told|tells|tell": "report, print, log, raise, notify",
+    r"faults?": "error, warning, diagnostic",
+    r"mend|mends|mended|mending": "recover, repair, restore",
+    r"drawn|drawing|draws": "render, rendered, rendering",
+    r"pictures": "images",
+    r"moorings?": "world joints, fixed joints",
+    r"leavings": "stale files",
+    r"strays": "unregistered",
+    r"sleepy": "auto-disable, sleeping",
+    r"run(s|ning)? away|ran away|runaways?": "diverge, divergence",
+    r"houses?|rooms?": "package, module",
+    r"goes along|go along|went along": "move with, run beside",
+    r"let(s|ting)? go": "release, disconnect, end",
+    r"cut short": "truncated",
+    r"reckon(ed)?": "compute",
+}
+# Where a word stands for something else.
+ALLOWED = re.compile(
+    r"draws? calls?|random|a draw|drawn? (lots|from the generator)|"  # random draws, draw calls
+    r"segmentation fault|gz_.*|"
+    r"head ?room|class ?room",
+    re.IGNORECASE,
+)
+
+
+def texts():
+    paths = [p for place in PLACES for p in sorted((ROOT / place).rglob("*")) if p.suffix in ENDINGS]
+    yield from paths
+    yield from (path for path in ROOT.glob("*.md"))
+
+
+@pytest.mark.parametrize("word", INSTEAD)
+def test_standard_terms_are_used(word):
+    pattern = re.compile(rf"(?<![\w-])({word})(?![\w-])", re.IGNORECASE)
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in texts()
+        for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1)
+        if pattern.search(ALLOWED.sub("", line))
+    ]
+    assert not found, f"use {INSTEAD[word]}:\n" + "\n".join(found)

@@ -14,7 +14,15 @@ from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
 
-AXES = ("pose-x", "pose-y", "pose-z", "pose-R", "pose-P", "pose-Y")
+# Option -> what it sets.
+AXES = {
+    "pose-x": "x [m]",
+    "pose-y": "y [m]",
+    "pose-z": "z [m]",
+    "pose-R": "roll [rad]",
+    "pose-P": "pitch [rad]",
+    "pose-Y": "yaw [rad]",
+}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,15 +35,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-d", "--delete", action="store_true", help="delete the model")
     add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF file, or model://name")
     add("-s", "--spawn-string", metavar="SDF", help="add a model from an SDF string")
-    for word, unit in zip(AXES, ("m", "m", "m", "rad", "rad", "rad"), strict=True):
-        add(
-            f"-{word[-1]}",
-            f"--{word}",
-            type=float,
-            default=None,
-            metavar="N",
-            help=f"new {word.removeprefix('pose-')} [{unit}]",
-        )
+    for word, coordinate in AXES.items():
+        add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"new {coordinate}")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -44,12 +44,12 @@ def world_node(options: argparse.Namespace) -> Iterator[tuple[Node, Link]]:
 
 def add_duration(parser: argparse.ArgumentParser) -> None:
     """Add the option for the duration of receiving."""
-    help_ = "duration in wall time [s] (default: until interrupted)"
+    help_ = "duration in real time [s] (default: until interrupted)"
     parser.add_argument("-d", "--duration", type=float, default=None, metavar="S", help=help_)
 
 
 def receive(link: Link, duration: float | None) -> Iterator[float]:
-    """Call back subscribers until a duration [s] is over, if one is given; yields the wall time now and then [s].
+    """Call back subscribers until a duration [s] is over, if one is given; yields the real time now and then [s].
 
     Raises:
         GazeboError: the server ended.

@@ -30,8 +30,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-i", "--info", metavar="TOPIC", help="print the type, the publishers and the subscribers of a topic"
     )
     what.add_argument("-e", "--echo", metavar="TOPIC", help="print the messages of a topic")
-    what.add_argument("-z", "--hz", metavar="TOPIC", help="print the messages per second of wall time")
-    what.add_argument("-b", "--bw", metavar="TOPIC", help="print the bytes per second of wall time")
+    what.add_argument("-z", "--hz", metavar="TOPIC", help="print the messages per second of real time")
+    what.add_argument("-b", "--bw", metavar="TOPIC", help="print the bytes per second of real time")
     what.add_argument("-p", "--publish", metavar="TOPIC", help="publish one message, given by -m or -f")
     what.add_argument(
         "-r",
@@ -55,7 +55,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=None,
         metavar="S",
-        help="with -e, -z, -b: duration in wall time [s]; with -p, -r: longest wait [s] (default 5)",
+        help="with -e, -z, -b: duration in real time [s]; with -p, -r: longest wait [s] (default 5)",
     )
     add("-n", "--num", type=int, default=None, metavar="N", help="number of messages (default: until interrupted)")
     add("-u", "--unformatted", action="store_true", help="with -e: print each message as one line of JSON")
@@ -120,7 +120,7 @@ class _Echo:
 
 
 class _Rate:
-    """Measures messages per second of wall time."""
+    """Measures messages per second of real time."""
 
     def __init__(self) -> None:
         self._times: list[float] = []
@@ -137,7 +137,7 @@ class _Rate:
 
 
 class _Bandwidth:
-    """Measures bytes per second of wall time, and the sizes of messages."""
+    """Measures bytes per second of real time, and the sizes of messages."""
 
     def __init__(self) -> None:
         self._arrivals: list[tuple[float, int]] = []  # time [s], size [bytes]

@@ -160,7 +160,7 @@ def test_a_wrong_command_line_is_one_sentence_and_code_2(arguments, sentence):
     assert done.stdout == ""
 
 
-def test_a_bad_world_is_told_and_code_1(wire, tmp_path):
+def test_an_invalid_world_is_reported_with_code_1(wire, tmp_path):
     path = tmp_path / "bad.world"
     path.write_text(
         "<gz:world xmlns:gz='g' xmlns:model='m'>\n<model:SimpleSolid><mass>-1</mass></model:SimpleSolid></gz:world>"
@@ -234,7 +234,7 @@ def test_doctor_looks_at_every_extra():
         ("plot", "matplotlib", "no plots by libgz echo --plot without matplotlib; libgz echo prints "),
     ],
 )
-def test_doctor_tells_what_works_without_an_extra_and_how_to_get_it(monkeypatch, capsys, name, package, words):
+def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words):
     real = importlib.metadata.version
 
     def version(asked):

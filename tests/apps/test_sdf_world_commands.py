@@ -108,7 +108,7 @@ def test_statistics_are_printed(libgz):
         assert re.fullmatch(r"Factor\[\d+\.\d\d\] SimTime\[[\d.]+\] RealTime\[[\d.]+\] Paused\[F\]", line)
 
 
-def test_what_is_missing_is_told(libgz):
+def test_missing_arguments_are_reported(libgz):
     assert "no model is given" in libgz("model", "-i", code=1)
     assert "no action is given" in libgz("model", "-m", "box", code=1)
     assert "no action is given" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)

@@ -1,4 +1,4 @@
-"""Floor plans: outlines of pictures, and the walls on them."""
+"""Floor plans: outlines of images, and the walls on them."""
 
 import logging
 import math
@@ -12,7 +12,7 @@ import libgz
 from libgz.models.contours import outlines, simplified
 
 
-def test_outlines_of_a_small_picture():
+def test_outlines_of_a_small_image():
     mask = np.zeros((6, 7), dtype=bool)
     mask[1:4, 2:5] = True
     mask[2, 3] = False  # a hole
@@ -34,7 +34,7 @@ def area(polygon):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_outlines_enclose_what_is_solid(seed):
+def test_outlines_enclose_solid_pixels(seed):
     mask = np.random.default_rng(seed).random((40, 50)) < 0.1 + 0.2 * seed
     assert sum(area(polygon) for polygon in outlines(mask)) == mask.sum()
 

@@ -38,7 +38,7 @@ def packed_wave(slope=None):
 TERRAIN = "<model:Terrain><terrainFile>t.gzb</terrainFile><xyz>{}</xyz><rpy>{}</rpy></model:Terrain>"
 
 
-def test_terrain_files_hold_what_was_written(tmp_path):
+def test_terrain_files_are_read_as_written(tmp_path):
     packed, strip, triangles = packed_wave()
     packed[0, 0] = -2147483.648  # stands for no texture coordinate
     write_gzb(tmp_path / "t.gzb", packed, strip, triangles)
@@ -59,7 +59,7 @@ def test_terrain_files_hold_what_was_written(tmp_path):
 
 
 @pytest.mark.parametrize(("place", "turn"), [((0, 0, 0), 0), ((-10, 5, -0.1), 0), ((3, 4, 1), 90)])
-def test_rays_find_the_terrain_where_its_formula_says(tmp_path, place, turn):
+def test_rays_hit_the_terrain_at_the_heights_of_its_formula(tmp_path, place, turn):
     write_gzb(tmp_path / "t.gzb", *packed_wave())
     with world_of(tmp_path, TERRAIN.format(" ".join(map(str, place)), f"0 0 {turn}")) as world:
         local = np.random.default_rng(1).integers(1, COUNT - 1, (200, 2)) * SPACING
@@ -77,7 +77,7 @@ def test_rays_find_the_terrain_where_its_formula_says(tmp_path, place, turn):
         assert np.isnan(heights_below(world, np.array([place[:2]]) - 100.0)).all()
 
 
-def test_a_ball_rolls_down_a_terrain_as_the_formula_says(tmp_path):
+def test_a_ball_rolls_down_a_terrain_by_the_formula(tmp_path):
     slope = 0.1
     write_gzb(tmp_path / "t.gzb", *packed_wave(slope))
     angle = math.atan(slope)
@@ -108,7 +108,7 @@ def test_a_robot_stands_on_a_terrain_and_its_laser_sees_the_hill(tmp_path):
         assert world.interface("laser", "laser1").ranges[90] == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
+def test_a_terrain_can_be_rendered(tmp_path):
     packed, strip, triangles = packed_wave()
     write_gzb(tmp_path / "t.gzb", packed, strip, triangles)
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")) as world:
@@ -121,7 +121,7 @@ def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
         assert world.engine.surface[ground.row, :4].tolist() == [math.inf, 0, 1, 0]
 
 
-def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
+def test_a_terrain_with_converted_line_ends_is_repaired(tmp_path, caplog):
     """Bytes 0D turned into 0A, as a conversion of line ends does."""
     packed, strip, triangles = packed_wave()
     path = tmp_path / "t.gzb"
@@ -137,7 +137,7 @@ def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
         assert "were repaired" in caplog.text
 
 
-def test_triangles_that_cannot_be_are_left_out(tmp_path, caplog):
+def test_invalid_triangles_are_ignored(tmp_path, caplog):
     packed, strip, triangles = packed_wave()
     path = tmp_path / "t.gzb"
     write_gzb(path, packed, strip, triangles)
@@ -204,7 +204,7 @@ def test_slanting_rays_see_the_nearest_slope_of_a_height_map(tmp_path):
         assert ranges == pytest.approx(18.0 + rays[:, 2] / 3.0, abs=1e-5)
 
 
-def test_grey_pictures_of_all_kinds(tmp_path):
+def test_grey_values_of_all_image_modes(tmp_path):
     ramp = np.arange(256, dtype=np.uint8).reshape(16, 16)
     Image.fromarray(ramp).save(tmp_path / "8.png")
     Image.fromarray(ramp.astype(np.uint16) * 257).save(tmp_path / "16.png")

@@ -21,10 +21,7 @@ __all__ = [
     "BANNER",
     "FAILED",
     "Parser",
-    "close_system_plugins",
-    "create_system_plugins",
-    "init_system_plugins",
-    "load_system_plugins",
+    "SystemPlugins",
     "log_link",
     "open_log",
     "parse_known",
@@ -105,28 +102,37 @@ def log_link(link: Link) -> None:
     log.info("Publicized address: %s", publicized_address())
 
 
-def create_system_plugins(filenames: Sequence[str]) -> None:
-    """Find System plugins, and construct them."""
-    for filename in filter(None, filenames):
-        plugin = new_plugin("System", filename, filename, "System", None)
-        if plugin is not None:
-            system_plugins.append(plugin)
+class SystemPlugins:
+    """The System plugins of this process, from `with` to its end.
 
+    Args:
+        filenames: as on the command line; plugins that cannot be loaded are logged and left out.
+    """
 
-def load_system_plugins(words: Sequence[str]) -> None:
-    """Call Load of all System plugins, with the command line."""
-    for plugin in system_plugins:
-        plugin.call("Load", len(words), words)
+    def __init__(self, filenames: Sequence[str]) -> None:
+        for filename in filter(None, filenames):
+            plugin = new_plugin("System", filename, filename, "System", None)
+            if plugin is not None:
+                system_plugins.append(plugin)
 
+    def load(self, words: Sequence[str]) -> None:
+        """Call Load of all plugins, with the command line."""
+        for plugin in system_plugins:
+            plugin.call("Load", len(words), words)
 
-def init_system_plugins() -> None:
-    """Call Init of all System plugins."""
-    for plugin in system_plugins:
-        plugin.call("Init")
+    def init(self) -> None:
+        """Call Init of all plugins."""
+        for plugin in system_plugins:
+            plugin.call("Init")
 
+    def close(self) -> None:
+        """Drop all plugins."""
+        for plugin in system_plugins:
+            plugin.drop()
+        system_plugins.clear()
 
-def close_system_plugins() -> None:
-    """Drop all System plugins."""
-    for plugin in system_plugins:
-        plugin.drop()
-    system_plugins.clear()
+    def __enter__(self) -> SystemPlugins:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()

@@ -13,7 +13,7 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO, TypeAlias
+from typing import NoReturn, TextIO, TypeAlias, TypeVar
 
 from libgz.errors import GazeboError, ParameterError
 
@@ -45,43 +45,33 @@ class Parser(argparse.ArgumentParser):
         self.exit(USAGE_ERROR, f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
 
 
-def whole_number(name: str) -> Callable[[str], int]:
-    """An argument type: whole numbers from 0; `name` is its name in error messages."""
+N = TypeVar("N", int, float)
 
-    def read(text: str) -> int:
-        number = int(text)
-        if number < 0:
+
+def _number(name: str, convert: Callable[[str], N], allowed: Callable[[N], bool]) -> Callable[[str], N]:
+    def read(text: str) -> N:
+        number = convert(text)
+        if not allowed(number):
             raise ValueError
         return number
 
     read.__name__ = name
     return read
+
+
+def whole_number(name: str) -> Callable[[str], int]:
+    """An argument type: whole numbers from 0; `name` is its name in error messages."""
+    return _number(name, int, lambda number: number >= 0)
 
 
 def number_from_zero(name: str) -> Callable[[str], float]:
     """An argument type: finite numbers from 0; `name` is its name in error messages."""
-
-    def read(text: str) -> float:
-        number = float(text)
-        if not 0.0 <= number < math.inf:
-            raise ValueError
-        return number
-
-    read.__name__ = name
-    return read
+    return _number(name, float, lambda number: 0.0 <= number < math.inf)
 
 
 def number_above_zero(name: str) -> Callable[[str], float]:
     """An argument type: numbers above 0; `name` is its name in error messages."""
-
-    def read(text: str) -> float:
-        number = float(text)
-        if not number > 0.0:
-            raise ValueError
-        return number
-
-    read.__name__ = name
-    return read
+    return _number(name, float, lambda number: number > 0.0)
 
 
 def read_text(path: str, what: str) -> str:

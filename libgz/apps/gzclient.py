@@ -13,10 +13,7 @@ from libgz.apps.classic_command import (
     BANNER,
     FAILED,
     Parser,
-    close_system_plugins,
-    create_system_plugins,
-    init_system_plugins,
-    load_system_plugins,
+    SystemPlugins,
     log_link,
     open_log,
     parse_known,
@@ -80,18 +77,17 @@ class Run:
             prefer(options.gl)
         if options.gui_plugin:
             log.warning("%s", DEPRECATED)
-        create_system_plugins(options.gui_plugin)
-        try:
-            load_system_plugins(self.words)
-            log.info("Waiting for master.")
-            with connect(timeout=options.timeout) as link:
-                open_log("client", link.address.port)
-                log_link(link)
-                init_system_plugins()
-                return self._show(link.connected)
-        finally:
-            self._starting = False
-            close_system_plugins()
+        with SystemPlugins(options.gui_plugin) as plugins:
+            try:
+                plugins.load(self.words)
+                log.info("Waiting for master.")
+                with connect(timeout=options.timeout) as link:
+                    open_log("client", link.address.port)
+                    log_link(link)
+                    plugins.init()
+                    return self._show(link.connected)
+            finally:
+                self._starting = False
 
     def _show(self, connected: Callable[[], bool]) -> int:
         options = self.options

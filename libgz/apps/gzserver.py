@@ -15,10 +15,7 @@ from libgz.apps.classic_command import (
     BANNER,
     FAILED,
     Parser,
-    close_system_plugins,
-    create_system_plugins,
-    init_system_plugins,
-    load_system_plugins,
+    SystemPlugins,
     log_link,
     open_log,
     parse_known,
@@ -93,19 +90,15 @@ class Server:
         """Run the world, with classic's order of events; return the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._interrupted)
-        create_system_plugins(self.options.server_plugin)
-        try:
-            with serve() as link:
-                open_log("server", link.address.port)
-                load_system_plugins(self.words)
-                log.info("Waiting for master.")
-                log_link(link)
-                init_system_plugins()
-                with self._open_world() as core, keep_log(self.options, core, self._play) as control:
-                    self._loop(core, control)
-            return 0
-        finally:
-            close_system_plugins()
+        with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
+            open_log("server", link.address.port)
+            plugins.load(self.words)
+            log.info("Waiting for master.")
+            log_link(link)
+            plugins.init()
+            with self._open_world() as core, keep_log(self.options, core, self._play) as control:
+                self._loop(core, control)
+        return 0
 
     def _interrupted(self, _number: int, _frame: object) -> None:
         self._stopped = True

@@ -2,7 +2,7 @@
 
 Options that gzclient does not know are left to its plugins:
 
-    gzclient -g libclient_frames.so --frames-to=pictures
+    gzclient -g libclient_frames.so --frames-to=frames
 """
 
 from libgz.classic import GZ_REGISTER_SYSTEM_PLUGIN, SystemPlugin, gui, gzmsg

@@ -1,4 +1,4 @@
-# make demo: set up everything and run the main job.  make test: set up everything and run all tests.
+# make demo: install everything and run a demonstration.  make test: install everything, check and test.
 .PHONY: demo test lint types trials bench setup clean
 
 BIN := .venv/bin
@@ -13,7 +13,7 @@ lint: setup
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check -q .
 
-# From another directory, so that mypy checks the installed package, interfaces and models included.
+# From another directory, so that mypy checks the installed package with interfaces and models.
 types: setup
 	@cd build && ../$(BIN)/mypy --config-file ../pyproject.toml -p libgz
 

@@ -1,4 +1,4 @@
-"""What the robots cost: a step with the model's own work against the engine's step alone, in one run.
+"""The cost of robots: a step of the world with a robot, compared with the step of the engine alone.
 
 python benchmarks/robots.py
 """
@@ -33,7 +33,7 @@ WITHOUT_POSITION = ("AvatarHeli", "Bandit")
 
 
 def cost(step: Callable[[], object]) -> float:
-    """Time of one call [s], over many."""
+    """Mean time of one call [s]."""
     start = time.perf_counter()
     for _ in range(STEPS):
         step()

@@ -1,3 +1,3 @@
-"""The version, in one place: setup.cfg and the commands read it from here."""
+"""The version of libgz."""
 
 __version__ = "0.1.0"

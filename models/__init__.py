@@ -1,8 +1,14 @@
-"""The built-in models, one module each; a module is imported when a world asks for its model."""
+"""The built-in models, one module each.
 
-# Worldfile name -> "module:class".
-MODELS = {
-    name: f"libgz.models.{name.lower()}:{name}"
+`MODELS` lists them. A new model is a module of this package, named like its class in lower case, and a line here. Its
+module is imported when a world first uses the model, so that unused models cost nothing.
+"""
+
+__all__ = ["MODELS"]
+
+# Name in worldfiles -> "module:class", the form of an entry point.
+MODELS: dict[str, str] = {
+    name: f"{__name__}.{name.lower()}:{name}"
     for name in (
         "Atrv",
         "AvatarHeli",

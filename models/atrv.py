@@ -1,7 +1,7 @@
-"""Atrv: iRobot's ATRV-Jr, a four-wheeled robot for rough ground, steering by its sides' speeds.
+"""Atrv: iRobot's ATRV-Jr, a four-wheeled robot for rough ground, with skid steering.
 
-Its source is lost. Outline and mass are those published for the real machine (77.5 x 64 x 55 cm, 50 kg), the sonars'
-places those of Player's configuration for it; the layout was chosen for libgz.
+The original source is lost. Outline and mass are those published for the real machine (77.5 x 64 x 55 cm, 50 kg), the
+poses of the sonars those in Player's configuration; the layout was chosen for libgz.
 """
 
 from __future__ import annotations
@@ -10,18 +10,12 @@ import math
 
 from libgz.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import DARK, GREY, fit
+from libgz.models.parts import DARK, GREY, add_body, fit
 from libgz.models.sonars import SonarRing
 from libgz.models.wheels import Tire
-from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
-WHEELS = {
-    "left_front": (0.21, 0.27),
-    "right_front": (0.21, -0.27),
-    "left_rear": (-0.21, 0.27),
-    "right_rear": (-0.21, -0.27),
-}
+AXLES = {"_front": 0.21, "_rear": -0.21}  # x [m]
 TIRE = Tire(0.17, 0.05, 3.0, DARK, hard=True)
 REAR = ((-335, -104, -150), (-340, -50, -165), (-347, 0, 180), (-340, 50, 165), (-335, 104, 150))  # [mm], [deg]
 LEFT = (
@@ -36,7 +30,7 @@ LEFT = (
 )
 FRONT = ((296, 104, 30), (302, 50, 15), (308, 0, 0), (302, -50, -15), (296, -104, -30))
 RIGHT = tuple((x, -y, -a) for x, y, a in LEFT)
-SONAR_HEIGHT = 0.36  # [m]; over the wheels, which are spheres to a ray
+SONAR_HEIGHT = 0.36  # [m]; above the wheels, which collide as spheres
 
 
 class Atrv(DifferentialRobot):
@@ -50,13 +44,12 @@ class Atrv(DifferentialRobot):
     maxTorque = 20.0
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         space = self.modelSpaceId
         fit(BoxGeom(chassis, space, 0.62, 0.36, 0.26), (0.0, 0.0, 0.27), 36.0, GzColor(0.9, 0.3, 0.0))
         fit(BoxGeom(chassis, space, 0.70, 0.40, 0.03), (0.0, 0.0, 0.42), 2.0, GREY)
-        for name, (x, y) in WHEELS.items():
-            self.add_wheel(name, (x, y, 0.17), TIRE)
+        for suffix, x in AXLES.items():
+            self.add_pair(0.27, 0.17, TIRE, x, suffix)
         sonars = (*REAR, *LEFT, *FRONT, *RIGHT)
         poses = [(x / 1e3, y / 1e3, SONAR_HEIGHT, math.radians(a)) for x, y, a in sonars]
         self.devices.append(SonarRing(self, chassis, poses))

@@ -1,16 +1,15 @@
 """AvatarHeli: the University of Southern California's helicopter AVATAR.
 
-Its source is lost, and no command of any kind is known: it is a rigid body that falls and lands on its skids.
-Dimensions were chosen for libgz after the mesh that its old world draws it with.
+The original source is lost, and its commands are unknown: here it is a rigid body that falls and lands on its skids.
+Dimensions were chosen for libgz to match the mesh of its original world.
 """
 
 from __future__ import annotations
 
 from libgz.geometry import GzColor
 from libgz.legacy.model import Model
-from libgz.models.parts import DARK, GREY, fit
-from libgz.models.skin import SkinAttributes, clothe
-from libgz.physics.body import Body
+from libgz.models.parts import DARK, GREY, add_body, fit
+from libgz.models.skin import SkinAttributes, add_skin
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile
@@ -36,8 +35,7 @@ class AvatarHeli(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SkinAttributes, node)
-        hull = Body(self.world)
-        self.AddBody(hull, True)
+        hull = add_body(self)
         space = self.modelSpaceId
         fuselage = fit(BoxGeom(hull, space, 0.60, 0.25, 0.35), (0.0, 0.0, -0.15), 8.0, ORANGE)
         fit(BoxGeom(hull, space, 0.90, 0.05, 0.05), (-0.75, 0.0, -0.05), 0.5, GREY)
@@ -45,4 +43,4 @@ class AvatarHeli(Model):
             fit(BoxGeom(hull, space, 0.60, 0.03, 0.03), (0.0, y, -0.475), 0.5, DARK)
         rotor = fit(CylinderGeom(hull, space, 0.90, 0.02), (0.0, 0.0, 0.18), 0.0, GzColor(0.1, 0.1, 0.1, 0.3))
         rotor.SetTransparency(True)
-        clothe(self, fuselage, values)
+        add_skin(self, fuselage, values)

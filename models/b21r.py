@@ -1,8 +1,8 @@
 """B21R: iRobot's large indoor robot, a drum on a synchro drive.
 
-Its source is lost. Size, mass and speeds are those published for the real machine (diameter 52.5 cm, height 106 cm,
-122 kg), the sonars' places those of Player's configuration for it; the layout was chosen for libgz, and stands in for
-the synchro drive with two driven wheels.
+The original source is lost. Size, mass and speeds are those published for the real machine (diameter 52.5 cm, height
+106 cm, 122 kg), the poses of the sonars those in Player's configuration; the layout was chosen for libgz, with two
+driven wheels instead of the synchro drive.
 """
 
 from __future__ import annotations
@@ -11,10 +11,9 @@ import math
 
 from libgz.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import BLACK, DARK, fit
+from libgz.models.parts import BLACK, DARK, add_body, fit
 from libgz.models.sonars import SonarRing
 from libgz.models.wheels import Tire, add_caster
-from libgz.physics.body import Body
 from libgz.physics.geoms import CylinderGeom
 
 TIRE = Tire(0.0625, 0.02, 1.0, DARK, hard=True)
@@ -45,13 +44,11 @@ class B21R(DifferentialRobot):
     maxTorque = 20.0
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         space = self.modelSpaceId
         fit(CylinderGeom(chassis, space, 0.2625, 0.35), (0.0, 0.0, 0.225), 80.0, GzColor(0.8, 0.0, 0.0))
         fit(CylinderGeom(chassis, space, 0.25, 0.66), (0.0, 0.0, 0.73), 37.0, GzColor(0.2, 0.2, 0.2))
-        self.add_wheel("left", (0.0, 0.20, 0.0625), TIRE)
-        self.add_wheel("right", (0.0, -0.20, 0.0625), TIRE)
+        self.add_pair(0.20, 0.0625, TIRE)
         for name, x in (("front", 0.20), ("rear", -0.20)):
             add_caster(self, name, chassis, (x, 0.0, 0.05), 0.05, 1.0, BLACK, hard=True, friction=0.0)
         self.devices.append(SonarRing(self, chassis, sonar_poses()))

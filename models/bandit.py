@@ -1,18 +1,18 @@
 """Bandit: the University of Southern California's humanoid torso, with two arms and a head.
 
-Its source is lost, but for the names and the order of its joints. Dimensions, masses and axes were chosen for libgz.
+Of the original source only the names and the order of the joints are known. Dimensions, masses and axes were chosen for
+libgz.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
 from libgz.legacy.model import Model
-from libgz.models.parts import GREY, fit
+from libgz.models.motors import Axis, Servo
+from libgz.models.parts import GREY, add_body, fit
+from libgz.models.serving import serve
 from libgz.models.wheels import add_hinge
-from libgz.ode.types import dParamFMax, dParamFMax2, dParamVel, dParamVel2
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint
@@ -23,7 +23,7 @@ from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-UPDATE_RATE = 10.0  # [Hz], of the interface; the joints are controlled each step
+UPDATE_RATE = 10.0  # [Hz], of the interface; the joints are controlled in every step
 GAIN, TORQUE = 4.0, 5.0  # [1/s], [N m]
 LARGEST_ANGLE = 3.1416  # [rad], of a command
 SHOULDER, ELBOW, WRIST, NECK = 0.34, 0.07, -0.165, 0.42  # heights of the joints [m]
@@ -36,32 +36,27 @@ ARM = (
     ("LowerArm", (0.05, 0.05, 0.20), -0.055, 0.3),
     ("Hand", (0.08, 0.03, 0.10), -0.225, 0.3),
 )
-# The hinges of an arm, each between a body and the one above: name, height [m], axis.
+# The hinges of an arm, each between a body and the previous one: name, height [m], axis.
 HINGES = (("SHOULDER", SHOULDER, Y), ("UPPERARM", SHOULDER, X), ("ELBOW", ELBOW, Y), ("LOWERARM", ELBOW, Z))
 
 
-class Servo:
-    """A joint whose angles follow their commands, by velocities in proportion to the errors."""
+class JointServo:
+    """A joint whose axes follow the commands of a client.
+
+    Attributes:
+        command: wanted angle of each axis [rad].
+    """
 
     def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
         self.joint = joint
-        self.command = (0.0, 0.0)  # [rad]
-        # Of each axis: its velocity parameter, its angle [rad], its rate [rad/s].
-        self.axes: list[tuple[int, Callable[[], float], Callable[[], float]]]
-        if isinstance(joint, UniversalJoint):
-            self.axes = [
-                (dParamVel, joint.GetAngle1, joint.GetAngleRate1),
-                (dParamVel2, joint.GetAngle2, joint.GetAngleRate2),
-            ]
-            joint.SetParam(dParamFMax2, TORQUE)
-        else:
-            self.axes = [(dParamVel, joint.GetAngle, joint.GetAngleRate)]
-        joint.SetParam(dParamFMax, TORQUE)
+        self.command = (0.0, 0.0)
+        numbers = (1, 2) if isinstance(joint, UniversalJoint) else (1,)
+        self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in numbers]
 
-    def follow(self) -> None:
-        """Set the velocities; to be called each step."""
-        for (velocity, angle, _), wanted in zip(self.axes, self.command, strict=False):
-            self.joint.SetParam(velocity, GAIN * (wanted - angle()))
+    def turn(self) -> None:
+        """Turn the axes towards the commanded angles; call it every step."""
+        for servo, angle in zip(self._servos, self.command, strict=False):
+            servo.turn_to(angle)
 
     def publish(self, data: JointData) -> None:
         """Fill in one joint of the interface."""
@@ -74,12 +69,12 @@ class Servo:
             data.angle2, data.angular_velocity2 = joint.GetAngle2(), joint.GetAngleRate2()
         else:
             data.axis[:] = tuple(joint.GetAxis())
-        _, angle, rate = self.axes[0]
-        data.angle, data.angular_velocity = angle(), rate()
+        first = self._servos[0].axis
+        data.angle, data.angular_velocity = first.angle(), first.rate()
 
 
 class Bandit(Model):
-    """A torso that is fixed to the world, or to what it is nested in; its arms hang 28 cm below its origin.
+    """A torso that is fixed to the world or to its parent model; its hands reach 28 cm below its origin.
 
     The origin is the centre of the torso's bottom. Serves joint, in this order: left SHOULDER, UPPERARM, ELBOW,
     LOWERARM and WRIST, the same of the right, and HEAD. Wrists and head turn about two axes: x and y, z and y.
@@ -97,10 +92,9 @@ class Bandit(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.rate = UpdateRate(UPDATE_RATE)
-        self.servos: list[Servo] = []
+        self.servos: list[JointServo] = []
         self.base: FixedJoint | None = None
-        torso = Body(self.world)
-        self.AddBody(torso, True)
+        torso = add_body(self)
         fit(BoxGeom(torso, self.modelSpaceId, 0.18, 0.26, 0.40), (0.0, 0.0, 0.20), 5.0, GzColor(0.2, 0.3, 0.6))
         self._add_arm(torso, "left", ARM_SIDE)
         self._add_arm(torso, "right", -ARM_SIDE)
@@ -111,38 +105,37 @@ class Bandit(Model):
             self.base.Attach(torso, None)
 
     def _add_part(self, name: str, size: tuple[float, float, float], position: VectorLike, mass: float) -> Body:
-        body = Body(self.world, name)
-        self.AddBody(body)
-        color = GREY if min(size) == max(size) else GzColor(0.75, 0.75, 0.8)  # the cubes are shoulders and elbows
+        body = add_body(self, name)
+        color = GREY if min(size) == max(size) else GzColor(0.75, 0.75, 0.8)  # cubes: shoulders and elbows
         fit(BoxGeom(body, self.modelSpaceId, *size), (0.0, 0.0, 0.0), mass, color)
         body.SetPosition(position)
         return body
 
     def _add_arm(self, torso: Body, side: str, y: float) -> None:
-        """Five bodies on four hinges and a wrist of two axes."""
+        """Five bodies on four hinges and a wrist with two axes."""
         bodies = [torso]
         for name, size, height, mass in ARM:
             bodies.append(self._add_part(f"{side}{name}", size, (0.0, y, height), mass))
         letter = side[0].upper()
         for i, (name, height, axis) in enumerate(HINGES):
             hinge = add_hinge(self, bodies[i + 1], bodies[i], (0.0, y, height), axis, f"{letter}_{name}")
-            self.servos.append(Servo(hinge))
+            self.servos.append(JointServo(hinge))
         self._add_universal(f"{letter}_WRIST", bodies[5], bodies[4], (0.0, y, WRIST), X, Y)
 
     def _add_universal(
         self, name: str, moving: Body, base: Body, anchor: VectorLike, axis1: VectorLike, axis2: VectorLike
     ) -> None:
-        """A joint of two axes: the first stays with the base, the second with what moves."""
+        """A joint with two axes: the first is fixed to the base, the second to the moving body."""
         joint = UniversalJoint(self.world, name=name)
         joint.Attach(base, moving)
         joint.SetAnchor(anchor)
-        # The base has to come first, which turns the signs about.
+        # The first body has to be the base; that reverses the signs.
         joint.SetAxis1(GzVectorMul(-1.0, axis1))
         joint.SetAxis2(GzVectorMul(-1.0, axis2))
-        self.servos.append(Servo(joint))
+        self.servos.append(JointServo(joint))
 
     def SetPose(self, pose: GzPose) -> None:
-        """Move all bodies as one, and fix the torso where it then is."""
+        """Move all bodies together, and fix the torso at its new place."""
         super().SetPose(pose)
         if self.base is not None:
             self.base.SetFixed()
@@ -150,9 +143,7 @@ class Bandit(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.interface = Joints()
         self.guard = Guard(f"joint.{self.GetId()}")
-        self.interface.create(
-            self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId()
-        )
+        serve(self, self.interface)
         self.interface.data.joint_count = len(self.servos)
 
     def Fini(self) -> None:  # noqa: D102
@@ -165,10 +156,10 @@ class Bandit(Model):
         if self.rate.due(now):
             self._exchange(now)
         for servo in self.servos:
-            servo.follow()
+            servo.turn()
 
     def _exchange(self, now: float) -> None:
-        """Publish the joints, and take those commands that are sane."""
+        """Publish the joints and take the commands; numbers that are not finite are ignored."""
         if not self.interface.lock():
             return
         data = self.interface.data

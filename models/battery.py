@@ -1,20 +1,21 @@
-"""Battery: charge that sinks with time and travel, and the interface that tells it."""
+"""Battery: a voltage that decreases with time and travel, and its power interface."""
 
 from __future__ import annotations
 
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
+from libgz.models.serving import serve
 
 __all__ = ["Battery"]
 
 
 class Battery:
-    """A robot's battery. It stops at zero, and the robot drives on.
+    """A robot's battery. Its voltage does not fall below zero; an empty battery does not stop the robot.
 
     Args:
         model: the robot.
-        level: charge at the start [V].
-        curve: charge lost with time [V/s] and with squared wheel travel [V/m^2].
+        level: voltage at the start [V].
+        curve: voltage lost with time [V/s] and with squared wheel travel [V/m^2].
     """
 
     def __init__(self, model: Model, level: float, curve: tuple[float, ...]) -> None:
@@ -24,15 +25,12 @@ class Battery:
         self.interface = Power()
 
     def Init(self) -> None:
-        """Make the interface under the model's id."""
-        model = self.model
-        self.interface.create(
-            model.world.gz_server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId()
-        )
+        """Create the interface under the model's id."""
+        serve(self.model, self.interface)
         self.interface.data.levels[0] = self.level
 
     def drain(self, step: float, left: float, right: float) -> None:
-        """Lose the charge of a step [s] in which the wheels of both sides travelled so far [m]."""
+        """Subtract the voltage lost in a step [s] in which the wheels of the sides travelled `left` and `right` [m]."""
         with_time, with_travel = self.curve
         level = self.level - (with_time * step + with_travel * (left * left + right * right))
         self.level = level if level > 0.0 else 0.0
@@ -45,5 +43,5 @@ class Battery:
             self.interface.unlock()
 
     def Fini(self) -> None:
-        """Let the interface go."""
+        """Destroy the interface."""
         self.interface.destroy()

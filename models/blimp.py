@@ -1,6 +1,7 @@
 """Blimp: the University of Pennsylvania's airship, nine metres long.
 
-Its source is lost, but for the kinds of its shapes. Dimensions, masses and the rules of flight were chosen for libgz.
+Of the original source only the kinds of its shapes are known. Dimensions, masses and flight dynamics were chosen for
+libgz.
 """
 
 from __future__ import annotations
@@ -20,15 +21,14 @@ from libgz.geometry import (
     rotate,
 )
 from libgz.interfaces.position import PositionData
-from libgz.models.parts import GREY, fit
+from libgz.models.parts import GREY, add_body, fit
 from libgz.models.robot import MobileRobot, RobotAttributes, clamp
-from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
 from libgz.worldfile.attributes import boolean
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-RADIUS, LENGTH = 1.15, 6.7  # [m], of the envelope's cylinder, which ends in half spheres
+RADIUS, LENGTH = 1.15, 6.7  # [m], of the envelope's cylinder, which has a hemisphere at each end
 ENVELOPE_MASS, END_MASS, GONDOLA_MASS = 12.0, 4.0, 10.0  # [kg]
 SILVER = GzColor(0.85, 0.85, 0.9)
 DRAG, MAX_THRUST = 15.0, 20.0  # [N s/m], [N], along each axis
@@ -38,16 +38,16 @@ RIGHTING, DAMPING = 60.0, 40.0  # [N m/rad], [N m s/rad]: the gondola hangs belo
 
 @dataclass(frozen=True)
 class BlimpAttributes(RobotAttributes):
-    """What `<model:Blimp>` may hold."""
+    """Attributes of `<model:Blimp>`."""
 
-    is3d: bool = boolean(False, help="without effect: the position is always of three dimensions")
+    is3d: bool = boolean(False, help="without effect: the position always has three dimensions")
 
 
 class Blimp(MobileRobot):
-    """An airship that neither rises nor sinks; what is attached to it has its weight and pulls it down.
+    """A neutrally buoyant airship; models that are attached to it pull it down by their weight.
 
-    The origin is the centre of the envelope. Serves position, all of it true and counted from where it started. It
-    obeys cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2]. Dimensions and layout chosen for libgz.
+    The origin is the centre of the envelope. Serves position: the true pose, relative to the start. It obeys
+    cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2]. Dimensions and layout chosen for libgz.
     """
 
     example = """
@@ -61,8 +61,7 @@ class Blimp(MobileRobot):
     commands = (("cmd_vel_pos", 0), ("cmd_vel_rot", 2), ("cmd_vel_pos", 2))
 
     def build(self) -> None:  # noqa: D102
-        hull = Body(self.world)
-        self.AddBody(hull, True)
+        hull = add_body(self)
         space = self.modelSpaceId
         along_x = GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)
         fit(CylinderGeom(hull, space, RADIUS, LENGTH), (0.0, 0.0, 0.0), ENVELOPE_MASS, SILVER, along_x)
@@ -77,7 +76,7 @@ class Blimp(MobileRobot):
         self.measure(0.0)
 
     def measure(self, step: float) -> None:
-        """True velocities in the hull's frame."""
+        """Update the true pose, and the velocities in the hull's frame."""
         hull = self.GetBody()
         self.globalPose = hull.GetPose()
         into_hull = GzQuaternInverse(self.globalPose.rot)
@@ -85,7 +84,7 @@ class Blimp(MobileRobot):
         self.hullRate = rotate(into_hull, hull.GetAngularRate())  # [rad/s]
 
     def publish(self, data: PositionData) -> None:
-        """The true pose from the start, and velocities."""
+        """The true pose relative to the start, and the velocities."""
         relative: GzPose = GzCoordPoseSub(self.globalPose, self.start)
         data.pos[:] = tuple(relative.pos)
         data.rot[:] = tuple(GzQuaternToEuler(relative.rot))
@@ -93,8 +92,8 @@ class Blimp(MobileRobot):
         data.vel_rot[:] = tuple(self.hullRate)
 
     def act(self, step: float) -> None:
-        """Thrust, drag and the righting of the gondola."""
-        forward, turn, up = self.wanted
+        """Apply thrust, drag and the righting torque of the gondola."""
+        forward, turn, up = self.position.wanted
         hull, velocity, rate = self.GetBody(), self.hullVelocity, self.hullRate
         attitude: GzVector = GzQuaternToEuler(self.globalPose.rot)
         hull.AddRelForce(

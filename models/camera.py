@@ -1,4 +1,4 @@
-"""What all camera models have in common: their attributes, and the pictures they take, serve and save."""
+"""What all camera models share: attributes, the rendering camera, and serving and saving of images."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import GzPose
 from libgz.interfaces.camera import GAZEBO_CAMERA_MAX_IMAGE_SIZE, Camera
 from libgz.legacy.model import Model
+from libgz.models.serving import serve
 from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
 from libgz.rendering.camera import Camera as Eye, horizontal_view
@@ -37,28 +38,28 @@ log = logging.getLogger("libgz.models")
 
 @dataclass(frozen=True)
 class CameraAttributes:
-    """What every camera's element may hold."""
+    """Attributes of every camera."""
 
-    updateRate: float = number(10.0, unit="Hz", least=0.0, help="pictures per second of sim time")
-    imageSize: tuple[float, ...] = numbers(320, 240, unit="px", least=1, help="width and height of the picture")
+    updateRate: float = number(10.0, unit="Hz", least=0.0, help="images per second of sim time")
+    imageSize: tuple[float, ...] = numbers(320, 240, unit="px", least=1, help="width and height of the image")
     hfov: float = angle(60.0, above=0.0, most=179.0, help="horizontal field of view")
-    nearClip: float = length(0.5, least=0.01, help="nearest that is drawn")
-    farClip: float = length(50.0, above=0.0, help="farthest that is drawn")
-    renderMethod: str = text("auto", help="accepted: pictures are always drawn off-screen")
-    zBufferDepth: int = integer(16, unit="bit", help="accepted: depth buffers always have 24 bits or more")
-    savePath: str = text(".", help="directory for saved pictures")
-    saveFrames: bool = boolean(False, help="save every picture")
+    nearClip: float = length(0.5, least=0.01, help="near clipping distance")
+    farClip: float = length(50.0, above=0.0, help="far clipping distance")
+    renderMethod: str = text("auto", help="without effect: rendering is always off-screen")
+    zBufferDepth: int = integer(16, unit="bit", help="without effect: depth buffers always have at least 24 bits")
+    savePath: str = text(".", help="directory for saved images")
+    saveFrames: bool = boolean(False, help="save every image")
 
 
 @dataclass(frozen=True)
 class RobotCameraAttributes(CameraAttributes):
-    """The same for a camera that others can see."""
+    """Attributes of a camera with a body."""
 
-    useFrustrum: bool = boolean(True, help="let observers see what the camera sees")
+    useFrustrum: bool = boolean(True, help="let observers display the view frustum")
 
 
 def check_optics(node: WorldFileNode, values: CameraAttributes, most: int = GAZEBO_CAMERA_MAX_IMAGE_SIZE) -> None:
-    """Errors of the worldfile if the far clip is not beyond the near one, or a picture is over `most` bytes."""
+    """Report errors of the worldfile: the far clip is not beyond the near clip, or an image exceeds `most` bytes."""
     if values.farClip <= values.nearClip:
         node.error(f"farClip {values.farClip:g} m is not allowed; it must be above nearClip, {values.nearClip:g} m")
     width, height = map(int, values.imageSize)
@@ -67,10 +68,10 @@ def check_optics(node: WorldFileNode, values: CameraAttributes, most: int = GAZE
 
 
 def make_eye(model: Model, values: CameraAttributes) -> Eye:
-    """The camera that a model sees through; the first of a world opens an OpenGL context.
+    """The rendering camera of a model; the first one of a world creates an OpenGL context.
 
     Raises:
-        LibraryError: the chosen OpenGL does not work here.
+        LibraryError: OpenGL is not available.
     """
     width, height = map(int, values.imageSize)
     eye = Eye(model.world, width, height, near=values.nearClip, far=values.farClip)
@@ -80,13 +81,13 @@ def make_eye(model: Model, values: CameraAttributes) -> Eye:
 
 
 def set_view(model: Model, eye: Eye, hfov: float) -> None:
-    """Set the field of view [rad] as the worldfile means it: horizontal, or with the quirk verticalHfov vertical."""
+    """Set the field of view [rad]: the horizontal one, or with the quirk verticalHfov the vertical one."""
     vertical = "verticalHfov" in model.world.engine.quirks
     eye.SetFOV(horizontal_view(hfov, eye.width, eye.height) if vertical else hfov)
 
 
 def add_frustum(model: Model, body: Body, values: RobotCameraAttributes, pose: GzPose) -> FrustrumGeom | None:
-    """What observers can be shown of a camera's view, from its pose on a body; None if the file wants none."""
+    """The view frustum that observers can display, at a pose on a body; None if the worldfile disables it."""
     if not values.useFrustrum or values.farClip <= values.nearClip:
         return None
     width, height = values.imageSize[:2]
@@ -97,7 +98,7 @@ def add_frustum(model: Model, body: Body, values: RobotCameraAttributes, pose: G
 
 
 class FrameSaver:
-    """Writes numbered pictures, 0000.pnm and on, into a directory that the first one makes."""
+    """Writes numbered images, 0000.pnm and on, to a directory, which is created with the first one."""
 
     def __init__(self, directory: str) -> None:
         self.directory = Path(directory)
@@ -105,7 +106,7 @@ class FrameSaver:
         self._failed = False
 
     def save(self, image: NDArray[np.uint8]) -> None:
-        """Write one picture; where that fails the frame is lost, which is told once."""
+        """Write one image; a failure is logged once, and the frame is skipped."""
         try:
             self.directory.mkdir(parents=True, exist_ok=True)
             write_pnm(self.directory / f"{self.count:04d}.pnm", image)
@@ -117,10 +118,10 @@ class FrameSaver:
 
 
 class CameraServer:
-    """The camera of a model: takes pictures at its rate of sim time, serves them through `camera`, and saves them.
+    """The camera of a model: renders images at its rate of sim time, serves them through `camera`, and saves them.
 
     Attributes:
-        eye: the camera itself, with `image`, `depth` and `segmentation`; None before `init` and after `fini`.
+        eye: the rendering camera, with `image`, `depth` and `segmentation`; None before `Init` and after `Fini`.
     """
 
     def __init__(self, model: Model, values: CameraAttributes) -> None:
@@ -129,30 +130,29 @@ class CameraServer:
         self.rate = UpdateRate(values.updateRate)
         self.saver = FrameSaver(values.savePath)
         self.eye: Eye | None = None
-        self._taken: float | None = None  # when the picture was taken that is not served yet [s]
+        self._taken: float | None = None  # time of the image that is not published yet [s]
 
-    def init(self) -> None:
-        """Open the eye and make the interface.
+    def Init(self) -> None:
+        """Create the rendering camera and the interface.
 
         Raises:
-            LibraryError: the chosen OpenGL does not work here.
-            ParameterError: the interface of this wire version cannot hold such a picture.
+            LibraryError: OpenGL is not available.
+            ParameterError: the image does not fit into the interface of this wire version.
         """
         model = self.model
         self.eye = make_eye(model, self.values)
-        server = model.world.gz_server
-        self.interface.create(server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId())
+        serve(model, self.interface)
         width, height = self.eye.GetImageSize()
-        room = self.interface.array("image").size
-        if width * height * 3 > room:  # only that of 0x050 is smaller than what check_optics lets through
+        capacity = self.interface.array("image").size
+        if width * height * 3 > capacity:  # only in version 0x050, whose limit is below that of check_optics
             raise ParameterError(
                 f"model {model.GetId()!r}: imageSize {width} {height} is not allowed; "
-                f"the camera interface of this wire version holds {room // 3} pixels"
+                f"the camera interface of this wire version holds {capacity // 3} pixels"
             )
         self.interface.data.width, self.interface.data.height = width, height
 
-    def update(self, pose: GzPose, hfov: float) -> bool:
-        """Take a picture from a global pose [m] with a field of view [rad], if it is time; whether it was."""
+    def Update(self, pose: GzPose, hfov: float) -> bool:
+        """Render an image from a global pose [m] with a field of view [rad], if one is due; return whether it was."""
         eye, now = self.eye, self.model.world.GetSimTime()
         if eye is None or eye.blind:
             return False
@@ -169,10 +169,10 @@ class CameraServer:
         return due
 
     def _publish(self, eye: Eye, taken: float) -> None:
-        """Serve and save the picture that was taken at a sim time [s]."""
+        """Serve and save the image of a sim time [s]."""
         self._taken = None
         image = eye.Finish()
-        if self.interface.lock():  # drawn before, so that clients wait for no more than the copy
+        if self.interface.lock():  # rendered before, so that clients wait for the copy only
             self.interface.array("image")[: image.size] = image.reshape(-1)
             self.interface.data.image_size = image.size
             self.interface.data.time = taken
@@ -181,8 +181,8 @@ class CameraServer:
         if self.values.saveFrames:
             self.saver.save(image)
 
-    def fini(self) -> None:
-        """Take the interface away and close the eye."""
+    def Fini(self) -> None:
+        """Destroy the interface and the rendering camera."""
         if self.eye is not None:
             if self._taken is not None:
                 self._publish(self.eye, self._taken)

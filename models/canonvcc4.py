@@ -1,20 +1,19 @@
-"""CanonVCC4: Canon's pan-tilt-zoom camera, hanging."""
+"""CanonVCC4: Canon's pan-tilt-zoom camera, mounted upside down."""
 
 from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.models.pantilt import PanTiltCamera
+from libgz.models.parts import GREY, RED, add_body, fit
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 
 MASS = 0.375  # of all parts [kg]
-GREY, RED = GzColor(0.3, 0.3, 0.3), GzColor(1.0, 0.0, 0.0)
 
 
 class CanonVCC4(PanTiltCamera):
-    """Canon's pan-tilt-zoom camera, hanging.
+    """Canon's pan-tilt-zoom camera, mounted upside down.
 
     It pans 90 degrees to each side, and tilts 30 degrees up and 90 down.
     """
@@ -33,19 +32,10 @@ class CanonVCC4(PanTiltCamera):
     tiltLimits = (-math.pi / 6.0, 0.5 * math.pi)
 
     def build(self) -> tuple[Body, Body, Body]:  # noqa: D102
-        head, middle, base = Body(self.world, "head"), Body(self.world, "middle"), Body(self.world)
-        self.AddBody(head)
-        self.AddBody(middle)
-        self.AddBody(base, True)
+        head, middle, base = add_body(self, "head"), add_body(self, "middle"), add_body(self)
         space = self.modelSpaceId
-        self.add_part(
-            head, BoxGeom(head, space, 0.113, 0.101, 0.09), GzPose(GzVector(0.0, 0.0, 0.045)), 0.25 * MASS, GREY
-        )
+        fit(BoxGeom(head, space, 0.113, 0.101, 0.09), (0.0, 0.0, 0.045), 0.25 * MASS, GREY)
         self.add_lens(head, 0.0555, 0.045)
-        self.add_part(
-            middle, BoxGeom(middle, space, 0.057, 0.105, 0.025), GzPose(GzVector(0.0, 0.0, 0.09)), 0.25 * MASS, RED
-        )
-        self.add_part(
-            base, CylinderGeom(base, space, 0.071, 0.028), GzPose(GzVector(0.0, 0.0, 0.1025)), 0.5 * MASS, GREY
-        )
+        fit(BoxGeom(middle, space, 0.057, 0.105, 0.025), (0.0, 0.0, 0.09), 0.25 * MASS, RED)
+        fit(CylinderGeom(base, space, 0.071, 0.028), (0.0, 0.0, 0.1025), 0.5 * MASS, GREY)
         return base, middle, head

@@ -1,7 +1,7 @@
 """CarChassis: a car driven by its rear wheels and steered by its front wheels.
 
-Its source is lost, but for the kinds of its joints. Dimensions, masses and layout were chosen for libgz so that it
-rests at the height that worlds saved by the old server give.
+Of the original source only the kinds of its joints are known. Dimensions, masses and layout were chosen for libgz so
+that it rests at the height given in worlds saved by the original server.
 """
 
 from __future__ import annotations
@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.geometry import GzColor
-from libgz.models.parts import DARK, fit
+from libgz.interfaces.position import PositionData
+from libgz.models.motors import Axis, Servo
+from libgz.models.odometry import Odometry
+from libgz.models.parts import DARK, add_body, fit
 from libgz.models.robot import MobileRobot, RobotAttributes, clamp
-from libgz.models.skin import SkinAttributes, clothe
-from libgz.models.wheels import Steering, Tire, Wheel, add_tire, on_hinge, on_hinge2
-from libgz.physics.body import Body
+from libgz.models.skin import SkinAttributes, add_skin
+from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge, on_hinge2
 from libgz.physics.geoms import BoxGeom
 from libgz.worldfile.attributes import color
 
@@ -29,16 +31,16 @@ DRIVE_TORQUE = 10.0  # [N m], each rear wheel
 
 @dataclass(frozen=True)
 class CarChassisAttributes(SkinAttributes, RobotAttributes):
-    """What `<model:CarChassis>` may hold."""
+    """Attributes of `<model:CarChassis>`."""
 
-    color: GzColor = color(1.0, 1.0, 1.0, help="its colour")
+    color: GzColor = color(1.0, 1.0, 1.0, help="colour of the chassis")
 
 
 class CarChassis(MobileRobot):
     """A box on four wheels; the origin is on the ground under the centre.
 
-    Serves position. It obeys cmd_vel_pos[0], the speed [m/s], and cmd_vel_rot[2], which is not a turning rate here but
-    the angle of the front wheels [rad]. Its odometry is that of a bicycle.
+    Serves position. It obeys cmd_vel_pos[0], the speed [m/s], and cmd_vel_rot[2], which here is not a turning rate but
+    the steering angle of the front wheels [rad]. Its odometry is that of a bicycle model.
     Dimensions and layout chosen for libgz.
     """
 
@@ -46,34 +48,40 @@ class CarChassis(MobileRobot):
     values: CarChassisAttributes
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         hull = fit(
             BoxGeom(chassis, self.modelSpaceId, 2.0, 0.90, 0.30), (0.0, 0.0, 0.40), 16.0, GzColor(*self.values.color)
         )
+        self.odometry = Odometry()
         self.rear: list[Wheel] = []
-        self.front: list[Steering] = []
+        self.front: list[Servo] = []
         for side, y in (("left", HALF_TRACK), ("right", -HALF_TRACK)):
             rear = add_tire(self, f"{side}_rear", (-WHEEL_BASE / 2.0, y, RADIUS), TIRE)
-            self.rear.append(on_hinge(self, rear, chassis))
-            front = on_hinge2(self, add_tire(self, f"{side}_front", (WHEEL_BASE / 2.0, y, RADIUS), TIRE), chassis)
-            self.front.append(Steering(front.joint, STEERING_STOP, STEERING_GAIN, STEERING_TORQUE, STEERING_DAMPING))
-        clothe(self, hull, self.values)
+            self.rear.append(Wheel(Axis(on_hinge(self, rear, chassis))))
+            steering = on_hinge2(self, add_tire(self, f"{side}_front", (WHEEL_BASE / 2.0, y, RADIUS), TIRE), chassis)
+            self.front.append(
+                Servo(Axis(steering), STEERING_GAIN, STEERING_TORQUE, STEERING_DAMPING, stop=STEERING_STOP)
+            )
+        add_skin(self, hull, self.values)
 
     def measure(self, step: float) -> None:
-        """The odometry of a bicycle: the rear wheels' way, turned by the front wheels' angle."""
+        """Odometry from the travel of the rear wheels and the angle of the front wheels."""
         speed = RADIUS * sum([wheel.rate() for wheel in self.rear]) / len(self.rear)
         angle = sum([steering.angle() for steering in self.front]) / len(self.front)
-        self.advance(speed * step, speed * step * math.tan(angle) / WHEEL_BASE, step)
+        self.odometry.advance(speed * step, speed * step * math.tan(angle) / WHEEL_BASE, step)
+
+    def publish(self, data: PositionData) -> None:
+        """Odometry."""
+        self.odometry.publish(data)
 
     def drive(self) -> None:
         """Run the rear wheels."""
-        speed, _ = self.wanted
+        speed, _ = self.position.wanted
         for wheel in self.rear:
             wheel.run(speed / RADIUS, DRIVE_TORQUE)
 
     def act(self, step: float) -> None:
         """Steer."""
-        _, angle = self.wanted
+        _, angle = self.position.wanted
         for steering in self.front:
             steering.turn_to(clamp(angle, STEERING_STOP))

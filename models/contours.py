@@ -1,4 +1,4 @@
-"""Outlines of regions in a picture, as polygons of few corners."""
+"""Outlines of regions in an image, as polygons with few corners."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _START = ((0, 0), (0, 1), (1, 1), (1, 0))  # (row, column) of the corner where e
 
 
 def outlines(mask: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
-    """The borders between true and false pixels, and of true ones against the picture's edge.
+    """The borders between true and false pixels; the image is surrounded by false ones.
 
     Each is a closed polygon of pixel corners, (row, column), shape (n, 2), with the true pixels on its right; pixels
-    that touch only at a corner are apart. Corner (0, 0) is the upper left one of the first pixel.
+    that touch only at a corner are separate. Corner (0, 0) is the upper left corner of the first pixel.
     """
     filled = np.pad(mask.astype(bool), 1)
     columns = filled.shape[1]
@@ -49,7 +49,7 @@ def outlines(mask: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
 
 
 def _following_sides(filled: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """For each side of each filled pixel, side * pixels + pixel, the side that a border takes after it."""
+    """For each side of each filled pixel, side * pixels + pixel, the next side of its border."""
     pixels = np.arange(filled.size).reshape(filled.shape)
     following = np.zeros((4, *filled.shape), dtype=np.int64)
     for side, outward in enumerate(_OUTWARD):
@@ -68,10 +68,10 @@ def _beyond(values: NDArray[_T], *steps: tuple[int, int]) -> NDArray[_T]:
 
 
 def simplified(polygon: NDArray[np.int64], tolerance: float) -> NDArray[np.int64]:
-    """The corners of a closed polygon that keep every left-out corner within `tolerance` of its side, shape (k, 2).
+    """A subset of a closed polygon's corners such that every omitted corner is within `tolerance`, shape (k, 2).
 
-    The method is that of Douglas and Peucker (1973), from the first corner and the one farthest from it. What is
-    smaller than the tolerance becomes two points.
+    The method is that of Douglas and Peucker (1973), from the first corner and the one farthest from it. A polygon
+    smaller than the tolerance is reduced to two points.
     """
     closed = np.concatenate([polygon, polygon[:1]]).astype(np.float64)
     far = int(np.argmax(np.linalg.norm(closed - closed[0], axis=1)))

@@ -1,4 +1,4 @@
-"""DifferentialRobot: what all robots have in common that steer by driving their sides at different speeds."""
+"""Differential drives, and DifferentialRobot: robots that steer by driving their sides at different speeds."""
 
 from __future__ import annotations
 
@@ -6,33 +6,67 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from libgz.geometry import NORMALIZE, VectorLike
+from libgz.interfaces.position import PositionData
 from libgz.models.battery import Battery
+from libgz.models.motors import Axis
+from libgz.models.odometry import Odometry
 from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge
 from libgz.physics.body import Body
+from libgz.physics.joint import HingeJoint
 from libgz.worldfile.attributes import number, numbers
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["BatteryAttributes", "DifferentialRobot"]
+__all__ = ["BatteryAttributes", "DifferentialDrive", "DifferentialRobot"]
 
 
 @dataclass(frozen=True)
 class BatteryAttributes(RobotAttributes):
-    """What the element of a robot with a battery may hold."""
+    """Attributes of a robot with a battery."""
 
-    batteryLevel: float = number(12.4, unit="V", least=0.0, help="charge at the start")
+    batteryLevel: float = number(12.4, unit="V", least=0.0, help="voltage at the start")
     batteryCurve: tuple[float, ...] = numbers(
         2.0 / 3600.0,
         2.0 / 1e4,
         unit="V/s, V/m^2",
         least=0.0,
-        help="charge lost with time, and with squared wheel travel",
+        help="voltage lost per second, and per squared metre of wheel travel",
     )
 
 
+class DifferentialDrive:
+    """The driven wheels of a robot's left and right side.
+
+    Args:
+        separation: distance between left and right wheels [m].
+        diameter: of the wheels [m].
+        torque: maximum torque of each wheel's motor [N m].
+    """
+
+    def __init__(self, separation: float, diameter: float, torque: float) -> None:
+        self.separation, self.diameter, self.torque = separation, diameter, torque
+        self.left: list[Wheel] = []
+        self.right: list[Wheel] = []
+
+    def add(self, wheel: Wheel, y: float) -> None:
+        """Add a wheel at y [m], to the left where that is positive."""
+        (self.left if y > 0.0 else self.right).append(wheel)
+
+    def rates(self) -> tuple[float, float]:
+        """Mean rate of the wheels of the left and the right side [rad/s]."""
+        return _mean_rate(self.left), _mean_rate(self.right)
+
+    def run(self, speed: float, turn: float) -> None:
+        """Set the wheels' motors for a speed [m/s] and a turn [rad/s]."""
+        half = turn * self.separation / 2.0
+        for wheels, rate in ((self.left, speed - half), (self.right, speed + half)):
+            for wheel in wheels:
+                wheel.run(2.0 * rate / self.diameter, self.torque)
+
+
 class DifferentialRobot(MobileRobot):
-    """A robot with driven wheels left and right; it has a battery if its attributes are those of one."""
+    """A robot with a differential drive; it has a battery if its attributes are BatteryAttributes."""
 
     attributes: ClassVar[type[RobotAttributes]] = BatteryAttributes
     wheelSep: ClassVar[float]  # between left and right wheels [m]
@@ -41,54 +75,63 @@ class DifferentialRobot(MobileRobot):
     normaliseYaw: ClassVar[bool] = False  # whether rot[2] is kept within +-pi
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.left: list[Wheel] = []
-        self.right: list[Wheel] = []
+        self.wheels = DifferentialDrive(self.wheelSep, self.wheelDiam, self.maxTorque)
+        self.odometry = Odometry()
         self.battery: Battery | None = None
-        self._driven: tuple[float, ...] | None = None  # what the motors were last set to
+        self._driven: tuple[float, ...] | None = None  # the command that the motors were last set to
         super().Load(file, node)
         if isinstance(self.values, BatteryAttributes):
             self.battery = Battery(self, self.values.batteryLevel, self.values.batteryCurve)
             self.devices.insert(0, self.battery)
 
-    def add_wheel(self, name: str, position: VectorLike, tire: Tire, base: Body | None = None) -> Body:
-        """A driven wheel at `position` in the model's frame [m], on a hinge of the canonical body or another base."""
-        body = add_tire(self, name, position, tire)
-        self.take_wheel(on_hinge(self, body, base or self.GetBody()), position)
-        return body
+    def add_wheel(self, name: str, position: VectorLike, tire: Tire, base: Body | None = None) -> HingeJoint:
+        """A driven wheel at `position` in the model's frame [m]; returns its hinge.
 
-    def take_wheel(self, wheel: Wheel, position: VectorLike) -> None:
-        """Drive a wheel, and count its turns; the side is that of its y."""
+        Args:
+            name: of the wheel's body and hinge.
+            position: in the model's frame [m].
+            tire: the kind of wheel.
+            base: the body that it is attached to; by default the canonical body.
+        """
+        hinge = on_hinge(self, add_tire(self, name, position, tire), base or self.GetBody())
         _, y, _ = position
-        (self.left if y > 0.0 else self.right).append(wheel)
+        self.wheels.add(Wheel(Axis(hinge)), y)
+        return hinge
+
+    def add_pair(self, y: float, z: float, tire: Tire, x: float = 0.0, suffix: str = "") -> list[HingeJoint]:
+        """Driven wheels `left` and `right` at (x, +-y, z) in the model's frame [m]; returns their hinges."""
+        return [self.add_wheel(f"left{suffix}", (x, y, z), tire), self.add_wheel(f"right{suffix}", (x, -y, z), tire)]
 
     def wheel_rates(self) -> tuple[float, float]:
-        """How fast the wheels of the left and the right side roll [rad/s]: the mean of each side."""
-        return _mean_rate(self.left), _mean_rate(self.right)
+        """Rates at which the wheels of the left and the right side roll on the ground [rad/s]."""
+        return self.wheels.rates()
 
     def measure(self, step: float) -> None:
         """Odometry and battery from the wheels' rates."""
         left_rate, right_rate = self.wheel_rates()
-        way = step * self.wheelDiam / 2.0  # per [rad/s]
-        left, right = way * left_rate, way * right_rate
-        self.advance((left + right) / 2.0, (right - left) / self.wheelSep, step)
+        travel = step * self.wheelDiam / 2.0  # per [rad/s]
+        left, right = travel * left_rate, travel * right_rate
+        odometry = self.odometry
+        odometry.advance((left + right) / 2.0, (right - left) / self.wheelSep, step)
         if self.normaliseYaw:
-            self.odometry[2] = NORMALIZE(self.odometry[2])
+            odometry.pose[2] = NORMALIZE(odometry.pose[2])
         if self.battery is not None:
             self.battery.drain(step, left, right)
 
+    def publish(self, data: PositionData) -> None:
+        """Odometry."""
+        self.odometry.publish(data)
+
     def drive(self) -> None:
         """Run the wheels, if the command changed."""
-        wanted = self.wanted
+        wanted = self.position.wanted
         if wanted != self._driven:
             self._driven = wanted
             self.run(*wanted)
 
     def run(self, speed: float, turn: float) -> None:
-        """Set the wheels' motors for a speed [m/s] and a turn [rad/s]."""
-        half = turn * self.wheelSep / 2.0
-        for wheels, rate in ((self.left, speed - half), (self.right, speed + half)):
-            for wheel in wheels:
-                wheel.run(2.0 * rate / self.wheelDiam, self.maxTorque)
+        """Drive at a speed [m/s] and a turn [rad/s]."""
+        self.wheels.run(speed, turn)
 
 
 def _mean_rate(wheels: list[Wheel]) -> float:

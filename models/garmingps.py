@@ -7,20 +7,21 @@ from dataclasses import dataclass
 from libgz.geometry import GzColor
 from libgz.interfaces.gps import Gps
 from libgz.legacy.model import Model
+from libgz.models.parts import add_body, fit
+from libgz.models.serving import serve
 from libgz.models.utm import utm_to_geodetic
-from libgz.physics.body import Body
 from libgz.physics.geoms import CylinderGeom
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.worldfile.attributes import color, lengths, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-FARTHEST = 2e7  # [m]; half round the earth: what flies farther has no fix
+FARTHEST = 2e7  # [m], half the circumference of the earth; beyond it there is no fix
 
 
 @dataclass(frozen=True)
 class GarminGPSAttributes:
-    """What `<model:GarminGPS>` may hold."""
+    """Attributes of `<model:GarminGPS>`."""
 
     size: tuple[float, ...] = lengths(0.08, 0.05, help="diameter and height")
     mass: float = number(1.0, unit="kg", above=0.0, help="mass")
@@ -29,10 +30,10 @@ class GarminGPSAttributes:
 
 
 class GarminGPS(Model):
-    """A satellite receiver without noise, whose view of the sky nothing blocks.
+    """A satellite receiver without noise and with an unobstructed view of the sky.
 
-    The origin is the centre of its bottom. The world's utmOffset is added to its position; utmZone makes latitude and
-    longitude of that, on WGS84. Where a world sets no zone they stay 0.
+    The origin is the centre of its bottom. Its UTM coordinates are its position plus the world's utmOffset; latitude
+    and longitude follow from them and utmZone, on WGS84. Without utmZone they stay 0.
     """
 
     attributes = GarminGPSAttributes
@@ -54,13 +55,10 @@ class GarminGPS(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(GarminGPSAttributes, node)
-        body = Body(self.world)
-        self.AddBody(body, True)
+        body = add_body(self)
         diameter, height = values.size
         housing = CylinderGeom(body, self.modelSpaceId, diameter / 2.0, height)
-        housing.SetRelativePosition((0.0, 0.0, height / 2.0))
-        housing.SetMass(values.mass)
-        housing.SetColor(values.color)
+        fit(housing, (0.0, 0.0, height / 2.0), values.mass, values.color)
         self.rate = UpdateRate(values.updateFreq)
         if "updateTimes" in self.world.engine.quirks and values.updateFreq > 0.0:
             self.rate = OldRate(1.0 / values.updateFreq, last=0.0, beyond=True)
@@ -70,7 +68,7 @@ class GarminGPS(Model):
             node.warn("the world sets no <utmZone> in <param:Global>: latitude and longitude stay 0")
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.gps.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.gps)
 
     def Fini(self) -> None:  # noqa: D102
         self.gps.destroy()

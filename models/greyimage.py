@@ -1,4 +1,4 @@
-"""Pictures read as grey values: height maps and floor plans."""
+"""Images read as grey values: height maps and floor plans."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ MOST_PIXELS = 2048 * 2048
 
 
 def read_grey(path: Path) -> NDArray[np.float64]:
-    """Grey values of a picture, 0 black to 255 white, shape (rows, columns), top row first.
+    """Grey values of an image, 0 black to 255 white, shape (rows, columns), top row first.
 
-    Colours count by their brightness (ITU-R 601), transparent pixels as white; 16-bit pictures keep their steps.
+    Colours are converted to luma (ITU-R 601), transparent pixels are white; 16-bit images keep their resolution.
 
     Raises:
-        ParameterError: it cannot be read as a picture, or has more than 2048 x 2048 pixels.
+        ParameterError: the file is not a readable image, or has more than 2048 x 2048 pixels.
     """
-    from PIL import Image  # here, for most worlds read no picture
+    from PIL import Image  # here, because most worlds read no image
 
     try:
         with Image.open(path) as image:
             if image.width * image.height > MOST_PIXELS:
                 raise ParameterError(
-                    f"picture {str(path)!r} has {image.width} x {image.height} pixels; {MOST_PIXELS} are allowed"
+                    f"image {str(path)!r} has {image.width} x {image.height} pixels; {MOST_PIXELS} are allowed"
                 )
             if image.mode.startswith("I"):
                 return np.asarray(image, dtype=np.float64) / 257.0
@@ -39,4 +39,4 @@ def read_grey(path: Path) -> NDArray[np.float64]:
     except (OSError, SyntaxError, ValueError) as error:
         if isinstance(error, ParameterError):
             raise
-        raise ParameterError(f"cannot read picture {str(path)!r}: {error}") from None
+        raise ParameterError(f"cannot read image {str(path)!r}: {error}") from None

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from libgz.geometry import GzColor, GzVector
 from libgz.legacy.model import Model
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
 from libgz.physics.geoms import PlaneGeom
 from libgz.worldfile.attributes import color, file, length, lengths, numbers, read, vector
 from libgz.worldfile.file import WorldFile
@@ -17,13 +17,13 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class GroundPlaneAttributes:
-    """What `<model:GroundPlane>` may hold."""
+    """Attributes of `<model:GroundPlane>`."""
 
-    normal: GzVector = vector((0.0, 0.0, 1.0), unit="", help="which way is up for the plane")
+    normal: GzVector = vector((0.0, 0.0, 1.0), unit="", help="normal of the plane")
     height: float = length(0.0, help="height of the plane along its normal")
     color: GzColor = color(0.0, 0.5, 0.0, help="colour")
-    textureFile: Path | None = file(help="picture to cover the plane with")
-    textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="extent of one picture")
+    textureFile: Path | None = file(help="image file of the texture")
+    textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="size of one repetition of the texture")
     surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
     surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
 
@@ -31,15 +31,15 @@ class GroundPlaneAttributes:
 class GroundPlane(Model):
     """The ground, an infinite, rigid plane.
 
-    `xyz` and `rpy` do not move it: `height` and `normal` do."""
+    `height` and `normal` place it; `xyz` and `rpy` have no effect.
+    """
 
     attributes = GroundPlaneAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(GroundPlaneAttributes, node)
         self.fixed = True
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         self.plane = PlaneGeom(body, self.modelSpaceId, values.height, values.normal)
         self.plane.SetColor(values.color)
         self.plane.SetHardness(*values.surfaceHardness)

@@ -1,4 +1,4 @@
-"""MapExtruder: walls that stand on the outlines of a floor plan."""
+"""MapExtruder: walls on the outlines of a floor plan."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
 from libgz.legacy.model import Model
 from libgz.models.contours import outlines, simplified
 from libgz.models.greyimage import read_grey
+from libgz.models.parts import add_body
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.space import Space
@@ -24,21 +25,23 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class MapExtruderAttributes:
-    """What `<model:MapExtruder>` may hold."""
+    """Attributes of `<model:MapExtruder>`."""
 
-    imageFile: Path | None = file(help="picture of the floor plan, x to the right and y up, its middle at the origin")
+    imageFile: Path | None = file(help="image of the floor plan, x to the right and y up, its centre at the origin")
     threshold: float = number(200.0, help="grey value, 0 to 255, below which a pixel is solid")
     scale: float = number(0.1, unit="m/px", above=0.0, help="size of a pixel")
     height: float = length(1.0, above=0.0, help="height of the walls")
     width: float = length(0.1, above=0.0, help="thickness of the walls, half of it on either side of the outline")
-    errBound: float = number(5.0, unit="px", least=0.0, help="how far a wall may lie off the outline, to be simpler")
+    errBound: float = number(
+        5.0, unit="px", least=0.0, help="largest deviation of a wall from the outline; larger values give fewer walls"
+    )
     color: GzColor = color(1.0, 1.0, 1.0, help="colour of the walls")
 
 
 class MapExtruder(Model):
-    """Fixed walls on the outlines of a floor plan, a box for each side.
+    """Fixed walls on the outlines of a floor plan, one box per side.
 
-    `walls` holds their ends [m], shape (n, 2, 2).
+    `walls` has the ends of all walls [m], shape (n, 2, 2).
     """
 
     attributes = MapExtruderAttributes
@@ -54,8 +57,7 @@ class MapExtruder(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(MapExtruderAttributes, node)
         self.fixed = True
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         self.walls = np.zeros((0, 2, 2))
         if not node.IsDefined("imageFile"):
             raise ParameterError("a MapExtruder needs an <imageFile>")
@@ -64,11 +66,11 @@ class MapExtruder(Model):
                 solid = read_grey(values.imageFile) < values.threshold
                 self.walls = _walls(solid, values.errBound) * values.scale
             except ParameterError as error:
-                node.warn(f"{error}; so there are no walls here")
+                node.warn(f"{error}; no walls are built")
         self._build(values, body)
 
     def _build(self, values: MapExtruderAttributes, body: Body) -> None:
-        """One box a wall; those of one part of the plan share a space, so that what is far away costs nothing."""
+        """Build one box per wall; walls of one part of the plan share a space, which speeds up collision detection."""
         if not len(self.walls):
             return
         parts: dict[tuple[int, ...], Space] = {}
@@ -86,7 +88,7 @@ class MapExtruder(Model):
 
 
 def _walls(solid: NDArray[np.bool_], tolerance: float) -> NDArray[np.float64]:
-    """Sides of the outlines of solid pixels, from the picture's middle, x right and y up [px]; shape (n, 2, 2)."""
+    """Sides of the outlines of solid pixels, relative to the image centre, x right and y up [px]; shape (n, 2, 2)."""
     rows, columns = solid.shape
     walls = [np.zeros((0, 2, 2))]
     for polygon in outlines(solid):

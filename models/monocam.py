@@ -1,21 +1,23 @@
-"""MonoCam: a small fixed camera."""
+"""MonoCam: a small camera that is fixed to its parent."""
 
 from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.geometry import GzColor, GzQuaternFromAxis
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
-from libgz.physics.body import Body
+from libgz.models.parts import GREY, add_body, fit
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.worldfile.attributes import read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
+WHITE = GzColor(1.0, 1.0, 1.0)
+
 
 class MonoCam(Model):
-    """A small fixed camera in a box of 5 cm.
+    """A small camera in a box of 5 cm.
 
     It looks along its x axis; the origin is the centre of its bottom.
     """
@@ -26,25 +28,18 @@ class MonoCam(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(RobotCameraAttributes, node)
         check_optics(node, self.values)
-        body = Body(self.world)
-        self.AddBody(body, True)
-        self.box = BoxGeom(body, self.modelSpaceId, 0.05, 0.05, 0.05)
-        self.box.SetRelativePosition((0.0, 0.0, 0.025))
-        self.box.SetMass(0.1)
-        self.box.SetColor(GzColor(0.3, 0.3, 0.3))
-        lens = CylinderGeom(body, self.modelSpaceId, 0.024, 0.01)
-        lens.SetRelativePose(GzPose(GzVector(0.03, 0.0, 0.025), GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)))
-        lens.SetMass(0.0)
-        lens.SetColor(GzColor(1.0, 1.0, 1.0))
-
+        body = add_body(self)
+        self.box = fit(BoxGeom(body, self.modelSpaceId, 0.05, 0.05, 0.05), (0.0, 0.0, 0.025), 0.1, GREY)
+        along_x = GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)
+        fit(CylinderGeom(body, self.modelSpaceId, 0.024, 0.01), (0.03, 0.0, 0.025), 0.0, WHITE, along_x)
         add_frustum(self, body, self.values, self.box.GetRelativePose())
         self.camera = CameraServer(self, self.values)
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.camera.init()
+        self.camera.Init()
 
     def Update(self, step: float) -> None:  # noqa: D102
-        self.camera.update(self.box.GetPose(), self.values.hfov)
+        self.camera.Update(self.box.GetPose(), self.values.hfov)
 
     def Fini(self) -> None:  # noqa: D102
-        self.camera.fini()
+        self.camera.Fini()

@@ -1,4 +1,4 @@
-"""ObserverCam: the camera through which people watch a world, and which they steer with the mouse."""
+"""ObserverCam: the camera of user interfaces, which the user moves with the mouse."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ from libgz.geometry import (
 from libgz.interfaces.guicam import GAZEBO_GUICAM_MAX_IMAGE_SIZE, Guicam, GuicamData
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraAttributes, FrameSaver, check_optics, make_eye
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
+from libgz.models.serving import serve
 from libgz.rendering.camera import Camera as Eye
 from libgz.simulation.rate import UpdateRate
 from libgz.transport.guard import Guard
@@ -30,23 +31,23 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class ObserverCamAttributes(CameraAttributes):
-    """What `<model:ObserverCam>` may hold."""
+    """Attributes of `<model:ObserverCam>`."""
 
-    farClip: float = length(100.0, above=0.0, help="farthest that is drawn")
-    displayBBox: bool = boolean(False, help="draw bounding boxes")
-    displayAxes: bool = boolean(False, help="draw the axes of named bodies")
-    displayCoM: bool = boolean(False, help="draw centres of mass")
-    displayRays: bool = boolean(False, help="draw the rays of lasers and sonars")
-    displayFrustrums: bool = boolean(False, help="draw what cameras see")
-    displayMaterials: bool = boolean(True, help="draw colours")
-    displayTextures: bool = boolean(True, help="draw textures")
-    displaySkins: bool = boolean(True, help="draw skins instead of the shapes below")
-    polygonFill: bool = boolean(True, help="fill polygons; false: draw their edges")
-    shadeSmooth: bool = boolean(True, help="shade smoothly; false: flat")
+    farClip: float = length(100.0, above=0.0, help="far clipping distance")
+    displayBBox: bool = boolean(False, help="render bounding boxes")
+    displayAxes: bool = boolean(False, help="render the axes of named bodies")
+    displayCoM: bool = boolean(False, help="render centres of mass")
+    displayRays: bool = boolean(False, help="render the rays of lasers and sonars")
+    displayFrustrums: bool = boolean(False, help="render the view frustums of cameras")
+    displayMaterials: bool = boolean(True, help="render colours")
+    displayTextures: bool = boolean(True, help="render textures")
+    displaySkins: bool = boolean(True, help="render skins instead of the shapes that they replace")
+    polygonFill: bool = boolean(True, help="fill polygons; false: render their edges only")
+    shadeSmooth: bool = boolean(True, help="smooth shading; false: flat shading")
     rollLock: bool = boolean(True, help="keep the camera level")
 
 
-# Switches of the interface -> attributes of the worldfile, which are also the options of a picture.
+# Switches of the interface -> attributes of the worldfile, which are also the options of the rendering camera.
 SWITCHES = {
     "display_bbox": "displayBBox",
     "display_axes": "displayAxes",
@@ -72,9 +73,9 @@ class Spot:
 
 
 class ObserverCam(Model):
-    """The camera through which people watch a world.
+    """The camera of user interfaces.
 
-    It has no body; it may be nested, and then goes with its parent.
+    It has no shape; nested in another model, it moves with that model.
     """
 
     attributes = ObserverCamAttributes
@@ -90,18 +91,18 @@ class ObserverCam(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(ObserverCamAttributes, node)
         check_optics(node, self.values, GAZEBO_GUICAM_MAX_IMAGE_SIZE)
-        self.AddBody(Body(self.world, dummy=True), True)
+        add_body(self, dummy=True)
         self.guicam = Guicam()
         self.eye: Eye | None = None
         self.rate = UpdateRate(self.values.updateRate)
         self.saver = FrameSaver(self.values.savePath)
         self.spot: Spot | None = None
-        self._distance = 0.0  # of what was under the spot when the drag began [m]
+        self._distance = 0.0  # to the point under the spot when the drag began [m]
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.eye = make_eye(self, self.values)
         self.guard = Guard(f"guicam.{self.GetId()}")
-        self.guicam.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.guicam)
         data = self.guicam.data
         data.width, data.height = self.eye.GetImageSize()
         for field, attribute in SWITCHES.items():
@@ -132,7 +133,7 @@ class ObserverCam(Model):
             self.saver.save(image)
 
     def _read_spot(self, data: GuicamData) -> Spot | None:
-        """The drag that goes on, or None."""
+        """The drag in progress, or None."""
         if data.cmd_spot_state != 1:
             return None
         names = ("cmd_spot_a[0]", "cmd_spot_a[1]", "cmd_spot_b[0]", "cmd_spot_b[1]")
@@ -142,11 +143,11 @@ class ObserverCam(Model):
         return Spot(data.cmd_spot_mode, (ax, ay), (bx, by))
 
     def _drag(self, eye: Eye, spot: Spot | None, level: bool) -> None:
-        """Place the eye; when the mouse lets go, the model goes where it was dragged to."""
+        """Set the pose of the rendering camera; when the drag ends, move the model there."""
         if spot is not None and self.spot is None:
             eye.SetPose(self.GetPose())
             eye.Update()
-            self._distance = self._look_at(eye, spot)
+            self._distance = self._depth_at(eye, spot)
         if spot is not None:
             pose = GzCoordPoseAdd(camera_delta(eye, spot, self._distance), self.GetPose())
             eye.SetPose(_levelled(pose) if level else pose)
@@ -157,8 +158,8 @@ class ObserverCam(Model):
             eye.SetPose(self.GetPose())
         self.spot = spot
 
-    def _look_at(self, eye: Eye, spot: Spot) -> float:
-        """Distance ahead of what is under the beginning of a drag [m]; the far clip for the sky."""
+    def _depth_at(self, eye: Eye, spot: Spot) -> float:
+        """Depth of the point at the start of a drag [m]; the far clip for the sky."""
         column = min(max(int(spot.a[0]), 0), eye.width - 1)
         row = min(max(int(spot.a[1]), 0), eye.height - 1)
         return min(float(eye.depth[row, column]), eye.far)
@@ -178,8 +179,8 @@ class ObserverCam(Model):
 def camera_delta(eye: Eye, spot: Spot, distance: float) -> GzPose:
     """How a drag moves a camera, as a pose in its own frame [m].
 
-    Translating keeps what was grabbed, `distance` [m] away, under the mouse; zooming moves along the line of sight so
-    that it keeps its height in the picture; rotating turns by the angle between the two pixels.
+    Translating keeps the grabbed point, `distance` [m] away, under the mouse; zooming moves along the line of sight so
+    that the point stays at the mouse's row of the image; rotating turns by the angle between the two pixels.
     """
     wide, high = (size / (2.0 * eye.view.focal) for size in (eye.width, eye.height))
     (ax, ay), (bx, by) = ((2.0 * x / eye.width - 1.0, 1.0 - 2.0 * y / eye.height) for x, y in (spot.a, spot.b))
@@ -195,7 +196,7 @@ def camera_delta(eye: Eye, spot: Spot, distance: float) -> GzPose:
 
 
 def _levelled(pose: GzPose) -> GzPose:
-    """The same line of sight with the picture's bottom level."""
+    """The same line of sight with a level horizon."""
     ahead = rotate(pose.rot, (1.0, 0.0, 0.0))
     if abs(ahead.z) > 0.9999:
         return pose

@@ -1,4 +1,4 @@
-"""PanTiltCamera: a camera head on two hinges, commanded through `ptz`, seeing through `camera`."""
+"""PanTiltCamera: a camera head on two hinges, commanded through `ptz`; its images are served through `camera`."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import GzColor, GzPose, GzQuaternFromAxis, GzVector
+from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
 from libgz.interfaces.ptz import Ptz
 from libgz.legacy.model import Model
 from libgz.models.camera import CameraServer, RobotCameraAttributes, add_frustum, check_optics
-from libgz.ode.types import dParamFMax, dParamVel
+from libgz.models.motors import Axis, Servo
+from libgz.models.parts import fit
+from libgz.models.serving import serve
+from libgz.models.wheels import add_hinge
+from libgz.ode.types import dParamVel
 from libgz.physics.body import Body
-from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.rate import OldRate, UpdateRate
@@ -25,14 +28,15 @@ __all__ = ["PanTiltAttributes", "PanTiltCamera"]
 
 PTZ_RATE = 10.0  # [Hz]
 MAX_TORQUE = 10.1  # [N m]
+LARGEST_COMMAND = 1e3  # [rad]
 TILT_ANCHOR = (0.0, 0.0, 0.025)  # [m]
-EYE = GzPose(GzVector(0.10, 0.0, 0.0))  # optical centre on the head [m]: before the housing, not at the lens
-SMALLEST_LIMIT_IN_DEGREES = 5.0  # zoomLimits from here on are fields of view, not factors
+EYE = GzPose(GzVector(0.10, 0.0, 0.0))  # optical centre on the head [m]: in front of the housing, not at the lens
+SMALLEST_LIMIT_IN_DEGREES = 5.0  # zoomLimits from this value on are fields of view, not factors
 
 
 @dataclass(frozen=True)
 class PanTiltAttributes(RobotCameraAttributes):
-    """What the element of a pan-tilt-zoom camera may hold."""
+    """Attributes of a pan-tilt-zoom camera."""
 
     zoomLimits: tuple[float, ...] = numbers(
         1.0,
@@ -40,12 +44,58 @@ class PanTiltAttributes(RobotCameraAttributes):
         above=0.0,
         help="smallest and largest zoom factor; or fields of view in degrees, if both are 5 or more",
     )
-    motionGain: float = number(2.0, unit="1/s", least=0.0, help="speed of pan and tilt per radian of error")
-    zoomGain: float = number(2.0, unit="1/s", least=0.0, help="how fast the zoom approaches what is commanded")
+    motionGain: float = number(2.0, unit="1/s", least=0.0, help="pan and tilt velocity per radian of error")
+    zoomGain: float = number(2.0, unit="1/s", least=0.0, help="rate at which the zoom approaches the command")
+
+
+class PtzServer:
+    """The ptz interface of a camera.
+
+    Attributes:
+        command: pan, tilt and field of view that the client wants [rad].
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model = model
+        self.interface = Ptz()
+        self.command = (0.0, 0.0, math.pi)
+
+    def Init(self, view: float) -> None:
+        """Create the interface with a field of view [rad]."""
+        self._guard = Guard(f"ptz.{self.model.GetId()}")
+        serve(self.model, self.interface)
+        self.interface.data.cmd_zoom = math.pi
+        self.interface.data.zoom = view
+
+    def Fini(self) -> None:
+        """Destroy the interface."""
+        self.interface.destroy()
+
+    def take_command(self) -> None:
+        """Read the client's command; numbers that are not finite are ignored."""
+        if not self.interface.lock():
+            return
+        data = self.interface.data
+        wanted = (data.cmd_pan, data.cmd_tilt, data.cmd_zoom)
+        self.interface.unlock()
+        number, old = self._guard.number, self.command
+        self.command = (
+            number("cmd_pan", wanted[0], old[0], LARGEST_COMMAND),
+            number("cmd_tilt", wanted[1], old[1], LARGEST_COMMAND),
+            number("cmd_zoom", wanted[2], old[2], LARGEST_COMMAND),
+        )
+
+    def publish(self, now: float, pan: float, tilt: float, view: float) -> None:
+        """Publish angles and field of view [rad] at sim time `now` [s]."""
+        if self.interface.lock():
+            data = self.interface.data
+            data.time, data.pan, data.tilt, data.zoom = now, pan, tilt, view
+            self.interface.unlock()
+            self.interface.post()
 
 
 class PanTiltCamera(Model):
-    """Three bodies: a base, a middle that pans on it, a head that tilts on that."""
+    """Three bodies: a base, a middle part that pans on it, and a head that tilts on the middle part."""
 
     attributes = PanTiltAttributes
     interfaces = ("ptz", "camera")
@@ -66,90 +116,61 @@ class PanTiltCamera(Model):
         self.zoomLimits = (low, max(low, high))
         self.zoom = self.zoomLimits[0]
         base, middle, self.head = self.build()
-        self.pan = self._hinge("pan", middle, base, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
-        self.tilt = self._hinge("tilt", self.head, middle, TILT_ANCHOR, (0.0, 1.0, 0.0))
+        self.pan = self._add_hinge("pan", middle, base, (0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        self.tilt = self._add_hinge("tilt", self.head, middle, TILT_ANCHOR, (0.0, 1.0, 0.0))
+        self._panServo, self._tiltServo = (
+            Servo(Axis(hinge), values.motionGain, MAX_TORQUE) for hinge in (self.pan, self.tilt)
+        )
         for body in (middle, self.head):
             body.SetFiniteRotationMode(1)
         old = "updateTimes" in self.world.engine.quirks
         self.rate = OldRate(1.0 / PTZ_RATE, last=-1.0 / PTZ_RATE) if old else UpdateRate(PTZ_RATE)
-        self.command = (0.0, 0.0, math.pi)
-        self.ptz = Ptz()
+        self.ptz = PtzServer(self)
         self.camera = CameraServer(self, values)
         self.frustum = add_frustum(self, self.head, values, EYE)
 
-    def add_part(self, body: Body, geom: Geom, pose: GzPose, mass: float, color: GzColor | None) -> None:
-        """Place one geom of the housing."""
-        geom.SetRelativePose(pose)
-        geom.SetMass(mass)
-        if color is not None:
-            geom.SetColor(color)
-
     def add_lens(self, head: Body, x: float, z: float) -> None:
-        """The lens, looking along x; it weighs nothing."""
-        lens = CylinderGeom(head, self.modelSpaceId, 0.024, 0.01)
+        """The lens at (x, 0, z) on the head [m], looking along x; it has no mass."""
         along_x = GzQuaternFromAxis(0.0, 1.0, 0.0, math.pi / 2.0)
-        self.add_part(head, lens, GzPose(GzVector(x, 0.0, z), along_x), 0.0, None)
+        fit(CylinderGeom(head, self.modelSpaceId, 0.024, 0.01), (x, 0.0, z), 0.0, rotation=along_x)
 
-    def _hinge(
-        self, name: str, moving: Body, base: Body, anchor: tuple[float, ...], axis: tuple[float, ...]
-    ) -> HingeJoint:
-        hinge = HingeJoint(self.world, name=name)
-        hinge.Attach(moving, base)
-        hinge.SetAnchor(anchor)
-        hinge.SetAxis(axis)
+    def _add_hinge(self, name: str, moving: Body, base: Body, anchor: VectorLike, axis: VectorLike) -> HingeJoint:
+        hinge = add_hinge(self, moving, base, anchor, axis, name)
         hinge.SetParam(dParamVel, 0.0)
-        hinge.SetParam(dParamFMax, MAX_TORQUE)
         return hinge
 
+    @property
+    def fieldOfView(self) -> float:
+        """The horizontal field of view at the present zoom [rad]."""
+        return self.values.hfov / self.zoom
+
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.guard = Guard(f"ptz.{self.GetId()}")
-        self.ptz.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
-        self.ptz.data.cmd_zoom = math.pi
-        self.ptz.data.zoom = self.values.hfov / self.zoom
-        self.camera.init()
+        self.ptz.Init(self.fieldOfView)
+        self.camera.Init()
 
     def Fini(self) -> None:  # noqa: D102
-        self.ptz.destroy()
-        self.camera.fini()
+        self.ptz.Fini()
+        self.camera.Fini()
 
     def Update(self, step: float) -> None:  # noqa: D102
         now = self.world.GetSimTime()
         before = self.rate.last
         if step != 0.0 and self.rate.due(now):
             self._move(now, before)
-        view = self.values.hfov / self.zoom
-        if self.camera.update(self.head.global_pose(EYE), view) and self.frustum is not None:
+        view = self.fieldOfView
+        if self.camera.Update(self.head.global_pose(EYE), view) and self.frustum is not None:
             self.frustum.SetFOV(view)
 
     def _move(self, now: float, before: float) -> None:
-        """One tick of the motors and the zoom; the last one was at `before` [s]."""
-        self._take_command()
-        pan, tilt, view = self.command
-        self.pan.SetParam(dParamVel, self.values.motionGain * (_clamp(pan, self.panLimits) - self.pan.GetAngle()))
-        self.tilt.SetParam(dParamVel, self.values.motionGain * (_clamp(tilt, self.tiltLimits) - self.tilt.GetAngle()))
+        """Set motors and zoom at sim time `now` [s]; the last time was at `before` [s]."""
+        self.ptz.take_command()
+        pan, tilt, view = self.ptz.command
+        self._panServo.turn_to(_clamp(pan, self.panLimits))
+        self._tiltServo.turn_to(_clamp(tilt, self.tiltLimits))
         wanted = _clamp(self.values.hfov / view if view > 0.0 else math.inf, self.zoomLimits)
         elapsed = now - before if math.isfinite(before) else 0.0
         self.zoom += (wanted - self.zoom) * min(1.0, self.values.zoomGain * elapsed)
-        self._publish(now)
-
-    def _take_command(self) -> None:
-        """What the client wants, if its lock can be had and its numbers are sane."""
-        if not self.ptz.lock():
-            return
-        data = self.ptz.data
-        wanted = (data.cmd_pan, data.cmd_tilt, data.cmd_zoom)
-        self.ptz.unlock()
-        names = ("cmd_pan", "cmd_tilt", "cmd_zoom")
-        checked = [self.guard.number(n, w, old, 1e3) for n, w, old in zip(names, wanted, self.command, strict=True)]
-        self.command = (checked[0], checked[1], checked[2])
-
-    def _publish(self, now: float) -> None:
-        if self.ptz.lock():
-            data = self.ptz.data
-            data.time, data.pan, data.tilt = now, self.pan.GetAngle(), self.tilt.GetAngle()
-            data.zoom = self.values.hfov / self.zoom
-            self.ptz.unlock()
-            self.ptz.post()
+        self.ptz.publish(now, self.pan.GetAngle(), self.tilt.GetAngle(), self.fieldOfView)
 
 
 def _clamp(value: float, limits: tuple[float, float]) -> float:

@@ -1,7 +1,7 @@
-"""PeopleBot: ActivMedia's robot of a person's height, on the base of a Pioneer 2.
+"""PeopleBot: ActivMedia's tall robot on the base of a Pioneer 2.
 
-Its source is lost. Outline and mass are those published for the real machine (47 x 38 x 112 cm, about 20 kg), the
-sonars' places those that Player's driver lists for it; the layout of bodies was chosen for libgz.
+The original source is lost. Outline and mass are those published for the real machine (47 x 38 x 112 cm, about 20 kg),
+the poses of the sonars those in Player's driver; the layout of bodies was chosen for libgz.
 """
 
 from __future__ import annotations
@@ -9,10 +9,9 @@ from __future__ import annotations
 import math
 
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import BLACK, DARK, RED, fit
+from libgz.models.parts import BLACK, DARK, RED, add_body, fit
 from libgz.models.sonars import SonarRing
 from libgz.models.wheels import Tire, add_caster
-from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
 TIRE = Tire(0.095, 0.025, 0.5, DARK, hard=True)
@@ -40,16 +39,14 @@ class PeopleBot(DifferentialRobot):
 
     interfaces = ("position", "power", "sonar")
     wheelSep, wheelDiam = 0.33, 0.19
-    maxTorque = 1.5  # much more tips it over when it brakes
+    maxTorque = 1.5  # with much more it tips over when it brakes
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         space = self.modelSpaceId
         fit(BoxGeom(chassis, space, 0.38, 0.27, 0.17), (-0.05, 0.0, 0.15), 12.0, RED)
         fit(BoxGeom(chassis, space, 0.12, 0.22, 0.72), (-0.12, 0.0, 0.60), 2.0, DARK)
         fit(BoxGeom(chassis, space, 0.40, 0.35, 0.16), (-0.06, 0.0, 1.04), 3.0, DARK)
-        self.add_wheel("left", (0.0, 0.165, 0.095), TIRE)
-        self.add_wheel("right", (0.0, -0.165, 0.095), TIRE)
+        self.add_pair(0.165, 0.095, TIRE)
         add_caster(self, "caster", chassis, (-0.22, 0.0, 0.04), 0.04, 2.0, BLACK, hard=True)
         self.devices.append(SonarRing(self, chassis, sonar_poses()))

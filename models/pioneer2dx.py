@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import BLACK, DARK, RED, fit
+from libgz.models.parts import BLACK, DARK, RED, add_body, fit
 from libgz.models.sonars import PIONEER2DX_RING, SonarRing
 from libgz.models.wheels import Tire, add_caster
-from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 
 TIRE = Tire(0.095, 0.05, 0.5, DARK)
@@ -31,12 +30,10 @@ class Pioneer2DX(DifferentialRobot):
     normaliseYaw = True
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         fit(BoxGeom(chassis, self.modelSpaceId, 0.38, 0.27, 0.17), (-0.05, 0.0, -0.085), 5.0, RED)
         fit(BoxGeom(chassis, self.modelSpaceId, 0.45, 0.38, 0.005), (-0.05, 0.0, 0.0), 0.0, BLACK)
-        self.add_wheel("left", (0.0, 0.175, -0.145), TIRE)
-        self.add_wheel("right", (0.0, -0.175, -0.145), TIRE)
-        # Heavy on purpose: it keeps the robot from pitching forward when it brakes.
+        self.add_pair(0.175, -0.145, TIRE)
+        # Its mass keeps the robot from pitching forward when it brakes.
         add_caster(self, "caster", chassis, (-0.22, 0.0, -0.2), 0.04, 5.0, BLACK)
         self.devices.append(SonarRing(self, chassis, PIONEER2DX_RING))

@@ -8,6 +8,8 @@ from libgz.geometry import GzColor, GzVector
 from libgz.interfaces import gripper as codes
 from libgz.interfaces.gripper import Gripper
 from libgz.legacy.model import Model
+from libgz.models.parts import add_body
+from libgz.models.serving import serve
 from libgz.ode.types import dParamBounce, dParamFMax, dParamHiStop, dParamLoStop, dParamVel
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
@@ -23,11 +25,11 @@ LIFT_FORCE, PADDLE_FORCE = 50.0, 10.0  # [N]
 SPEED = 0.5  # of lift and paddles [m/s]
 THICKNESS = 0.025  # of a paddle [m]
 BEAMS = (0.03, -0.02)  # x of the outer and the inner beam on the paddles [m]
-AT_END = 0.002  # [m]; nearer to an end of its way than this is at it
-STOP_BEYOND = 0.001  # [m]; where the stops lie beyond the ends
-STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: paddles that close and have been this slow for so long hold something
+AT_END = 0.002  # [m]; tolerance of being at an end
+STOP_BEYOND = 0.001  # [m]; distance of the stops beyond the ends
+STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: closing paddles that are slower than this for this long hold something
 
-# command -> (what the paddles do, what the lift does): 1 close or rise, -1 open or sink, 0 stop, None as before
+# command -> (direction of the paddles, of the lift): 1 close or rise, -1 open or lower, 0 stop, None unchanged
 COMMANDS: dict[int, tuple[int | None, int | None]] = {
     codes.OPEN: (-1, None),
     codes.CLOSE: (1, None),
@@ -43,7 +45,7 @@ COMMANDS: dict[int, tuple[int | None, int | None]] = {
 
 @dataclass(frozen=True)
 class GripperAttributes:
-    """What `<model:Pioneer2Gripper>` may hold."""
+    """Attributes of `<model:Pioneer2Gripper>`."""
 
     laterInterface: bool = boolean(
         False, help="serve the struct of November 2006, with `state`: for programs compiled with GAZEBO_GRIPPER_CVS"
@@ -51,10 +53,10 @@ class GripperAttributes:
 
 
 class _Slide:
-    """A driven slider that goes from 0 to the end of its way [m] and back.
+    """A driven slider that moves between 0 and the end of its travel [m].
 
-    It is slowed down in time, for ODE kicks a motor off a stop with its whole force for one step: 10 N make a paddle
-    eight times as fast as it should be.
+    It slows down before the ends, because ODE drives a motor off a stop with its whole force for one step: 10 N make a
+    paddle eight times as fast as its set speed.
     """
 
     def __init__(
@@ -68,9 +70,9 @@ class _Slide:
         force: float,
     ) -> None:
         self.travel = travel
-        self.direction = 0  # 1 to the end, -1 back, 0 stop
-        self.rate = self._before = 0.0  # its speed [m/s]; where it was a step ago [m]
-        self._speed = 0.0  # [m/s], as last set
+        self.direction = 0  # 1 towards the end, -1 back, 0 stop
+        self.rate = self._before = 0.0  # speed [m/s]; position in the previous step [m]
+        self._speed = 0.0  # of the motor as last set [m/s]
         self.joint = SliderJoint(world, name=name)
         self.joint.Attach(moving, carrier)
         self.joint.SetAxis(*axis)
@@ -82,25 +84,25 @@ class _Slide:
 
     @property
     def position(self) -> float:
-        """How far it has gone [m]."""
+        """Its position [m]."""
         return self.joint.GetPosition()
 
     def measure(self, step: float) -> None:
-        """Bring `rate` up to date after a step [s].
+        """Update `rate` after a step [s].
 
-        ODE's own rate is the difference of two bodies' velocities, and not zero while both turn with the robot.
+        ODE's own rate is the difference of the bodies' velocities, which is not zero while both turn with the robot.
         """
         self.rate = (self.position - self._before) / step
         self._before = self.position
 
     @property
     def at_start(self) -> bool:
-        """Whether it is where it began."""
+        """Whether it is at 0."""
         return self.position < AT_END
 
     @property
     def at_end(self) -> bool:
-        """Whether it has gone all the way."""
+        """Whether it is at the end of its travel."""
         return self.position > self.travel - AT_END
 
     def drive(self, step: float) -> None:
@@ -116,15 +118,15 @@ class _Slide:
 
 
 class Pioneer2Gripper(Model):
-    """Two paddles on a lift, mostly nested in a Pioneer2DX at (0.14003, 0, -0.0975).
+    """Two paddles on a lift, usually nested in a Pioneer2DX at (0.14003, 0, -0.0975).
 
-    It begins open and down. A command holds until the next one; other numbers than the interface's do nothing. What it
-    tells of itself is measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press
-    on something. Two beams, near the paddles' tips and deep between them, tell whether something is there; they run at
-    half the paddles' height, 7.5 cm above the ground while the gripper of a Pioneer2DX is down.
+    It starts open and down. A command holds until the next one; invalid commands are ignored. The published state is
+    measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press on something. Two
+    beams, near the paddles' tips and deep between them, detect objects; they are at half the paddles' height, 7.5 cm
+    above the ground while the gripper of a Pioneer2DX is down.
 
-    With the quirk gripperState open, closed, up and down are told when the command arrives, as the old server did, the
-    inner beam never tells anything, and limits are never reached.
+    With the quirk gripperState the state is that of the original server: open, closed, up and down are set when the
+    command arrives, the inner beam detects nothing, and limits are never reached.
     """
 
     attributes = GripperAttributes
@@ -142,20 +144,20 @@ class Pioneer2Gripper(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         base = self._box(None, (0.05, 0.125, 0.13), (0.0, 0.0, 0.0), 0.1, 0.0)
-        # The bar and the paddles once weighed next to nothing, and flew apart when they gripped.
-        featherweight = "setMassZero" in self.world.engine.quirks
-        bar = self._box("bar", (0.07, 0.315, 0.065), (0.06, 0.0, -0.065), 0.0 if featherweight else 0.25, 0.5)
-        weight = 0.0 if featherweight else 0.05
+        # In the original, bar and paddles were almost massless, which made a grip unstable.
+        massless = "setMassZero" in self.world.engine.quirks
+        bar = self._box("bar", (0.07, 0.315, 0.065), (0.06, 0.0, -0.065), 0.0 if massless else 0.25, 0.5)
+        mass = 0.0 if massless else 0.05
         size = (0.095, THICKNESS, 0.04)
-        # Left and right are as the old server had them: left at -y.
-        left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), weight, 0.2)
-        right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), weight, 0.2)
+        # Left and right as in the original server: left is at -y.
+        left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), mass, 0.2)
+        right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), mass, 0.2)
         self.lift = _Slide(self.world, "lift", bar, base, (0.0, 0.0, 1.0), LIFT_TRAVEL, LIFT_FORCE)
         self.left = _Slide(self.world, "left_paddle", left, bar, (0.0, 1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
         self.right = _Slide(self.world, "right_paddle", right, bar, (0.0, -1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
         self.span = 0.235  # between the paddles' centres when they are open [m]
         self.beams = RayProximity(self.world, left, len(BEAMS))
-        self.told = (0, 0)  # what paddles and lift were last told, but for stops
+        self.commanded = (0, 0)  # last directions of paddles and lift other than stop
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
         self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
@@ -168,8 +170,7 @@ class Pioneer2Gripper(Model):
         grey: float,
     ) -> Body:
         """A body of one box; without a name it is the canonical one."""
-        body = Body(self.world, name)
-        self.AddBody(body, name is None)
+        body = add_body(self, name)
         geom = BoxGeom(body, self.modelSpaceId, *size)
         body.UpdateCoM()
         geom.SetMass(mass)
@@ -178,7 +179,7 @@ class Pioneer2Gripper(Model):
         return body
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.gripper.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.gripper)
         self._publish()
 
     def Fini(self) -> None:  # noqa: D102
@@ -197,16 +198,16 @@ class Pioneer2Gripper(Model):
         self._publish()
 
     def _obey(self, command: int) -> None:
-        """Take on what a command says."""
+        """Set the directions that a command requests."""
         paddles, lift = COMMANDS.get(command, (None, None))
         if paddles is not None:
             self.left.direction = self.right.direction = paddles
         if lift is not None:
             self.lift.direction = lift
-        self.told = (self.left.direction or self.told[0], self.lift.direction or self.told[1])
+        self.commanded = (self.left.direction or self.commanded[0], self.lift.direction or self.commanded[1])
 
     def _watch_grip(self, step: float) -> None:
-        """How long the paddles have been slow while closing; a grip that is stopped still holds."""
+        """Measure how long the paddles have been slow while closing; a stop command keeps the grip."""
         for paddle in (self.left, self.right):
             paddle.measure(step)
         slow = max(abs(self.left.rate), abs(self.right.rate)) < STILL
@@ -216,9 +217,9 @@ class Pioneer2Gripper(Model):
             self.slow_for = 0.0
 
     def _cast_beams(self) -> None:
-        """Look across from the middle of the left paddle, which the beams do not see, to the face of the right one.
+        """Cast beams from the middle of the left paddle, which they do not hit, to the face of the right one.
 
-        The old server's beams began in front of the paddle, inside what it held, and then did not see that.
+        The original server's beams began in front of the paddle, inside a held object, and did not detect it.
         """
         gap = self.span - self.left.position - self.right.position
         for i, x in enumerate(BEAMS):
@@ -228,7 +229,7 @@ class Pioneer2Gripper(Model):
     # State -------------------------------------------------------------------------------------------------------
 
     def state(self) -> dict[str, bool]:
-        """What the interface tells, by its fields' names, as measured."""
+        """The measured state, by the names of the interface's fields."""
         paddles = (self.left, self.right)
         opened, shut = all(p.at_start for p in paddles), all(p.at_end for p in paddles)
         holding = self.slow_for >= STILL_FOR - 1e-9 and not opened
@@ -252,9 +253,9 @@ class Pioneer2Gripper(Model):
         }
 
     def _old_state(self) -> dict[str, bool]:
-        """The same by the errors of the old server."""
+        """The state as the original server published it."""
         state = self.state()
-        paddles, lift = self.told
+        paddles, lift = self.commanded
         opened, closed, up, down = paddles < 0, paddles > 0, lift > 0, lift < 0
         state |= {"left_paddle_open": opened, "right_paddle_open": opened, "paddles_opened": opened}
         state |= {"paddles_closed": closed, "paddles_moving": not (opened or closed)}
@@ -263,7 +264,7 @@ class Pioneer2Gripper(Model):
         return state
 
     def _code(self, state: dict[str, bool]) -> int:
-        """The state of the paddles as the later struct has it: by the header's names, or by the old server's own."""
+        """The state of the paddles in the later struct: a value of the header, or that of the original server."""
         old = "gripperState" in self.world.engine.quirks
         if state["paddles_opened"]:
             return 0 if old else codes.GAZEBO_GRIPPER_STATE_OPEN

@@ -1,10 +1,10 @@
-"""Pioneer2Sonars: the sonar ring of a Pioneer 2 as a model of its own, as Gazebo 0.3 to 0.5 had it."""
+"""Pioneer2Sonars: the sonar ring of a Pioneer 2 as a separate model, as in Gazebo 0.3 to 0.5."""
 
 from __future__ import annotations
 
 from libgz.legacy.model import Model
+from libgz.models.parts import add_body
 from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
-from libgz.physics.body import Body
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -13,9 +13,9 @@ UPDATE_RATE = 10.0  # [Hz]
 
 
 class Pioneer2Sonars(Model):
-    """Sixteen sonars on the robot it is nested in, laid out as on that robot; without a shape.
+    """Sixteen sonars on the robot it is nested in, with the layout of that robot; without a shape.
 
-    The robot's own sonar interface stays. On anything but a Pioneer2AT the layout is that of a Pioneer2DX.
+    The robot keeps its own sonar interface. On all models but a Pioneer2AT the layout is that of a Pioneer2DX.
     """
 
     interfaces = ("sonar",)
@@ -30,8 +30,7 @@ class Pioneer2Sonars(Model):
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         on_at = self.parent is not None and self.parent.GetName() == "Pioneer2AT"
         self.rate = UpdateRate(UPDATE_RATE)
         self.sonars = SonarRing(self, self.parentBody or body, PIONEER2AT_RING if on_at else PIONEER2DX_RING)

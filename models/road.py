@@ -1,4 +1,4 @@
-"""Road: a ribbon of ground along surveyed points, with signs."""
+"""Road: a strip of ground along surveyed points, with signs."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor
 from libgz.legacy.model import Model
+from libgz.models.parts import add_body
 from libgz.models.roadfile import read_road
-from libgz.physics.body import Body
 from libgz.physics.surfaces import RoadGeom
 from libgz.worldfile.attributes import color, file, lengths, numbers, read
 from libgz.worldfile.file import WorldFile
@@ -18,21 +18,21 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class RoadAttributes:
-    """What `<model:Road>` may hold."""
+    """Attributes of `<model:Road>`."""
 
     roadFile: Path | None = file(help="road file: lines `track ...` and `waypoint ...`, in UTM coordinates")
     roadSpacing: tuple[float, ...] = numbers(
-        0.0, 1.0, unit="m", least=0.0, help="between records, 0: as the file says; and between heights across the road"
+        0.0, 1.0, unit="m", least=0.0, help="between records, 0: as in the file; and between heights across the road"
     )
     color: GzColor = color(0.7, 0.7, 0.7, help="colour")
-    textureFile: Path | None = file(help="picture to cover it with")
-    textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="extent of one picture, along and across")
+    textureFile: Path | None = file(help="image file of the texture")
+    textureSize: tuple[float, ...] = lengths(2.0, 2.0, help="size of one repetition of the texture, along and across")
     surfaceHardness: tuple[float, ...] = numbers(1e4, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
     surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
 
 
 class Road(Model):
-    """A fixed road of 16 m along surveyed points; the world's utmOffset is taken off their coordinates."""
+    """A fixed road 16 m wide along surveyed points; the world's utmOffset is subtracted from their coordinates."""
 
     attributes = RoadAttributes
     example = """
@@ -49,8 +49,7 @@ class Road(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(RoadAttributes, node)
         self.fixed = True
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         self.road = RoadGeom(body, self.modelSpaceId)
         self.road.SetColor(values.color)
         self.road.SetHardness(*values.surfaceHardness)
@@ -63,14 +62,14 @@ class Road(Model):
             try:
                 self._build(values.roadFile, values.roadSpacing, node)
             except ParameterError as error:
-                node.warn(f"road {str(values.roadFile)!r}: {error}; so there is no road here")
+                node.warn(f"road {str(values.roadFile)!r}: {error}; no road is built")
 
     def _build(self, path: Path, spacing: tuple[float, ...], node: WorldFileNode) -> None:
-        """Read the file into the geom; lines that are no records become one warning."""
+        """Read the file into the geom, with one warning for all invalid lines."""
         found = read_road(path, self.world.utmOffset)
         if found.damage:
             more = f", and {len(found.damage) - 1} more" if len(found.damage) > 1 else ""
-            node.warn(f"road {str(path)!r}: {found.damage[0]}{more}: left out")
+            node.warn(f"road {str(path)!r}: {found.damage[0]}{more}: ignored")
         between_records, between_heights = spacing
         if between_records > 0.0:
             self.road.SetTrackSpacing(between_records)

@@ -1,4 +1,4 @@
-"""Road files: one record a line, blank-separated.
+"""Road files: one record per line, separated by blanks.
 
 `waypoint S N E N Z` is a sign: distance along the road, its number, UTM easting and northing, height [m];
 `track S I E N Z K p1 ... pK` is a point of the road: distance, number of the waypoint before it, UTM easting and
@@ -28,15 +28,15 @@ class TrackPoint:
 
 @dataclass
 class RoadFile:
-    """What a road file holds, moved by the offset it was read with."""
+    """The contents of a road file in the world's coordinates."""
 
     track: list[TrackPoint] = field(default_factory=list)
     signs: list[tuple[GzVector, str]] = field(default_factory=list)
-    damage: list[str] = field(default_factory=list)  # lines left out, in words
+    damage: list[str] = field(default_factory=list)  # descriptions of the ignored lines
 
 
 def read_road(path: Path, offset: GzVector) -> RoadFile:
-    """Read a road file; UTM coordinates less `offset` [m] are the world's, heights stay as they are.
+    """Read a road file; `offset` [m] is subtracted from UTM coordinates, not from heights.
 
     Raises:
         ParameterError: the file cannot be read.
@@ -58,7 +58,7 @@ def read_road(path: Path, offset: GzVector) -> RoadFile:
 
 
 def _take(road: RoadFile, words: list[str], offset: GzVector) -> None:
-    """One record; ValueError or IndexError if it is none."""
+    """Add one record; ValueError or IndexError if it is invalid."""
     if words[0] == "waypoint":  # its number is a text on the sign
         words = [*words[:2], *words[2:6]]
     values = [float(word) for word in words[1:]]

@@ -1,6 +1,6 @@
 """Roomba: iRobot's vacuum cleaner.
 
-Its source is lost. Diameter, axle and speed are those that Player's driver gives for the real machine (33 cm, 25.8 cm,
+The original source is lost. Diameter, axle and speed are those in Player's driver for the real machine (33 cm, 25.8 cm,
 0.5 m/s), height and mass are about 9 cm and 2.7 kg; the layout was chosen for libgz.
 """
 
@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from libgz.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import BLACK, DARK, fit
+from libgz.models.parts import BLACK, DARK, add_body, fit
 from libgz.models.wheels import Tire, add_caster
-from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
 
 TIRE = Tire(0.033, 0.012, 0.1, DARK)
@@ -28,13 +27,11 @@ class Roomba(DifferentialRobot):
     maxTorque = 0.5
 
     def build(self) -> None:  # noqa: D102
-        chassis = Body(self.world)
-        self.AddBody(chassis, True)
+        chassis = add_body(self)
         space = self.modelSpaceId
         fit(CylinderGeom(chassis, space, 0.165, 0.07), (0.0, 0.0, 0.05), 1.6, GzColor(0.8, 0.8, 0.8))
         fit(BoxGeom(chassis, space, 0.10, 0.08, 0.05), (0.06, 0.0, 0.045), 1.0, DARK)
         skid = fit(SphereGeom(chassis, space, 0.012), (-0.13, 0.0, 0.016), 0.0, BLACK)
         skid.SetFriction(0.0)
-        self.add_wheel("left", (0.0, 0.129, 0.033), TIRE)
-        self.add_wheel("right", (0.0, -0.129, 0.033), TIRE)
+        self.add_pair(0.129, 0.033, TIRE)
         add_caster(self, "caster", chassis, (0.13, 0.0, 0.015), 0.015, 0.1, BLACK)

@@ -12,7 +12,8 @@ from libgz.geometry import GzColor
 from libgz.interfaces.fiducial import GZ_FIDUCIAL_MAX_FIDS, Fiducial
 from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
 from libgz.legacy.model import Model
-from libgz.physics.body import Body
+from libgz.models.parts import BLACK, add_body, fit
+from libgz.models.serving import serve
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.physics.rays import RayProximity
 from libgz.simulation.rate import OldRate, UpdateRate
@@ -21,27 +22,28 @@ from libgz.worldfile.attributes import angle, integer, length, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
+BLUE = GzColor(0.0, 0.0, 1.0)
 EYE_HEIGHT = 0.07  # of the beams above the origin [m]
-SMOOTH = 0.10  # [m]; neighbouring rays that differ by less are interpolated
+SMOOTH = 0.10  # [m]; neighbouring rays are interpolated if they differ by less
 MOST_READINGS = GZ_LASER_MAX_RANGES - 1
 FARTHEST = 1000.0  # [m]
 
 
 @dataclass(frozen=True)
 class SickAttributes:
-    """What `<model:SickLMS200>` may hold."""
+    """Attributes of `<model:SickLMS200>`."""
 
     rangeCount: int = integer(181, least=1, most=MOST_READINGS, help="readings in a scan")
-    rayCount: int = integer(91, least=1, most=10000, help="rays cast for them; readings in between are interpolated")
-    rangeMax: float = length(8.192, above=0.0, help="what a reading is that hits nothing")
-    rangeMin: float = length(0.20, least=0.0, help="where the rays begin")
+    rayCount: int = integer(91, least=1, most=10000, help="rays cast per scan; readings between rays are interpolated")
+    rangeMax: float = length(8.192, above=0.0, help="maximum range; the reading of a ray without a hit")
+    rangeMin: float = length(0.20, least=0.0, help="minimum range; where the rays begin")
     scanRate: float = number(10.0, unit="Hz", least=0.0, help="scans per second of sim time")
     minAngle: float = angle(-90.0, help="direction of the first reading, left positive")
     maxAngle: float = angle(90.0, help="direction of the last reading")
 
 
 class SickLMS200(Model):
-    """SICK's scanning laser range-finder, of 7 kg; the origin is the centre of its bottom."""
+    """SICK's scanning laser range-finder with a mass of 7 kg; the origin is the centre of its bottom."""
 
     attributes = SickAttributes
     interfaces = ("laser", "fiducial")
@@ -71,23 +73,19 @@ class SickLMS200(Model):
         self._aim()
 
     def _build(self) -> None:
-        body = Body(self.world)
-        self.AddBody(body, True)
+        body = add_body(self)
         for size, place in (
             ((0.15, 0.15, 0.04), (0.0, 0.0, 0.02)),
             ((0.15, 0.15, 0.08), (0.0, 0.0, 0.16)),
             ((0.075, 0.15, 0.18), (-0.0375, 0.0, 0.10)),
         ):
-            box = BoxGeom(body, self.modelSpaceId, *size)
-            box.SetRelativePosition(place)
-            box.SetMass(7.0 / 3.0)
-            box.SetColor(GzColor(0.0, 0.0, 1.0))
+            fit(BoxGeom(body, self.modelSpaceId, *size), place, 7.0 / 3.0, BLUE)
         window = CylinderGeom(body, self.modelSpaceId, 0.075, 0.18)
         window.SetRelativePosition((0.0, 0.0, 0.10))
-        window.SetColor(GzColor(0.0, 0.0, 0.0))
+        window.SetColor(BLACK)
 
     def _aim(self) -> None:
-        """Lay out the rays, and which of them each reading is made from."""
+        """Set the rays, and the pair of rays that each reading is interpolated from."""
         count = self.rayCount
         self.angles = np.linspace(self.minAngle, self.maxAngle, count) if count > 1 else np.array([self.minAngle])
         self.rays = RayProximity(self.world, self.GetBody(), count)
@@ -104,9 +102,8 @@ class SickLMS200(Model):
         if "updateTimes" in self.world.engine.quirks:
             self.rate = OldRate(self.rate.period, last=self.world.GetSimTime())
         self.guard = Guard(f"laser.{self.GetId()}")
-        owner = (self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
-        self.laser.create(self.world.gz_server, *owner)
-        self.fiducial.create(self.world.gz_server, *owner)
+        serve(self, self.laser)
+        serve(self, self.fiducial)
 
     def Fini(self) -> None:  # noqa: D102
         self.laser.destroy()
@@ -125,7 +122,7 @@ class SickLMS200(Model):
     # Commands ----------------------------------------------------------------------------------------------------
 
     def _take_command(self) -> None:
-        """Lay the scan out anew if a client asks for it."""
+        """Change the scan if a client requests it."""
         if not self.laser.lock():
             return
         data = self.laser.data
@@ -143,7 +140,7 @@ class SickLMS200(Model):
         if high < low or far <= self.rangeMin or wanted[3] < 1:
             self.guard.warn(
                 "cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
-                f"are {wanted}, which is no scan",
+                f"are {wanted}, not a valid scan",
                 "are ignored",
             )
             return
@@ -154,7 +151,7 @@ class SickLMS200(Model):
     # Readings ----------------------------------------------------------------------------------------------------
 
     def readings(self) -> NDArray[np.float64]:
-        """Distances from the sensor's centre [m], one a reading: linear between two rays, or the nearer of them."""
+        """Distances from the sensor's centre [m]: interpolated between two rays, or the shorter one of them."""
         if "laserNoHitOffset" in self.world.engine.quirks:
             distance, offset = np.minimum(self.rays.ranges, self.rangeMax), self.rangeMin
         else:
@@ -174,7 +171,7 @@ class SickLMS200(Model):
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
         data.res_angle = (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
-        count = self.rangeCount  # not the file's: a client may have written another one
+        count = self.rangeCount  # not that of the interface: a client may have overwritten it
         self.laser.all_ranges[:count] = self.readings()
         self.laser.all_intensities[:count] = bright[self._first] | bright[self._second]
         self.laser.unlock()
@@ -192,8 +189,8 @@ class SickLMS200(Model):
     def fiducials(self) -> list[tuple[int, float, float, float]]:
         """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame.
 
-        Neighbouring rays that see one number are one object, in the middle of its two ends. From three rays on it faces
-        square to the line between them; with fewer, it faces the sensor.
+        Neighbouring rays with the same number are one object, at the middle of its two ends. With three rays or more
+        its yaw is normal to the line between the ends; with fewer, it faces the sensor.
         """
         geoms = self.world.engine.geoms
         seen = [geoms[row].GetFiducial() if row >= 0 else -1 for row in self.rays.rows.tolist()]
@@ -212,6 +209,6 @@ class SickLMS200(Model):
         return found[:GZ_FIDUCIAL_MAX_FIDS]
 
     def _point(self, ray: int) -> tuple[float, float]:
-        """Where a ray hit, in the sensor's plane [m]."""
+        """The point that a ray hit, in the sensor's plane [m]."""
         distance, direction = self.rangeMin + float(self.rays.ranges[ray]), float(self.angles[ray])
         return distance * math.cos(direction), distance * math.sin(direction)

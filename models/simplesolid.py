@@ -1,4 +1,4 @@
-"""SimpleSolid: a box, cylinder or sphere that can be pushed, marked and textured."""
+"""SimpleSolid: a movable box, cylinder or sphere."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.legacy.model import Model
+from libgz.models.parts import add_body
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
@@ -32,30 +33,30 @@ DEFAULT_SIZES = {"box": (0.5, 0.5, 0.5), "cylinder": (0.1, 0.5), "sphere": (0.5,
 
 @dataclass(frozen=True)
 class SimpleSolidAttributes:
-    """What `<model:SimpleSolid>` may hold."""
+    """Attributes of `<model:SimpleSolid>`."""
 
-    shape: str = choice("box", tuple(DEFAULT_SIZES), help="what it is")
+    shape: str = choice("box", tuple(DEFAULT_SIZES), help="its shape")
     size: tuple[float, ...] = lengths_by(
         "shape", DEFAULT_SIZES, help="x y z of a box; diameter and height of a cylinder; diameter of a sphere"
     )
     mass: float = number(1.0, unit="kg", above=0.0, help="mass")
-    color: GzColor = color(1.0, 1.0, 1.0, help="colour; alpha shows only if it is transparent")
-    transparent: bool = boolean(False, help="whether alpha shows")
+    color: GzColor = color(1.0, 1.0, 1.0, help="colour; alpha is used only if transparent is true")
+    transparent: bool = boolean(False, help="whether alpha is used")
     surfaceHardness: tuple[float, ...] = numbers(1e6, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
     surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
-    textureFile: Path | None = file(help="picture to cover it with")
-    skinFile: Path | None = file(help="mesh to draw in its place")
-    skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="place of the mesh, from the solid's centre")
+    textureFile: Path | None = file(help="image file of the texture")
+    skinFile: Path | None = file(help="mesh that is rendered instead of the shape")
+    skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="position of the mesh, relative to the solid's centre")
     skinRpy: GzPose = rotation(help="rotation of the mesh")
     skinScale: GzVector = vector((1.0, 1.0, 1.0), unit="", help="scale of the mesh")
-    retro: float = number(0.0, help="laser retro-reflection: from 0.5 on a laser reports intensity 1")
-    fiducial: int = integer(-1, help="number that fiducial finders read; -1: none")
+    retro: float = number(0.0, help="retro-reflectivity; from 0.5 on a laser reports intensity 1")
+    fiducial: int = integer(-1, help="number that fiducial finders report; -1: none")
     shadeModel: str = text("flat", help="without effect")
     polygonMode: str = text("fill", help="without effect")
 
 
 class SimpleSolid(Model):
-    """A box, cylinder or sphere that can be pushed, marked and textured.
+    """A movable box, cylinder or sphere, with colour, texture, skin, and marks for lasers and fiducial finders.
 
     The origin is the centre of its bottom; a cylinder stands upright.
     """
@@ -74,8 +75,7 @@ class SimpleSolid(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(SimpleSolidAttributes, node)
-        body = Body(self.world)
-        self.AddBody(body, True)
+        body = add_body(self)
         geom = self._shape(body, values.shape, values.size)
         geom.SetRelativePosition((0.0, 0.0, self.height / 2.0))
         geom.SetMass(values.mass)
@@ -92,7 +92,7 @@ class SimpleSolid(Model):
         self.geom = geom
 
     def _shape(self, body: Body, shape: str, size: tuple[float, ...]) -> Geom:
-        """The geom of a shape; sets `height` [m]."""
+        """Create the geom of a shape, and set `height` [m]."""
         self.height = size[{"box": 2, "cylinder": 1, "sphere": 0}[shape]]
         if shape == "box":
             return BoxGeom(body, self.modelSpaceId, *size)

@@ -1,4 +1,4 @@
-"""Skins: a mesh that is drawn in place of a model's shapes."""
+"""Skins: meshes that are rendered instead of a model's shapes."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from libgz.legacy.model import Model
 from libgz.physics.geom import Geom
 from libgz.worldfile.attributes import file, rotation, vector
 
-__all__ = ["SkinAttributes", "clothe"]
+__all__ = ["SkinAttributes", "add_skin"]
 
 
 @dataclass(frozen=True)
 class SkinAttributes:
-    """What the element of a model with a skin may hold."""
+    """Attributes of a model with a skin."""
 
-    skinFile: Path | None = file(help="mesh to draw in place of the model's shapes")
-    skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="place of the mesh, from the model's origin")
+    skinFile: Path | None = file(help="mesh that is rendered instead of the model's shapes")
+    skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="position of the mesh, relative to the model's origin")
     skinRpy: GzPose = rotation(help="rotation of the mesh")
     skinScale: GzVector = vector((1.0, 1.0, 1.0), unit="", help="scale of the mesh")
 
 
-def clothe(model: Model, geom: Geom, values: SkinAttributes) -> None:
-    """Put the skin on a geom of the canonical body, counted from the model's origin; nothing else is drawn then.
+def add_skin(model: Model, geom: Geom, values: SkinAttributes) -> None:
+    """Attach the skin to a geom of the canonical body; the other geoms are not rendered then.
 
-    If it cannot be read, all shapes are drawn.
+    If the skin cannot be read, all geoms are rendered.
     """
     if values.skinFile is None:
         return

@@ -1,4 +1,4 @@
-"""SkyDome: a sky that changes its colours with the time of day."""
+"""SkyDome: a sky whose colours change with the time of day."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from libgz.geometry import GzColor
 from libgz.legacy.model import Model
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
 from libgz.physics.geoms import DomeGeom
 from libgz.worldfile.attributes import boolean, color, file, read
 from libgz.worldfile.file import WorldFile
@@ -16,23 +16,22 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class SkyDomeAttributes:
-    """What `<model:SkyDome>` may hold."""
+    """Attributes of `<model:SkyDome>`."""
 
-    toneMap: Path | None = file(help="picture of the sky's colours: midnight to midnight, zenith to horizon")
+    toneMap: Path | None = file(help="image of the sky's colours: midnight to midnight, zenith to horizon")
     timeLapse: bool = boolean(True, help="whether the sky changes with sim time")
     color: GzColor = color(0.0, 0.0, 0.0, help="without effect")
 
 
 class SkyDome(Model):
-    """A sky that changes its colours with the time of day. It touches nothing."""
+    """A sky whose colours change with the time of day. It takes no part in collisions."""
 
     attributes = SkyDomeAttributes
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(SkyDomeAttributes, node)
         self.fixed = True
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         self.dome = DomeGeom(body, self.modelSpaceId)
         self.dome.SetTexture2DFile(self.values.toneMap)
 

@@ -1,4 +1,4 @@
-"""SonarRing: ultrasonic sensors around a robot, and the interface that carries their ranges."""
+"""SonarRing: ultrasonic sensors around a robot, and their sonar interface."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from libgz.interfaces.sonar import Sonar, SonarData
 from libgz.legacy.model import Model
+from libgz.models.serving import serve
 from libgz.physics.body import Body
 from libgz.physics.rays import RayProximity
 
@@ -21,23 +22,23 @@ _SIDES = (0.135, 0.135, 0.06642, -0.00216, 0.00216, -0.06642, -0.135, -0.135)  #
 
 
 def pioneer_ring(front: float, rear: float, z: float) -> list[tuple[float, float, float, float]]:
-    """(x, y, z [m], direction [rad]) of a Pioneer 2's sixteen sonars, eight at x `front`, eight at `rear` behind."""
+    """(x, y, z [m], direction [rad]) of a Pioneer 2's sixteen sonars, eight at x = front, eight at x = -rear."""
     sides = (*_SIDES, *(-y for y in _SIDES))
     return [(front if i < 8 else -rear, sides[i], z, math.radians(_DIRECTIONS[i])) for i in range(16)]
 
 
-# A millimetre outside the hulls.
+# A millimetre outside the hulls, so that the rays do not start inside them.
 PIONEER2AT_RING = pioneer_ring(0.24103, 0.24103, 0.25)
 PIONEER2DX_RING = pioneer_ring(0.14103, 0.24103, -0.04)
 
 
 class SonarRing:
-    """Sonars fixed to a body, each a ray of 5 m.
+    """Sonars fixed to a body, each a ray of at most 5 m.
 
     Args:
         model: the robot.
-        body: what they are fixed to.
-        poses: (x, y, z [m], direction [rad]) of each, in the body frame.
+        body: the body that they are fixed to.
+        poses: (x, y, z [m], direction [rad]) of each sonar, in the body frame.
     """
 
     def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
@@ -51,11 +52,8 @@ class SonarRing:
         self.interface = Sonar()
 
     def Init(self) -> None:
-        """Make the interface under the model's id."""
-        model = self.model
-        self.interface.create(
-            model.world.gz_server, model.GetId(), model.GetName(), model.GetIntId(), model.GetParentIntId()
-        )
+        """Create the interface under the model's id."""
+        serve(self.model, self.interface)
         sonar, count = self.interface, len(self.poses)
         self._places, self._yaws = sonar.sonar_pos[:count], sonar.sonar_rot[:count, 2]
         self._ranges = sonar.sonar_ranges[:count]
@@ -64,7 +62,7 @@ class SonarRing:
             self._ranges[:] = MAX_RANGE
 
     def _describe(self, data: SonarData) -> None:
-        """Write what never changes, under the lock."""
+        """Write the constant fields, under the lock."""
         data.sonar_count = len(self.poses)
         data.max_range = MAX_RANGE
         self._places[:] = self._own_places
@@ -76,10 +74,10 @@ class SonarRing:
         if self.interface.lock():
             data = self.interface.data
             data.time = now
-            self._describe(data)  # a client may have written over it
+            self._describe(data)  # a client may have overwritten them
             np.minimum(self.rays.ranges, MAX_RANGE, out=self._ranges)
             self.interface.unlock()
 
     def Fini(self) -> None:
-        """Let the interface go."""
+        """Destroy the interface."""
         self.interface.destroy()

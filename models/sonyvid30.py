@@ -1,19 +1,17 @@
-"""SonyVID30: Sony's pan-tilt-zoom camera, standing."""
+"""SonyVID30: Sony's pan-tilt-zoom camera, mounted upright."""
 
 from __future__ import annotations
 
 import math
 
-from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.models.pantilt import PanTiltCamera
+from libgz.models.parts import GREY, add_body, fit
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 
-GREY = GzColor(0.3, 0.3, 0.3)
-
 
 class SonyVID30(PanTiltCamera):
-    """Sony's pan-tilt-zoom camera, standing.
+    """Sony's pan-tilt-zoom camera, mounted upright.
 
     It pans 54 degrees to each side and tilts 90 degrees up and down.
     """
@@ -32,13 +30,10 @@ class SonyVID30(PanTiltCamera):
     tiltLimits = (-0.5 * math.pi, 0.5 * math.pi)
 
     def build(self) -> tuple[Body, Body, Body]:  # noqa: D102
-        base, middle, head = Body(self.world), Body(self.world, "middle"), Body(self.world, "head")
-        self.AddBody(base, True)
-        self.AddBody(middle)
-        self.AddBody(head)
+        base, middle, head = add_body(self), add_body(self, "middle"), add_body(self, "head")
         space = self.modelSpaceId
-        self.add_part(base, CylinderGeom(base, space, 0.071, 0.028), GzPose(), 0.2, GREY)
-        self.add_part(middle, BoxGeom(middle, space, 0.057, 0.105, 0.025), GzPose(GzVector(0.0, 0.0, 0.028)), 0.1, GREY)
-        self.add_part(head, BoxGeom(head, space, 0.12, 0.12, 0.055), GzPose(GzVector(0.0, 0.0, 0.0655)), 0.1, GREY)
+        fit(CylinderGeom(base, space, 0.071, 0.028), (0.0, 0.0, 0.0), 0.2, GREY)
+        fit(BoxGeom(middle, space, 0.057, 0.105, 0.025), (0.0, 0.0, 0.028), 0.1, GREY)
+        fit(BoxGeom(head, space, 0.12, 0.12, 0.055), (0.0, 0.0, 0.0655), 0.1, GREY)
         self.add_lens(head, 0.065, 0.0655)
         return base, middle, head

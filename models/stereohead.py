@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.geometry import GzPose, GzVector
 from libgz.interfaces.stereo import Stereo
 from libgz.legacy.model import Model
 from libgz.models.camera import FrameSaver, RobotCameraAttributes, add_frustum, check_optics, make_eye, set_view
-from libgz.physics.body import Body
+from libgz.models.parts import GREY, add_body, fit
+from libgz.models.serving import serve
 from libgz.physics.geoms import BoxGeom
 from libgz.rendering.camera import Camera as Eye
 from libgz.simulation.rate import UpdateRate
@@ -22,17 +23,17 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class StereoHeadAttributes(RobotCameraAttributes):
-    """What `<model:StereoHead>` may hold."""
+    """Attributes of `<model:StereoHead>`."""
 
-    baseline: float = length(0.15, above=0.0, help="distance between the cameras")
-    enableImageLeft: bool = boolean(True, help="take pictures with the left camera")
-    enableImageRight: bool = boolean(True, help="take pictures with the right camera")
+    baseline: float = length(0.15, above=0.0, help="distance between the optical centres")
+    enableImageLeft: bool = boolean(True, help="render images of the left camera")
+    enableImageRight: bool = boolean(True, help="render images of the right camera")
     enableDisparityLeft: bool = boolean(True, help="compute disparities for the left camera")
     enableDisparityRight: bool = boolean(True, help="compute disparities for the right camera")
 
 
 LENS = (0.025, 0.025)  # x and z of the optical centres [m]
-HIDDEN = 1.0  # [px] by which something nearer must differ to hide a point
+HIDDEN = 1.0  # [px]; difference of disparities from which on a nearer point occludes another
 
 
 class StereoHead(Model):
@@ -44,12 +45,8 @@ class StereoHead(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = values = read(StereoHeadAttributes, node)
         check_optics(node, values)
-        body = Body(self.world)
-        self.AddBody(body, True)
-        housing = BoxGeom(body, self.modelSpaceId, 0.05, values.baseline + 0.06, 0.05)
-        housing.SetRelativePosition((0.0, 0.0, 0.025))
-        housing.SetMass(0.3)
-        housing.SetColor(GzColor(0.3, 0.3, 0.3))
+        body = add_body(self)
+        fit(BoxGeom(body, self.modelSpaceId, 0.05, values.baseline + 0.06, 0.05), (0.0, 0.0, 0.025), 0.3, GREY)
         x, z = LENS
         self.places = {
             side: GzPose(GzVector(x, sign * values.baseline / 2.0, z)) for side, sign in (("left", 1), ("right", -1))
@@ -66,7 +63,7 @@ class StereoHead(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         for side in self.places:
             self.eyes[side] = make_eye(self, self.values)
-        self.stereo.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.stereo)
         self.stereo.data.width, self.stereo.data.height = self.eyes["left"].GetImageSize()
 
     def Fini(self) -> None:  # noqa: D102
@@ -93,7 +90,7 @@ class StereoHead(Model):
         self._publish(now, self._without_hidden(shifts) if wanted else {})
 
     def _without_hidden(self, shifts: dict[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
-        """Disparities [px], 0 where the other camera does not see the point."""
+        """Disparities [px], 0 where the point is not visible to the other camera."""
         left, right = shifts["left"], shifts["right"]
         return {"left": _seen_by_both(left, right, -1.0), "right": _seen_by_both(right, left, 1.0)}
 
@@ -117,15 +114,15 @@ class StereoHead(Model):
                 self.savers[side].save(eye.image)
 
 
-def _seen_by_both(own: NDArray[np.float32], other: NDArray[np.float32], way: float) -> NDArray[np.float32]:
-    """`own` disparities [px] with 0 where the point lies outside the other picture, or behind something in it.
+def _seen_by_both(own: NDArray[np.float32], other: NDArray[np.float32], sign: float) -> NDArray[np.float32]:
+    """`own` disparities [px], 0 where the point lies outside the other image or is occluded in it.
 
     Args:
-        own, other: disparities of both pictures, shape (height, width).
-        way: the sign by which a disparity shifts a column of the own picture to one of the other.
+        own, other: disparities of both images, shape (height, width).
+        sign: of the shift from a column of the own image to a column of the other.
     """
     width = own.shape[1]
-    columns = np.rint(np.arange(width) + way * own).astype(np.int64)
+    columns = np.rint(np.arange(width) + sign * own).astype(np.int64)
     inside = (columns >= 0) & (columns < width)
     there = np.take_along_axis(other, np.clip(columns, 0, width - 1), axis=1)
     return np.where(inside & (there <= own + HIDDEN), own, np.float32(0.0))

@@ -11,7 +11,7 @@ from libgz.geometry import GzColor
 from libgz.legacy.model import Model
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
 from libgz.physics.surfaces import TerrainGeom
 from libgz.worldfile.attributes import color, file, length, numbers, read
 from libgz.worldfile.file import WorldFile
@@ -20,15 +20,17 @@ from libgz.worldfile.node import WorldFileNode
 
 @dataclass(frozen=True)
 class TerrainAttributes:
-    """What `<model:Terrain>` may hold."""
+    """Attributes of `<model:Terrain>`."""
 
     terrainFile: Path | None = file(help="terrain file (.gzb)")
-    dataFile: Path | None = file(help="height map, a picture, in place of a terrain file; its first row is at +y")
-    elevationScale: float = length(1.0, help="height of white in a height map")
+    dataFile: Path | None = file(help="height map image, instead of a terrain file; its first row is at +y")
+    elevationScale: float = length(1.0, help="height of white pixels in a height map")
     vertexSpacing: float = length(1.0, above=0.0, help="distance between the pixels of a height map")
-    textureRepeat: tuple[float, ...] = numbers(1.0, 1.0, above=0.0, help="textures over a height map, in x and in y")
+    textureRepeat: tuple[float, ...] = numbers(
+        1.0, 1.0, above=0.0, help="repetitions of the texture over a height map, in x and in y"
+    )
     color: GzColor = color(0.7, 0.7, 0.7, help="colour")
-    textureFile: Path | None = file(help="picture to cover it with")
+    textureFile: Path | None = file(help="image file of the texture")
     surfaceHardness: tuple[float, ...] = numbers(math.inf, 0.0, unit="N/m, N s/m", least=0.0, help="spring and damper")
     surfaceFriction: tuple[float, ...] = numbers(1.0, 1.0, least=0.0, help="Coulomb coefficients")
 
@@ -36,7 +38,7 @@ class TerrainAttributes:
 class Terrain(Model):
     """Fixed ground from a terrain file or a height map.
 
-    The origin is that of the terrain file, or the corner of the height map at -x, -y.
+    The origin is that of the terrain file, or the corner at -x, -y of the height map.
     """
 
     attributes = TerrainAttributes
@@ -51,22 +53,21 @@ class Terrain(Model):
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         values = read(TerrainAttributes, node)
         self.fixed = True
-        body = Body(self.world, dummy=True)
-        self.AddBody(body, True)
+        body = add_body(self, dummy=True)
         self.ground = TerrainGeom(body, self.modelSpaceId)
         if not (node.IsDefined("terrainFile") or node.IsDefined("dataFile")):
             raise ParameterError("a terrain needs a <terrainFile> (.gzb), or a <dataFile> with a height map")
         try:
             self._build(values, node)
         except ParameterError as error:
-            node.warn(f"{error}; so there is no ground here")
+            node.warn(f"{error}; no ground is built")
         self.ground.SetColor(values.color)
         self.ground.SetHardness(*values.surfaceHardness)
         self.ground.SetFriction(*values.surfaceFriction)
         self.ground.SetTexture2DFile(values.textureFile)
 
     def _build(self, values: TerrainAttributes, node: WorldFileNode) -> None:
-        """Bring the mesh. A file that was not found has its warning already; what is damaged gets one here."""
+        """Load the mesh and warn of damage; a missing file was reported when the attributes were read."""
         if values.terrainFile is not None:
             terrain = read_gzb(values.terrainFile)
             if terrain.damage:

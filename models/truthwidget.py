@@ -1,4 +1,4 @@
-"""TruthWidget: tells where its robot really is, and moves it on request."""
+"""TruthWidget: publishes the true pose of its robot, and moves it on request."""
 
 from __future__ import annotations
 
@@ -7,20 +7,21 @@ import math
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuatern, GzQuaternNormal, GzVector
 from libgz.interfaces.truth import Truth
 from libgz.legacy.model import Model
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
+from libgz.models.serving import serve
 from libgz.simulation.entity import Entity
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-FARTHEST = 1e6  # [m]; no world is larger
+FARTHEST = 1e6  # [m]; largest coordinate that a client can request
 
 
 class TruthWidget(Model):
     """The true global pose of the model it is nested in, or its own at the top level; without a shape.
 
-    A client that writes `cmd_pos` and `cmd_rot` and then sets `cmd_new` puts that model there, at rest. Both go on in
-    each step, and while the world is paused.
+    A client that writes `cmd_pos` and `cmd_rot` and then sets `cmd_new` moves that model there, at rest. It publishes
+    and obeys in every step, also while the world is paused.
     """
 
     interfaces = ("truth",)
@@ -35,12 +36,12 @@ class TruthWidget(Model):
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.AddBody(Body(self.world, dummy=True), True)
+        add_body(self, dummy=True)
         self.truth = Truth()
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.guard = Guard(f"truth.{self.GetId()}")
-        self.truth.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.truth)
         self._publish()
 
     def Fini(self) -> None:  # noqa: D102
@@ -66,11 +67,11 @@ class TruthWidget(Model):
             self.truth.unlock()
 
     def _move(self, wanted: GzPose) -> None:
-        """Put the model at a global pose, if it is one."""
+        """Move the model to a global pose, if that is valid."""
         numbers = (*wanted.pos, *wanted.rot)
         length = math.sqrt(sum(q * q for q in wanted.rot)) if all(map(math.isfinite, numbers)) else 0.0
         if not 1e-6 < length < 1e6 or max(map(abs, wanted.pos)) > FARTHEST:
-            self.guard.warn("cmd_pos, cmd_rot", f"are {numbers}, which is no pose", "are ignored")
+            self.guard.warn("cmd_pos, cmd_rot", f"are {numbers}, not a valid pose", "are ignored")
             return
         pose = GzPose(GzVector(*wanted.pos), GzQuaternNormal(GzQuatern(*wanted.rot)))
         subject = self._subject

@@ -1,6 +1,6 @@
-"""UTM coordinates as latitude and longitude on the WGS84 ellipsoid.
+"""Conversion of UTM coordinates to latitude and longitude on the WGS84 ellipsoid.
 
-The series are Krueger's to the third order in n; they are good to about a tenth of a millimetre within a zone.
+By Krueger's series to the third order in n; within a zone their error is about a tenth of a millimetre.
 """
 
 from __future__ import annotations

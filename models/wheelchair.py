@@ -1,6 +1,6 @@
 """WheelChair: an electric wheelchair, driven by its rear wheels, with casters in front.
 
-Its source is lost, but for the kinds of its joints. Dimensions, masses and layout were chosen for libgz.
+Of the original source only the kinds of its joints are known. Dimensions, masses and layout were chosen for libgz.
 """
 
 from __future__ import annotations
@@ -9,10 +9,10 @@ from typing import ClassVar
 
 from libgz.geometry import GzColor
 from libgz.models.drive import DifferentialRobot
-from libgz.models.parts import BLACK, DARK, GREY, fit
+from libgz.models.motors import Axis
+from libgz.models.parts import BLACK, DARK, GREY, add_body, fit
 from libgz.models.robot import RobotAttributes
-from libgz.models.wheels import Tire, add_tire, on_hinge2
-from libgz.physics.body import Body
+from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge2
 from libgz.physics.geoms import BoxGeom
 
 TIRE = Tire(0.16, 0.04, 2.0, DARK, hard=True)
@@ -21,7 +21,7 @@ BLUE = GzColor(0.1, 0.2, 0.5)
 
 
 class WheelChair(DifferentialRobot):
-    """A chair on four sprung wheels; the origin is the top of the backrest, 1.20 m above the ground.
+    """A chair on four wheels with suspension; the origin is the top of the backrest, 1.20 m above the ground.
 
     Serves position. Dimensions and layout chosen for libgz.
     """
@@ -38,8 +38,7 @@ class WheelChair(DifferentialRobot):
     maxTorque = 30.0
 
     def build(self) -> None:  # noqa: D102
-        chair = Body(self.world)
-        self.AddBody(chair, True)
+        chair = add_body(self)
         space = self.modelSpaceId
         fit(BoxGeom(chair, space, 0.50, 0.50, 0.12), (0.0, 0.0, -0.70), 20.0, BLUE)
         fit(BoxGeom(chair, space, 0.60, 0.46, 0.25), (0.0, 0.0, -0.93), 40.0, GREY)
@@ -47,8 +46,8 @@ class WheelChair(DifferentialRobot):
         fit(BoxGeom(chair, space, 0.20, 0.40, 0.04), (0.45, 0.0, -1.02), 2.0, BLACK)
         for side, y in (("left", 1.0), ("right", -1.0)):
             position = (-0.20, 0.29 * y, -1.04)
-            wheel = on_hinge2(self, add_tire(self, f"{side}_rear", position, TIRE), chair, limit=0.0)
-            self.take_wheel(wheel, position)
+            joint = on_hinge2(self, add_tire(self, f"{side}_rear", position, TIRE), chair, stop=0.0)
+            self.wheels.add(Wheel(Axis(joint, 2)), y)
             caster = add_tire(self, f"{side}_caster", (0.35, 0.24 * y, -1.11), CASTER)
             caster.GetGeoms()[0].SetFriction(0.0)
-            on_hinge2(self, caster, chair, limit=None)
+            on_hinge2(self, caster, chair, stop=None)

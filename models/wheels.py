@@ -1,7 +1,7 @@
-"""Wheels: their bodies, what they turn on, their motors, and how they are steered.
+"""Wheels: their bodies, joints, motors and steering.
 
-A wheel turns on a hinge, or on the second axis of a Hinge2 that carries suspension and steering in its first. Positive
-rates roll it forward and positive angles steer it left, whatever it turns on.
+A wheel turns on a hinge, or on the second axis of a Hinge2 whose first axis has the suspension and the steering. With
+both, positive rates roll the wheel forward and positive angles steer it left.
 """
 
 from __future__ import annotations
@@ -11,17 +11,9 @@ from dataclasses import dataclass
 
 from libgz.geometry import GzColor, GzQuaternFromAxis, VectorLike
 from libgz.legacy.model import Model
-from libgz.models.parts import GREY, fit
-from libgz.ode.types import (
-    dParamFMax,
-    dParamFMax2,
-    dParamHiStop,
-    dParamLoStop,
-    dParamSuspensionCFM,
-    dParamSuspensionERP,
-    dParamVel,
-    dParamVel2,
-)
+from libgz.models.motors import Axis, Servo
+from libgz.models.parts import GREY, add_body, fit
+from libgz.ode.types import dParamHiStop, dParamLoStop, dParamSuspensionCFM, dParamSuspensionERP
 from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom, SphereGeom, WheelGeom
 from libgz.physics.joint import BallJoint, HingeJoint
@@ -29,7 +21,6 @@ from libgz.physics.two_axes import Hinge2Joint
 
 __all__ = [
     "HARD",
-    "Steering",
     "Tire",
     "Wheel",
     "add_caster",
@@ -40,13 +31,13 @@ __all__ = [
     "on_hinge2",
 ]
 
-HARD = (1e5, 0.0)  # [N/m], [N s/m]: with the default tenth of it heavy robots sink by centimetres
+HARD = (1e5, 0.0)  # [N/m], [N s/m]: ten times the default, with which heavy robots sink by centimetres
 SUSPENSION_ERP, SUSPENSION_CFM = 0.4, 1e-4
 
 
 @dataclass(frozen=True)
 class Tire:
-    """What the wheels of a robot are like: radius and width of the tire [m], mass [kg], colour; hard or not."""
+    """A kind of wheel: radius and width [m], mass [kg], colour, and whether its contacts have the hardness `HARD`."""
 
     radius: float
     width: float
@@ -56,55 +47,25 @@ class Tire:
 
 
 class Wheel:
-    """The motor and the rate of a wheel."""
+    """A driven wheel.
 
-    def __init__(self, joint: HingeJoint | Hinge2Joint) -> None:
-        self.joint = joint
-        if isinstance(joint, Hinge2Joint):
-            self.rate = joint.GetAngle2Rate  # rolling [rad/s], forward positive
-            self._velocity, self._torque = dParamVel2, dParamFMax2
-        else:
-            self.rate = joint.GetAngleRate
-            self._velocity, self._torque = dParamVel, dParamFMax
+    Attributes:
+        rate: a function, how fast the wheel rolls [rad/s], forward positive.
+    """
+
+    def __init__(self, axis: Axis) -> None:
+        self.joint, self.rate = axis.joint, axis.rate
+        self._velocity, self._torque = axis.velocity, axis.force
 
     def run(self, rate: float, torque: float) -> None:
-        """Roll at a rate [rad/s], with a motor of so much torque [N m]."""
+        """Roll at a rate [rad/s], with a motor of a maximum torque [N m]."""
         self.joint.SetParam(self._velocity, rate)
         self.joint.SetParam(self._torque, torque)
 
 
-class Steering:
-    """Keeps the angle of a hinge, or of the first axis of a Hinge2, by a velocity in proportion to the error.
-
-    Args:
-        joint: what to turn.
-        limit: the stops, +-[rad].
-        gain: velocity per radian of error [1/s].
-        torque: of the motor [N m].
-        damping: share of the present rate that is taken off the velocity.
-    """
-
-    def __init__(
-        self, joint: HingeJoint | Hinge2Joint, limit: float, gain: float, torque: float, damping: float = 0.0
-    ) -> None:
-        self.joint, self.gain, self.damping = joint, gain, damping
-        if isinstance(joint, Hinge2Joint):
-            self.angle, self._rate = joint.GetAngle1, joint.GetAngle1Rate  # [rad], left positive
-        else:
-            self.angle, self._rate = joint.GetAngle, joint.GetAngleRate
-        joint.SetParam(dParamLoStop, -limit)
-        joint.SetParam(dParamHiStop, limit)
-        joint.SetParam(dParamFMax, torque)
-
-    def turn_to(self, angle: float) -> None:
-        """Turn towards an angle [rad]; to be called each step."""
-        self.joint.SetParam(dParamVel, self.gain * (angle - self.angle()) - self.damping * self._rate())
-
-
 def add_tire(model: Model, name: str, position: VectorLike, tire: Tire) -> Body:
-    """A wheel's body at `position` in the model's frame [m], its outer side away from the middle."""
-    body = Body(model.world, name)
-    model.AddBody(body)
+    """The body of a wheel at `position` in the model's frame [m], with its outer side away from the centre line."""
+    body = add_body(model, name)
     geom = WheelGeom(body, model.modelSpaceId, tire.radius, tire.width)
     geom.SetMass(tire.mass)
     geom.SetColor(tire.color)
@@ -116,31 +77,38 @@ def add_tire(model: Model, name: str, position: VectorLike, tire: Tire) -> Body:
     return body
 
 
-def on_hinge(model: Model, wheel: Body, base: Body) -> Wheel:
-    """Let a wheel roll on a hinge of a base."""
-    return Wheel(add_hinge(model, wheel, base, wheel.GetPosition(), (0.0, 1.0, 0.0), wheel.bodyName))
+def on_hinge(model: Model, wheel: Body, base: Body) -> HingeJoint:
+    """Attach a wheel to a base by a hinge along y."""
+    return add_hinge(model, wheel, base, wheel.GetPosition(), (0.0, 1.0, 0.0), wheel.bodyName)
 
 
-def on_hinge2(model: Model, wheel: Body, chassis: Body, limit: float | None = 0.0) -> Wheel:
-    """Let a wheel roll, and steer within +-limit [rad] or freely (None), on a sprung Hinge2 of a chassis."""
+def on_hinge2(model: Model, wheel: Body, chassis: Body, stop: float | None = 0.0) -> Hinge2Joint:
+    """Attach a wheel to a chassis by a Hinge2 with suspension.
+
+    Args:
+        model: the robot.
+        wheel: rolls about the second axis of the joint.
+        chassis: the body that the first axis, steering and suspension, is fixed to.
+        stop: the wheel steers within +-stop [rad]; None: without stops.
+    """
     joint = Hinge2Joint(model.world, name=wheel.bodyName)
     joint.Attach(chassis, wheel)
     joint.SetAnchor(wheel.GetPosition())
-    # The chassis has to come first, which turns all signs about.
+    # A Hinge2 needs the chassis as its first body; that reverses all signs.
     joint.SetAxis1((0.0, 0.0, -1.0))
     joint.SetAxis2((0.0, -1.0, 0.0))
     joint.SetParam(dParamSuspensionERP, SUSPENSION_ERP)
     joint.SetParam(dParamSuspensionCFM, SUSPENSION_CFM)
-    if limit is not None:
-        joint.SetParam(dParamLoStop, -limit)
-        joint.SetParam(dParamHiStop, limit)
-    return Wheel(joint)
+    if stop is not None:
+        joint.SetParam(dParamLoStop, -stop)
+        joint.SetParam(dParamHiStop, stop)
+    return joint
 
 
 def add_hinge(
     model: Model, moving: Body, base: Body, anchor: VectorLike, axis: VectorLike, name: str | None = None
 ) -> HingeJoint:
-    """A hinge between two bodies, at a point and about an axis of the model's frame."""
+    """A hinge between two bodies, at an anchor [m] and about an axis in the model's frame."""
     hinge = HingeJoint(model.world, name=name)
     hinge.Attach(moving, base)
     hinge.SetAnchor(anchor)
@@ -149,16 +117,15 @@ def add_hinge(
 
 
 def add_steered_wheel(
-    model: Model, name: str, position: VectorLike, tire: Tire, base: Body, limit: float, gain: float, torque: float
-) -> tuple[Wheel, Steering]:
-    """A wheel on a hinge of a stub that turns about a vertical hinge of a base; the numbers are those of `Steering`."""
-    stub = Body(model.world, f"{name}_stub")
-    model.AddBody(stub)
+    model: Model, name: str, position: VectorLike, tire: Tire, base: Body, stop: float, gain: float, torque: float
+) -> tuple[Wheel, Servo]:
+    """A wheel on a stub, which a servo turns about a vertical hinge of a base; see `Servo` for the numbers."""
+    stub = add_body(model, f"{name}_stub")
     fit(BoxGeom(stub, model.modelSpaceId, 0.03, 0.03, 0.03), (0.0, 0.0, 0.0), 0.1, GREY)
     stub.SetPosition(position)
     hinge = add_hinge(model, stub, base, position, (0.0, 0.0, 1.0), f"{name}_steering")
-    wheel = on_hinge(model, add_tire(model, name, position, tire), stub)
-    return wheel, Steering(hinge, limit, gain, torque)
+    wheel = Wheel(Axis(on_hinge(model, add_tire(model, name, position, tire), stub)))
+    return wheel, Servo(Axis(hinge), gain, torque, stop=stop)
 
 
 def add_caster(
@@ -173,9 +140,8 @@ def add_caster(
     hard: bool = False,
     friction: float | None = None,
 ) -> Body:
-    """A ball of radius [m] and mass [kg] in a ball joint under a base; it rolls every way."""
-    caster = Body(model.world, name)
-    model.AddBody(caster)
+    """A caster: a ball with a radius [m] and mass [kg] at a position in the model's frame [m], on a ball joint."""
+    caster = add_body(model, name)
     ball = SphereGeom(caster, model.modelSpaceId, radius)
     ball.SetMass(mass)
     ball.SetColor(color)

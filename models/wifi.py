@@ -1,4 +1,4 @@
-"""WiFi: a radio that hears the other radios of its world."""
+"""WiFi: a radio that receives the other radios of its world."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from libgz.geometry import GzVectorMag, GzVectorSub
 from libgz.interfaces.wifi import GAZEBO_WIFI_MAX_LINKS, GAZEBO_WIFI_QUAL_DBM, Wifi
 from libgz.legacy.model import Model
-from libgz.physics.body import Body
+from libgz.models.parts import add_body
+from libgz.models.serving import serve
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import number, read, text
 from libgz.worldfile.file import WorldFile
@@ -16,28 +17,28 @@ from libgz.worldfile.node import WorldFileNode
 
 FREQUENCY = 2.437e9  # [Hz], channel 6
 LIGHT_SPEED = 299792458.0  # [m/s]
-NEAREST = 1.0  # [m]; the formula holds from there on
+NEAREST = 1.0  # [m]; the smallest distance in the formula
 LOSS_AT_NEAREST = 20.0 * math.log10(4.0 * math.pi * NEAREST * FREQUENCY / LIGHT_SPEED)  # [dB], Friis
 
 
 @dataclass(frozen=True)
 class WiFiAttributes:
-    """What `<model:WiFi>` may hold."""
+    """Attributes of `<model:WiFi>`."""
 
-    ip: str = text("", help="address; without one, 192.168.0.1, .2 and so on in order of the worldfile")
+    ip: str = text("", help="address; by default 192.168.0.1, .2 and so on in the order of the worldfile")
     power: float = number(15.0, unit="dBm", least=-100.0, most=100.0, help="transmitted power")
-    pathLoss: float = number(2.0, least=0.0, most=10.0, help="exponent of the loss with distance; 2: free space")
+    pathLoss: float = number(2.0, least=0.0, most=10.0, help="path loss exponent; 2: free space")
     noise: float = number(-95.0, unit="dBm", least=-200.0, most=0.0, help="noise at the receiver")
     sensitivity: float = number(-90.0, unit="dBm", least=-200.0, most=100.0, help="weakest signal that makes a link")
     updateRate: float = number(10.0, unit="Hz", least=0.0, help="updates per second of sim time")
 
 
 class WiFi(Model):
-    """A radio without a shape, mostly nested in a robot, linked to the other radios in reach.
+    """A radio without a shape, usually nested in a robot, with links to the other radios in range.
 
-    The level of a link is the other's power, less the loss of free space over the first metre (40.2 dB at 2.437 GHz),
-    less 10 pathLoss log10(distance / 1 m): the log-distance model. Nothing between two radios counts. The strongest
-    comes first, and there are at most 16.
+    The level of a link is the other's power, minus the free-space loss over the first metre (40.2 dB at 2.437 GHz),
+    minus 10 pathLoss log10(distance / 1 m): the log-distance model. Obstacles have no effect. The strongest link comes
+    first, and there are at most 16.
     """
 
     attributes = WiFiAttributes
@@ -54,19 +55,19 @@ class WiFi(Model):
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.values = read(WiFiAttributes, node)
-        self.AddBody(Body(self.world, dummy=True), True)
+        add_body(self, dummy=True)
         others = self._others()
         self.ip = self.values.ip or f"192.168.0.{len(others) + 1}"
         taken = next((other.GetId() for other in others if other.ip == self.ip), None)
         if taken is not None:
-            node.warn(f"the address {self.ip} is that of {taken!r} already")
+            node.warn(f"the address {self.ip} is already used by {taken!r}")
         if len(self.ip.encode()) > 31:
             node.error(f"{self.ip!r} is not allowed; ip must be at most 31 bytes")
         self.rate = UpdateRate(self.values.updateRate)
         self.wifi = Wifi()
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        self.wifi.create(self.world.gz_server, self.GetId(), self.GetName(), self.GetIntId(), self.GetParentIntId())
+        serve(self, self.wifi)
 
     def Fini(self) -> None:  # noqa: D102
         self.wifi.destroy()
@@ -86,7 +87,7 @@ class WiFi(Model):
         self.wifi.unlock()
 
     def links(self) -> list[tuple[str, float]]:
-        """(address, level [dBm]) of the radios in reach, strongest first, at most 16."""
+        """(address, level [dBm]) of the radios in range, strongest first, at most 16."""
         here = self.GetPose().pos
         found = []
         for other in self._others():
@@ -102,5 +103,5 @@ class WiFi(Model):
 
 
 def _pattern(dbm: float) -> int:
-    """A level as the wire has it: whole dBm, negative ones as 16 bits of two's complement."""
+    """A level as in the interface: whole dBm, as 16 bits of two's complement."""
     return round(dbm) & 0xFFFF

@@ -1,4 +1,4 @@
-"""Writes docs/classic: the API for plugins of Gazebo classic, from its classes."""
+"""Writes docs/classic: the reference of the plugin API of Gazebo classic, from its classes."""
 
 from pathlib import Path
 

@@ -1,11 +1,13 @@
-"""Make docs/worlds.md and its pictures: what each ready world shows.
+"""Write docs/worlds.md and render its images: one for each ready world.
 
-.venv/bin/python scripts/make_gallery.py
+.venv/bin/python scripts/make_gallery.py           # images and text
+.venv/bin/python scripts/make_gallery.py --text    # text only
 """
 
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 from PIL import Image
@@ -16,7 +18,7 @@ from libgz.rendering.camera import Camera
 
 ROOT = Path(__file__).parents[1]
 SIZE = (400, 300)
-TIME = 1.0  # [s] of sim time: everything has come to rest, nothing has gone far
+TIME = 1.0  # [s] of sim time: everything has come to rest, and nothing has moved far
 DEFAULT_VIEW = GzPose(GzVector(-3.2, 2.4, 2.4), GzQuaternFromEuler(0.0, 0.5, -0.62))  # of worlds without an observer
 
 
@@ -26,8 +28,8 @@ def description(path: Path) -> str:
     return " ".join(found.group(1).split()) if found else ""
 
 
-def photograph(path: Path, picture: Path) -> None:
-    """Draw a world as its observer sees it after a moment."""
+def render(path: Path, image: Path) -> None:
+    """Render a world from the pose of its observer, after TIME."""
     with libgz.World.from_file(path) as world:
         observer = next((m for m in world.GetModels() if m.GetName() == "ObserverCam"), None)
         world.run(TIME)
@@ -35,18 +37,19 @@ def photograph(path: Path, picture: Path) -> None:
             camera.SetPose(observer.GetPose() if observer else DEFAULT_VIEW)
             camera.options.displaySkins = True
             pixels = camera.Update()
-        Image.fromarray(pixels).quantize(128).save(picture, optimize=True)
+        Image.fromarray(pixels).quantize(128).save(image, optimize=True)
 
 
 def main() -> None:
-    """Photograph all ready worlds, and write the page."""
-    pictures = ROOT / "docs" / "worlds"
-    pictures.mkdir(exist_ok=True)
+    """Render all ready worlds, unless only the text is wanted, and write the page."""
+    images = ROOT / "docs" / "worlds"
+    images.mkdir(exist_ok=True)
     rows = []
     for path in sorted((ROOT / "worlds").glob("*.world")):
-        photograph(path, pictures / f"{path.stem}.png")
+        if "--text" not in sys.argv[1:]:
+            render(path, images / f"{path.stem}.png")
         rows.append(f"## {path.name}\n\n{description(path)}\n\n![{path.stem}](worlds/{path.stem}.png)\n")
-    head = "# Ready worlds\n\n`gazebo worlds/NAME` runs one. This page is made by `scripts/make_gallery.py`.\n"
+    head = "# Ready worlds\n\n`gazebo worlds/NAME` runs one of them. `scripts/make_gallery.py` writes this page.\n"
     (ROOT / "docs" / "worlds.md").write_text("\n".join([head, *rows]))
 
 

@@ -1,4 +1,4 @@
-"""Draws the textures that lie beside the worlds, from formulas: the same bytes each time.
+"""Generates the textures of the ready worlds from formulas: the same bytes each time.
 
 python scripts/make_textures.py
 """
@@ -15,10 +15,10 @@ from PIL import Image
 WORLDS = Path(__file__).parent.parent / "worlds"
 SIZE = 128  # [px]
 
-Picture = NDArray[np.float64]
+Pixels = NDArray[np.float64]
 
 
-def noise(random: np.random.Generator, octaves: tuple[tuple[int, int], ...]) -> Picture:
+def noise(random: np.random.Generator, octaves: tuple[tuple[int, int], ...]) -> Pixels:
     """Smooth noise from 0 to 1 that repeats at the edges: a sum of waves with whole numbers of periods."""
     y, x = np.mgrid[0:SIZE, 0:SIZE] * (2.0 * np.pi / SIZE)
     result = np.zeros((SIZE, SIZE))
@@ -30,19 +30,19 @@ def noise(random: np.random.Generator, octaves: tuple[tuple[int, int], ...]) -> 
     return (result - low) / (high - low)
 
 
-def blend(share: Picture, dark: tuple[int, ...], light: tuple[int, ...]) -> Picture:
+def blend(share: Pixels, dark: tuple[int, ...], light: tuple[int, ...]) -> Pixels:
     """Colours between two, shape (SIZE, SIZE, 3)."""
     return np.array(dark) + share[..., None] * (np.array(light) - np.array(dark))
 
 
-def grass(random: np.random.Generator) -> Picture:
+def grass(random: np.random.Generator) -> Pixels:
     """Short grass."""
     return blend(
         0.5 * noise(random, ((4, 12), (20, 80))) + 0.5 * random.random((SIZE, SIZE)), (38, 84, 30), (126, 164, 78)
     )
 
 
-def wood(random: np.random.Generator) -> Picture:
+def wood(random: np.random.Generator) -> Pixels:
     """Boards with grain along their length."""
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     board = y // (SIZE // 4)
@@ -53,7 +53,7 @@ def wood(random: np.random.Generator) -> Picture:
     return result
 
 
-def tiles(random: np.random.Generator) -> Picture:
+def tiles(random: np.random.Generator) -> Pixels:
     """Two by two floor tiles with joints."""
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     checks = ((x // (SIZE // 2)) + (y // (SIZE // 2))) % 2
@@ -62,8 +62,8 @@ def tiles(random: np.random.Generator) -> Picture:
     return result
 
 
-def grid(random: np.random.Generator) -> Picture:
-    """A black grid on white, finer lines in between, and spots that tell one field from another."""
+def grid(random: np.random.Generator) -> Pixels:
+    """A black grid on white, finer lines in between, and spots that distinguish the fields."""
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     result = np.full((SIZE, SIZE, 3), 235.0)
     result[(x % 16 < 1) | (y % 16 < 1)] = 150.0
@@ -74,7 +74,7 @@ def grid(random: np.random.Generator) -> Picture:
     return result
 
 
-def sky(random: np.random.Generator) -> Picture:
+def sky(random: np.random.Generator) -> Pixels:
     """A tone map: midnight to midnight from left to right, zenith on top, horizon below."""
     y, x = np.mgrid[0:SIZE, 0:SIZE] / (SIZE - 1.0)
     height = -np.cos(x * 2.0 * np.pi)  # of the sun, -1 to 1
@@ -85,7 +85,7 @@ def sky(random: np.random.Generator) -> Picture:
     return (night * (1.0 - day) + noon * day) * (1.0 - 0.7 * dusk) + 0.7 * dusk * np.array((246, 146, 78))
 
 
-def bricks(random: np.random.Generator) -> Picture:
+def bricks(random: np.random.Generator) -> Pixels:
     """Courses of bricks, each shifted by half a brick, with light joints."""
     y, x = np.mgrid[0:SIZE, 0:SIZE]
     height, width = SIZE // 8, SIZE // 4
@@ -99,7 +99,7 @@ def bricks(random: np.random.Generator) -> Picture:
 
 def main() -> None:
     """Write all of them."""
-    kinds: tuple[Callable[[np.random.Generator], Picture], ...] = (grass, wood, tiles, grid, sky, bricks)
+    kinds: tuple[Callable[[np.random.Generator], Pixels], ...] = (grass, wood, tiles, grid, sky, bricks)
     for seed, kind in enumerate(kinds):
         pixels = np.clip(kind(np.random.default_rng(seed)), 0.0, 255.0).astype(np.uint8)
         Image.fromarray(pixels).save(WORLDS / f"{kind.__name__}.png", optimize=True)

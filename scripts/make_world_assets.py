@@ -1,6 +1,8 @@
-"""Makes the terrains, the road and the floor plan of the ready worlds: `.venv/bin/python scripts/make_world_assets.py`.
+"""Writes the terrains, the road and the floor plan of the ready worlds.
 
-They bear the names that old worlds ask for, so that those find them when their own are lost.
+.venv/bin/python scripts/make_world_assets.py
+
+They have the names that existing worlds use, so that those find them if their own files are missing.
 """
 
 import math
@@ -18,7 +20,7 @@ HILLS = ((14.0, 46.0, 6.0, 9.0), (50.0, 50.0, 9.0, 12.0), (48.0, 16.0, 4.0, 8.0)
 
 
 def hills(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Height [m] of smooth hills on a meadow: sums of (centre x, y, height, radius), and a rim that holds all in."""
+    """Height [m] of smooth hills on a meadow: sums of (centre x, y, height, radius), and a rim around them."""
     rim = np.clip((np.maximum(np.abs(x - SIZE / 2), np.abs(y - SIZE / 2)) - 24.0) / 8.0, 0.0, 1.0)
     bumps = sum(h * np.exp(-((x - cx) ** 2 + (y - cy) ** 2) / (2 * (r / 2) ** 2)) for cx, cy, h, r in HILLS)
     return bumps + 5.0 * rim**2
@@ -38,7 +40,7 @@ def make_terrain() -> None:
 
 
 def make_height_map() -> None:
-    """The same hills as a picture of 65 x 65 pixels, white 10 m high."""
+    """The same hills as an image of 65 x 65 pixels; white is 10 m high."""
     y, x = np.mgrid[64:-1:-1, :65].astype(float)
     grey = np.clip(np.rint(hills(x, y) / 10.0 * 255.0), 0, 255)
     Image.fromarray(grey.astype(np.uint8)).save(WORLDS / "terrain.png", optimize=True)
@@ -61,7 +63,7 @@ def make_road() -> None:
 
 
 def make_floor_plan() -> None:
-    """A hall among rooms, 400 x 400 pixels: black walls on white."""
+    """A hall and rooms, 400 x 400 pixels: black walls on white."""
     image = Image.new("L", (400, 400), 255)
     draw = ImageDraw.Draw(image)
     walls = [(8, 8, 391, 13), (8, 386, 391, 391), (8, 8, 13, 391), (386, 8, 391, 391)]

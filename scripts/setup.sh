@@ -1,6 +1,6 @@
 #!/bin/sh
-# Sets up everything that `make demo` and `make test` need: Debian's libraries by apt, a virtual environment, the package.
-# Needs python3, and root or sudo where something of Debian's is missing; says in one sentence what is missing otherwise.
+# Installs what `make demo` and `make test` need: Debian packages, a virtual environment, and this package in it.
+# Needs python3, and root or sudo if Debian packages are missing; otherwise it prints which ones to install.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -21,7 +21,7 @@ if [ -n "$missing" ]; then
     fi
     if [ "$as_root" = none ] || ! command -v apt-get >/dev/null; then
         echo "libgz needs these packages of Debian 12, and this user cannot install them:$missing;" \
-            "have them installed with: apt-get install$missing" >&2
+            "as root, run: apt-get install$missing" >&2
         exit 1
     fi
     echo "installing$missing"
@@ -39,8 +39,8 @@ fi
 
 .venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
-# Install anew when a file was added or removed, or what is built has changed: the installed tree links to ours.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg setup.py pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c; } | cksum)
+# Reinstall when a file was added or removed, or a build input changed; the installed tree links to this one.
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c; } | cksum)
 if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build

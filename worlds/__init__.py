@@ -1,1 +1,1 @@
-"""Ready worlds, and the pictures they use; models look here for files that are nowhere else."""
+"""Ready worlds, and the images they use; models look here for files that are nowhere else."""

@@ -1,7 +1,7 @@
-"""ExampleModel: a plugin model to learn from, and to copy.
+"""ExampleModel: an example of a plugin model.
 
 A box on two wheels and a skid. It serves a `position` interface: a client reads its odometry and sets its velocity.
-README.md beside this file goes through it line by line.
+README.md in this folder explains it step by step.
 """
 
 import math
@@ -35,7 +35,7 @@ MAX_TORQUE = 2.0  # [N m]
 
 @dataclass(frozen=True)
 class ExampleAttributes:
-    """What a worldfile may say inside <model:ExampleModel>."""
+    """Attributes of <model:ExampleModel>."""
 
     updateRate: float = number(10.0, unit="Hz", above=0.0, help="updates of the interface per second")
     color: GzColor = color(0.2, 0.4, 0.9, help="colour of the chassis")
@@ -45,13 +45,13 @@ class ExampleModel(Model):
     """Two driven wheels and a skid; the origin is on the ground below the axle."""
 
     def Load(self, file, node):
-        """Build the body, in the model's own frame: x forward, y left, z up."""
+        """Create bodies and joints in the model's own frame: x forward, y left, z up."""
         values = read(ExampleAttributes, node)
         self.rate = UpdateRate(values.updateRate)
         self.x = self.y = self.yaw = 0.0  # odometry
 
         chassis = Body(self.world)
-        self.AddBody(chassis, True)  # the canonical body: it stands for the model's pose
+        self.AddBody(chassis, True)  # the canonical body: its pose is the model's pose
         box = BoxGeom(chassis, self.modelSpaceId, 0.36, 0.24, 0.10)
         box.SetRelativePosition((-0.08, 0, 0.10))
         box.SetMass(3.0)
@@ -80,7 +80,7 @@ class ExampleModel(Model):
         return hinge
 
     def Init(self, file, node):
-        """All models are loaded and the server is up: make the interface."""
+        """Create the interface; all models are loaded, and the server is running."""
         self.position = gz_position_alloc()
         owner = (self.GetId(), "ExampleModel", self.GetIntId(), self.GetParentIntId())
         if gz_position_create(self.position, self.world.gz_server, *owner) != 0:
@@ -97,11 +97,11 @@ class ExampleModel(Model):
         self.y += (left + right) / 2 * math.sin(self.yaw)
         self.yaw += (right - left) / WHEEL_SEPARATION
         if self.rate.due(self.world.GetSimTime()) and gz_position_lock(self.position, 1) == 0:
-            self.obey_and_report(self.position.data)
+            self.exchange(self.position.data)
             gz_position_unlock(self.position)
 
-    def obey_and_report(self, data):
-        """Take the client's command, set the motors, and write where we are."""
+    def exchange(self, data):
+        """Take the client's command, set the motors, and publish the pose."""
         speed, turn = data.cmd_vel_pos[0], data.cmd_vel_rot[2]
         if not (data.cmd_enable_motors and math.isfinite(speed) and math.isfinite(turn)):
             speed = turn = 0.0
@@ -112,7 +112,7 @@ class ExampleModel(Model):
         data.pos[0], data.pos[1], data.rot[2] = self.x, self.y, self.yaw
 
     def Fini(self):
-        """The world ends: let the interface go."""
+        """Destroy the interface; the world ends."""
         gz_position_destroy(self.position)
 
 

@@ -1,4 +1,4 @@
-"""The example's own check: it drives and turns as told, in process and over the wire."""
+"""Test of the example: it drives and turns as commanded, in one process and through a server."""
 
 import math
 import subprocess

@@ -1,4 +1,4 @@
-"""libgz check: what is wrong or unused in worldfiles."""
+"""libgz check: report errors and unused elements in worldfiles."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("worldfiles", nargs="+", metavar="WORLDFILE", help="a worldfile of Gazebo 0.3 to 0.7")
-    parser.add_argument("--strict", action="store_true", help="make warnings errors")
-    parser.add_argument("--json", action="store_true", help="print a list of objects instead of lines")
+    parser.add_argument("--strict", action="store_true", help="treat warnings as errors")
+    parser.add_argument("--json", action="store_true", help="print a JSON array instead of lines")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print all errors of all files; 1 if there is an error."""
+    """Print the diagnostics of all files; return 1 if there is an error."""
     diagnostics = [error for name in options.worldfiles for error in check(name)]
     if options.strict:
         diagnostics = [dataclasses.replace(error, severity="error") for error in diagnostics]
@@ -33,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _line(error: Diagnostic) -> str:
-    """`file:line: <element>: message`, with a word where it is only a warning."""
+    """`file:line: <element>: message`, with `warning:` before the message of a warning."""
     place = f"{error.file}:{error.line}" if error.line else error.file
     element = f"<{error.element}>: " if error.element else ""
     return f"{place}: {element}{'warning: ' if error.severity == 'warning' else ''}{error.message}"

@@ -1,4 +1,4 @@
-"""libgz clean: remove what dead servers left behind, and only that."""
+"""libgz clean: remove the files and semaphores of dead servers."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("-s", dest="server_id", metavar="ID", type=int, default=None, help="of one server only")
+    parser.add_argument(
+        "-s", dest="server_id", metavar="ID", type=int, default=None, help="remove those of one server only"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Remove, and say what was removed.
+    """Remove stale files and semaphores, and print their names.
 
     Raises:
         ParameterError: the server id is negative.
@@ -28,5 +30,5 @@ def run(options: argparse.Namespace) -> int:
         count += 1
         print(f"removed {item.name}")
     if count == 0:
-        print("dead servers left nothing behind")
+        print("no stale files of dead servers")
     return 0

@@ -1,4 +1,4 @@
-"""libgz config: what a C compiler needs for programs of the time: cc old_client.c $(libgz config --cflags --libs)."""
+"""libgz config: compiler flags for C programs that use libgazebo: cc client.c $(libgz config --cflags --libs)."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--cflags", action="store_true", help="where gazebo.h is")
-    parser.add_argument("--libs", action="store_true", help="the library, compiled first if need be")
+    parser.add_argument("--cflags", action="store_true", help="the directory of gazebo.h")
+    parser.add_argument("--libs", action="store_true", help="the library, which is compiled at first use")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the flags; without options, both kinds.
+    """Print the flags; without options, all of them.
 
     Raises:
         LibraryError: the library cannot be compiled.

@@ -1,4 +1,4 @@
-"""What the commands share: one-sentence errors, and messages on the console in the old server's form."""
+"""Shared by the commands: argument types, one-sentence errors, exit codes, and log messages on the console."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import math
 import os
 import signal
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO, TypeAlias
+from typing import NoReturn, TextIO, TypeAlias, TypeVar
 
-from libgz.errors import ParameterError
+from libgz.errors import GazeboError, ParameterError
 
 __all__ = [
     "INTERRUPTED",
@@ -23,15 +23,17 @@ __all__ = [
     "LogFile",
     "Parser",
     "as_command",
+    "number_above_zero",
     "number_from_zero",
-    "set_up_classic_console",
+    "read_text",
     "set_up_messages",
     "whole_number",
+    "writing",
 ]
 
 USAGE_ERROR = 2
-NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # as shells tell of programs that signals ended
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # the exit codes of shells
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 
@@ -39,46 +41,74 @@ class Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one sentence."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and end with exit code 2."""
+        """Report the error and exit with code 2."""
         self.exit(USAGE_ERROR, f"{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
 
 
-def whole_number(name: str) -> Callable[[str], int]:
-    """What turns an argument into a whole number from 0 on; `name` is what a message calls it."""
+N = TypeVar("N", int, float)
 
-    def read(text: str) -> int:
-        number = int(text)
-        if number < 0:
+
+def _number(name: str, convert: Callable[[str], N], allowed: Callable[[N], bool]) -> Callable[[str], N]:
+    def read(text: str) -> N:
+        number = convert(text)
+        if not allowed(number):
             raise ValueError
         return number
 
     read.__name__ = name
     return read
+
+
+def whole_number(name: str) -> Callable[[str], int]:
+    """An argument type: whole numbers from 0; `name` is its name in error messages."""
+    return _number(name, int, lambda number: number >= 0)
 
 
 def number_from_zero(name: str) -> Callable[[str], float]:
-    """What turns an argument into a finite number that is not negative; `name` is what a message calls it."""
+    """An argument type: finite numbers from 0; `name` is its name in error messages."""
+    return _number(name, float, lambda number: 0.0 <= number < math.inf)
 
-    def read(text: str) -> float:
-        number = float(text)
-        if not 0.0 <= number < math.inf:
-            raise ValueError
-        return number
 
-    read.__name__ = name
-    return read
+def number_above_zero(name: str) -> Callable[[str], float]:
+    """An argument type: numbers above 0; `name` is its name in error messages."""
+    return _number(name, float, lambda number: number > 0.0)
+
+
+def read_text(path: str, what: str) -> str:
+    """The text of a file.
+
+    Raises:
+        ParameterError: the file cannot be read as text; `what` is what the message calls its contents.
+    """
+    try:
+        return Path(path).read_text()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ParameterError(f"{what} cannot be read from {path!r}: {error}") from None
+
+
+@contextlib.contextmanager
+def writing() -> Iterator[None]:
+    """Report a file that cannot be written.
+
+    Raises:
+        GazeboError: an OSError occurred in the block.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
 
 
 _Main: TypeAlias = Callable[[Sequence[str] | None], int]
 
 
 def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Callable[[_Main], Callable[..., int]]:
-    """Make a main function end well whatever becomes of its streams: one sentence, or nothing, and an exit code.
+    """Make a function a command: errors of its streams and files end it with one sentence, or none, and an exit code.
 
     Args:
         name: of the command.
-        interrupted: exit code for a SIGINT that the function does not take itself.
-        failed: exit code for a file or stream that cannot be used.
+        interrupted: exit code after a SIGINT that the function does not handle.
+        failed: exit code after an error of a file or stream.
     """
 
     def decorate(main: _Main) -> Callable[..., int]:
@@ -92,13 +122,13 @@ def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Ca
                     sys.stdout.flush()
             except KeyboardInterrupt:
                 return interrupted
-            except BrokenPipeError:  # `| head` has seen enough
-                _give_up_output()
+            except BrokenPipeError:  # the reader has closed the pipe, such as `| head`
+                _discard_output()
                 return NO_READER
             except OSError as error:
-                _give_up_output()
+                _discard_output()
                 with contextlib.suppress(OSError):
-                    where = error.filename or ("its output" if error.errno in NO_ROOM else None)
+                    where = error.filename or ("its output" if error.errno in DISK_FULL else None)
                     print(f"{name}: {where}: {error.strerror}" if where else f"{name}: {error}", file=sys.stderr)
                 return failed
 
@@ -108,7 +138,7 @@ def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Ca
 
 
 def _open_streams() -> None:
-    """Open streams that the command was started without: the next file would get their number, and their text."""
+    """Open standard streams that are closed; otherwise the next opened file would get their output."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -120,8 +150,8 @@ def _open_streams() -> None:
         sys.stderr = open(os.devnull, "w")  # noqa: PTH123, SIM115 - for the rest of the process
 
 
-def _give_up_output() -> None:
-    """What is still to be written, and cannot be, would fail once more when Python ends."""
+def _discard_output() -> None:
+    """Discard buffered output that cannot be written; it would fail again when Python exits."""
     try:
         sys.stdout.flush()
     except (OSError, ValueError):
@@ -132,7 +162,7 @@ def _give_up_output() -> None:
 
 
 class _Console(logging.StreamHandler[TextIO]):
-    """Messages to a stream; where it takes no more, there is nobody to tell."""
+    """Log messages to a stream; errors of the stream itself are ignored."""
 
     def handleError(self, record: logging.LogRecord) -> None:
         if not isinstance(sys.exc_info()[1], OSError):
@@ -140,10 +170,10 @@ class _Console(logging.StreamHandler[TextIO]):
 
 
 class LogFile(logging.FileHandler):
-    """Messages to a file; one that cannot be written any more (a full disk) is told once, and left."""
+    """Log messages to a file; if it cannot be written any more, such as on a full disk, that is logged once."""
 
     def handleError(self, record: logging.LogRecord) -> None:
-        """End the file, and say so."""
+        """Stop writing the file, and log the error."""
         error = sys.exc_info()[1]
         if not isinstance(error, OSError):
             super().handleError(record)
@@ -151,7 +181,7 @@ class LogFile(logging.FileHandler):
         root = logging.getLogger("libgz")
         if self in root.handlers:
             root.removeHandler(self)
-            root.error("log file %s ends here: %s", self.baseFilename, error.strerror)
+            root.error("log file %s cannot be written any more: %s", self.baseFilename, error.strerror)
 
 
 class _ConsoleFormatter(logging.Formatter):
@@ -160,7 +190,7 @@ class _ConsoleFormatter(logging.Formatter):
 
 
 def set_up_messages(level: int, logfile: str | None) -> None:
-    """Send errors, warnings, and messages up to `level` (-1 to 9) to stderr; everything to `logfile`, if given.
+    """Send errors, warnings, and messages up to `level` (-1 to 9) to stderr, and all messages to `logfile`.
 
     Raises:
         ParameterError: the log file cannot be written.
@@ -180,13 +210,3 @@ def set_up_messages(level: int, logfile: str | None) -> None:
         raise ParameterError(f"cannot write log file {logfile!r}: {error.strerror}") from None
     file.setFormatter(_ConsoleFormatter("%(filename)s:%(lineno)d %(message)s"))
     root.addHandler(file)
-
-
-def set_up_classic_console(*, verbose: bool) -> None:
-    """Send errors and warnings to stderr, and with `verbose` messages to stdout, in Gazebo classic's form."""
-    from libgz.classic.common import ConsoleHandler
-
-    root = logging.getLogger("libgz")
-    root.setLevel(logging.DEBUG)
-    root.propagate = False
-    root.handlers[:] = [ConsoleHandler(verbose)]

@@ -1,4 +1,4 @@
-"""libgz convert: a worldfile's world as SDF 1.6 for Gazebo classic and gz-sim."""
+"""libgz convert: convert a worldfile to SDF 1.6 for Gazebo classic and gz-sim."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import logging
 import sys
 from pathlib import Path
 
+from libgz.apps.console import writing
 from libgz.convert.sdf import RAY_TYPES, Converted, convert
-from libgz.errors import GazeboError
 from libgz.files import write_whole
 from libgz.front import World
 from libgz.worldfile.file import WorldFile
@@ -21,35 +21,33 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to convert")
     add("-o", dest="output", type=Path, required=True, metavar="FILE", help="the SDF file to write")
-    add("--report", type=Path, metavar="FILE", help="write what has no counterpart to a file, too")
+    add("--report", type=Path, metavar="FILE", help="also write the list of what has no counterpart in SDF to a file")
     add(
         "--rays",
         choices=RAY_TYPES,
         default="ray",
-        help="type of lasers and sonars: ray, which Gazebo classic casts as libgz does (default), or gpu_ray, which "
-        "gz-sim runs as well",
+        help="sensor type of lasers and sonars: ray, which behaves in Gazebo classic as in libgz (default), or "
+        "gpu_ray, which gz-sim also supports",
     )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Load the world, write it, and say on stderr what has no counterpart.
+    """Load the world, write it, and list on stderr what has no counterpart in SDF.
 
     Raises:
         WorldFileError: the worldfile has errors.
         GazeboError: a file cannot be written.
     """
     output: Path = options.output
-    logging.getLogger("libgz").setLevel(logging.ERROR)  # its warnings are `libgz check`'s business
+    logging.getLogger("libgz").setLevel(logging.ERROR)  # warnings are reported by `libgz check`
     world = World()
     try:
         world.Load(WorldFile.from_file(options.worldfile))
         converted = convert(world, meshes=f"{output.stem}_meshes", rays=options.rays)
     finally:
         world.close()
-    try:
+    with writing():
         _write(converted, output, options.report)
-    except OSError as error:
-        raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
     for note in converted.notes:
         print(note, file=sys.stderr)
     return 0

@@ -1,4 +1,4 @@
-"""libgz demo: a server runs a robot's world, and this process drives it in a circle as any client would."""
+"""libgz demo: start a server with a robot, and drive the robot in a circle from this process."""
 
 from __future__ import annotations
 
@@ -15,19 +15,23 @@ from libgz.interfaces.client import Client
 __all__ = ["configure", "run"]
 
 SPEED, TURN = 0.3, 0.4  # [m/s], [rad/s]
-PATIENCE = 20.0  # [s] for the server to start
+PATIENCE = 20.0  # [s] to wait for the server
 
 HEADER = "   sim [s]     x [m]     y [m]  yaw [deg]  sonar min [m]  laser min [m]  battery [V]  real-time factor"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--seconds", type=float, default=16.0, metavar="S", help="of sim time (default 16)")
-    parser.add_argument("--rate", type=float, default=2.0, metavar="R", help="times real time (default 2)")
+    parser.add_argument(
+        "--seconds", type=float, default=16.0, metavar="S", help="duration in sim time [s] (default 16)"
+    )
+    parser.add_argument(
+        "--rate", type=float, default=2.0, metavar="R", help="simulated seconds per second of real time (default 2)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the server, drive its robot, and print what a client sees.
+    """Run the server, drive its robot, and print what the client reads.
 
     Raises:
         ServerError: the server did not start.
@@ -39,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
         try:
             words = (server.stdout.readline() if server.stdout else "").split()
             if not words:
-                raise ServerError("the server did not start; its own words are above")
+                raise ServerError("the server did not start; its messages are above")
             _drive(int(words[-1]), world, seconds)
         except KeyboardInterrupt:
             print()
@@ -49,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _drive(server_id: int, world: Path, seconds: float) -> None:
-    """Drive in a circle and print a line about every tenth of the time."""
+    """Drive in a circle and print ten lines in all."""
     print(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
     print(HEADER)
     with Client(server_id, timeout=PATIENCE) as client:
@@ -59,7 +63,7 @@ def _drive(server_id: int, world: Path, seconds: float) -> None:
         next_line, distance, last = 0.0, 0.0, robot.pose
         while sim.sim_time < seconds:
             if not client.wait(timeout=PATIENCE):
-                raise GazeboError(f"the server sent no news for {PATIENCE:g} s")
+                raise GazeboError(f"the server sent no data for {PATIENCE:g} s")
             x, y, yaw = robot.pose
             distance += math.hypot(x - last[0], y - last[1])
             last = (x, y, yaw)
@@ -75,4 +79,4 @@ def _drive(server_id: int, world: Path, seconds: float) -> None:
                 flush=True,
             )
         robot.command()
-        print(f"\ndriven {distance:.2f} m by odometry; the robot stands again")
+        print(f"\ndriven {distance:.2f} m by odometry; the robot has stopped")

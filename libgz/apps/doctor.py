@@ -1,4 +1,4 @@
-"""libgz doctor: what this machine has of what libgz needs."""
+"""libgz doctor: check what libgz needs on this machine."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PACKAGES = ("numpy", "lxml", "pillow")
 
 @dataclass(frozen=True)
 class Extra:
-    """An optional extra of the package: what it brings, and what works without it."""
+    """An optional extra of the package: what it provides, and what works without it."""
 
     packages: tuple[str, ...]
     gives: str
@@ -43,19 +43,19 @@ EXTRAS = {
         "meshes and skins of more formats",
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
-    "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their frames as pictures, work"),
+    "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
     "plot": Extra(("matplotlib",), "plots by libgz echo --plot", "libgz echo prints the same figures"),
 }
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing looked at."""
+    """The result of one check."""
 
     name: str
     text: str
     good: bool = True
-    needed: bool = True  # whether worlds cannot run without it
+    needed: bool = True  # whether worlds need it
 
     def __str__(self) -> str:
         mark = "ok" if self.good else "MISSING" if self.needed else "absent"
@@ -63,11 +63,11 @@ class Finding:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """There are no options."""
+    """No options."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print all findings; 1 if something is missing that worlds cannot run without."""
+    """Print all findings; return 1 if something that worlds need is missing."""
     findings = list(examine())
     for finding in findings:
         print(finding)
@@ -75,7 +75,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def examine() -> Iterator[Finding]:
-    """Look at everything, one finding each."""
+    """Run all checks."""
     yield Finding("libgz", __version__)
     yield Finding("python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     for package in PACKAGES:
@@ -99,7 +99,7 @@ def _version(package: str) -> str | None:
 
 
 def _extra(name: str, extra: Extra) -> Finding:
-    """Whether all packages of an extra are there, and what their absence means."""
+    """Whether all packages of an extra are installed, and what is unavailable without them."""
     versions = {package: _version(package) for package in extra.packages}
     absent = [package for package, version in versions.items() if version is None]
     if absent:
@@ -116,7 +116,7 @@ def _try(name: str, look: Callable[[], str]) -> Finding:
 
 
 def _step() -> str:
-    """Which form of the step a new world takes, and why."""
+    """The implementation of the step that a new world uses, and why."""
     engine = Engine()
     form = engine.step_form.name
     engine.close()
@@ -126,7 +126,7 @@ def _step() -> str:
 
 
 def _semaphores() -> str:
-    """Whether semaphore sets can be made here."""
+    """Whether semaphore sets can be created."""
     probe = 900_000_000 + os.getpid() % 1_000_000
     semaphores = SemaphoreSet.create(probe)
     semaphores.post()
@@ -135,19 +135,19 @@ def _semaphores() -> str:
 
 
 def _directory() -> str:
-    """Whether a server's directory can be made."""
-    place = os.environ.get("TMP", "/tmp")  # the wire's own default
+    """Whether a server's directory can be created."""
+    place = os.environ.get("TMP", "/tmp")  # the default of libgazebo
     with tempfile.TemporaryDirectory(dir=place):
         return f"servers keep their files in {place}"
 
 
 def _contexts() -> Iterator[Finding]:
-    """Which off-screen OpenGL contexts work, and why the others do not. One is enough for worlds with cameras."""
+    """The off-screen OpenGL contexts, each with the reason if it does not work; worlds with cameras need one."""
     for name, kind in CONTEXTS.items():
         try:
             context = kind()
         except GazeboError as error:
             yield Finding(name, str(error), good=False, needed=False)
             continue
-        yield Finding(name, f"draws pictures: {context.description}")
+        yield Finding(name, f"renders: {context.description}")
         context.close()

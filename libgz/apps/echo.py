@@ -1,4 +1,4 @@
-"""libgz echo: what an interface says, live, for people, for programs, or as a picture."""
+"""libgz echo: print the data of an interface live, as text or JSON, or plot it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from libgz.transport.interface import Interface
 
 __all__ = ["configure", "run"]
 
-PATIENCE = 5.0  # [s] without a word from the server
+PATIENCE = 5.0  # [s] without data from the server
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -31,19 +31,40 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         default=[],
         metavar="FIELD",
-        help="such as pos, pos[0] or joints[2].angle; all if none is given",
+        help="fields to print, such as pos, pos[0] or joints[2].angle (default: all)",
     )
-    add("--json", action="store_true", help="one JSON object a line, long arrays included")
-    add("--rate", type=float, default=10.0, metavar="HZ", help="lines per second of real time at most (default 10)")
-    add("--count", type=int, default=None, metavar="N", help="end after so many samples")
-    add("--once", action="store_true", help="one sample, as it stands now; like --count 1")
-    add("--seconds", type=float, default=None, metavar="S", help="end after so much real time")
-    add("--plot", metavar="FILE.png", help="draw the fields over sim time when done; needs matplotlib")
-    add("-c", dest="client_id", type=int, default=7, metavar="N", help="client id to wait under, 0 to 7 (default 7)")
+    add("--json", action="store_true", help="print one JSON object per line, long arrays included")
+    add(
+        "--rate",
+        type=float,
+        default=10.0,
+        metavar="HZ",
+        help="largest number of lines per second of real time (default 10)",
+    )
+    add("--count", type=int, default=None, metavar="N", help="number of samples (default: until interrupted)")
+    add("--once", action="store_true", help="print the present sample only, like --count 1")
+    add(
+        "--seconds",
+        type=float,
+        default=None,
+        metavar="S",
+        help="duration in real time [s] (default: until interrupted)",
+    )
+    add(
+        "--plot", metavar="FILE.png", help="plot the fields over sim time to an image file at the end; needs matplotlib"
+    )
+    add(
+        "-c",
+        dest="client_id",
+        type=int,
+        default=7,
+        metavar="N",
+        help="client id used to wait for data, 0 to 7 (default 7)",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print or plot samples until told to end.
+    """Print or plot samples.
 
     Raises:
         ParameterError: a field or an option is not allowed.
@@ -56,9 +77,9 @@ def run(options: argparse.Namespace) -> int:
     if count is not None and count < 1:
         raise ParameterError(f"--count is {count}; it must be at least 1")
     if options.seconds is not None and not 0.0 <= options.seconds < math.inf:
-        raise ParameterError(f"--seconds is {options.seconds:g}; it must not be negative, nor endless")
+        raise ParameterError(f"--seconds is {options.seconds:g}; it must be finite and not negative")
     if options.plot and count is None and options.seconds is None:
-        raise ParameterError("--plot needs an end: give --count or --seconds")
+        raise ParameterError("--plot needs a duration: add --count or --seconds")
     pyplot = _pyplot() if options.plot else None
     with connect(options, options.client_id) as client, contextlib.suppress(KeyboardInterrupt):
         interface = open_target(client, options.target)
@@ -68,7 +89,7 @@ def run(options: argparse.Namespace) -> int:
             for _ in samples:
                 print(_line(interface, places, options), flush=True)
         elif not places:
-            raise ParameterError("--plot needs a field: name one after the interface")
+            raise ParameterError("--plot needs a field: add one after the interface")
         else:
             _plot(pyplot, interface, dict(zip(options.fields, places, strict=True)), samples, Path(options.plot))
     return 0
@@ -77,12 +98,12 @@ def run(options: argparse.Namespace) -> int:
 def _samples(
     client: Client, interface: Interface[Any], period: float, count: int | None, seconds: float | None
 ) -> Iterator[float]:
-    """Come back with the time of each new sample [s], at most one a period."""
+    """The time of each new sample [s], at most one per period [s]."""
     begin = time.monotonic()
     end = math.inf if seconds is None else begin + seconds
     last: float | None = None
     while count is None or count > 0:
-        now = _clock(interface)
+        now = _time(interface)
         if last is None or now != last:
             last = now
             yield now
@@ -95,11 +116,11 @@ def _samples(
         if time.monotonic() >= end:
             return
         if not client.wait(timeout=PATIENCE):
-            raise GazeboError(f"the server sent no news for {PATIENCE:g} s")
+            raise GazeboError(f"the server sent no data for {PATIENCE:g} s")
 
 
-def _clock(interface: Interface[Any]) -> float:
-    """When the sample was made [s]: sim time, and pause time where the interface has it."""
+def _time(interface: Interface[Any]) -> float:
+    """The time of the sample [s]: sim time, plus pause time where the interface has it."""
     data = interface.data
     if hasattr(data, "time"):
         return float(data.time)
@@ -124,7 +145,7 @@ def _line(
 
 
 def _json(value: Any) -> Any:
-    """Numbers that JSON does not know become null."""
+    """Replace numbers that JSON cannot represent with null."""
     if isinstance(value, dict):
         return {name: _json(item) for name, item in value.items()}
     if isinstance(value, list):
@@ -145,7 +166,7 @@ def _pyplot() -> Any:
         importlib.import_module("matplotlib").use("agg")
         return importlib.import_module("matplotlib.pyplot")
     except ImportError:
-        raise LibraryError("--plot draws with matplotlib, which is not installed: pip install 'libgz[plot]'") from None
+        raise LibraryError("--plot needs matplotlib, which is not installed: pip install 'libgz[plot]'") from None
 
 
 def _plot(
@@ -155,10 +176,10 @@ def _plot(
     samples: Iterator[float],
     path: Path,
 ) -> None:
-    """Gather samples and draw them."""
+    """Collect samples and plot them."""
     times: list[float] = []
     lines: dict[str, list[float]] = {}
-    with contextlib.suppress(ServerGoneError):  # what was seen until then is drawn all the same
+    with contextlib.suppress(ServerGoneError):  # the samples until then are plotted
         for now in samples:
             times.append(now)
             with interface.locked() as data:
@@ -179,4 +200,4 @@ def _plot(
         raise ParameterError(f"the plot cannot be written to {str(path)!r}: {error}") from None
     finally:
         pyplot.close(figure)
-    print(f"{len(times)} samples drawn in {path}")
+    print(f"{len(times)} samples plotted to {path}")

@@ -1,4 +1,4 @@
-"""gazebo: run a worldfile and serve it to other programs."""
+"""gazebo: run a worldfile and serve its interfaces to other programs."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pathlib import Path
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero, set_up_messages, whole_number
 from libgz.apps.record import Recorder
+from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.front import World
 from libgz.rendering.context import CHOICES, prefer
@@ -48,13 +49,15 @@ _seconds.__name__ = "number of seconds"
 
 def _wire_version(text: str) -> int:
     if text not in WIRE_VERSIONS:
-        raise argparse.ArgumentTypeError(f"{text!r} is no wire version; allowed are {', '.join(WIRE_VERSIONS)}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a wire version; allowed are {', '.join(WIRE_VERSIONS)}")
     return WIRE_VERSIONS[text]
 
 
 def make_parser() -> argparse.ArgumentParser:
-    """The options of Gazebo 0.7, and a few more."""
-    parser = Parser(prog="gazebo", description="Run a worldfile and serve its models to other programs.")
+    """The options of Gazebo 0.7, and those of libgz."""
+    parser = Parser(
+        prog="gazebo", description="Run a worldfile and serve the interfaces of its models to other programs."
+    )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run")
     add(
@@ -63,9 +66,9 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="ID",
         type=_server_id,
         default=0,
-        help="server id; several servers need different ones; `auto` takes a free one and prints it (default 0)",
+        help="server id, different for each running server; `auto` selects a free id and prints it (default 0)",
     )
-    add("-f", dest="force", action="store_true", help="take over a server id that something left behind")
+    add("-f", dest="force", action="store_true", help="take over a stale server id")
     add(
         "-d",
         dest="level",
@@ -73,7 +76,7 @@ def make_parser() -> argparse.ArgumentParser:
         type=int,
         choices=range(-1, 10),
         default=1,
-        help="message level, -1 none to 9 all (default 1); errors and warnings are always told",
+        help="message level, -1 none to 9 all (default 1); errors and warnings are always printed",
     )
     add(
         "-t",
@@ -81,10 +84,10 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="SEC",
         type=_seconds,
         default=None,
-        help="quit after so many seconds of real time; negative: never (default)",
+        help="quit after a real time [s]; negative: never (default)",
     )
-    add("-l", dest="logfile", metavar="FILE", help="write all messages to a file, too")
-    add("-n", dest="free", action="store_true", help="no time control: as fast as possible, like --rate 0")
+    add("-l", dest="logfile", metavar="FILE", help="also write all messages to a file")
+    add("-n", dest="free", action="store_true", help="run as fast as possible, like --rate 0")
     add("-v", "--version", action="version", version=f"gazebo (libgz) {__version__}")
     add(
         "--rate",
@@ -98,21 +101,20 @@ def make_parser() -> argparse.ArgumentParser:
         type=whole_number("whole number from 0"),
         default=0,
         metavar="N",
-        help="seed of everything random (default 0)",
+        help="seed of all random numbers (default 0)",
     )
     add(
         "--wire-version",
         type=_wire_version,
         default=LIBGAZEBO_VERSION,
         metavar="V",
-        help="version that interfaces announce: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
+        help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
     )
     add(
         "--gl",
         choices=CHOICES,
         default=None,
-        help="what draws the cameras' pictures: auto tries osmesa, then egl; none leaves cameras blind "
-        "(default: LIBGZ_GL, else auto)",
+        help=GL_HELP,
     )
     add(
         "--render-thread",
@@ -124,14 +126,14 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="ID=FILE",
-        help="write a camera's pictures to a video file; may be given several times",
+        help="record a camera's images to a video file; may be repeated",
     )
-    add("--steps", type=int, default=None, metavar="N", help="quit after so many steps")
+    add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
 
 
 class Run:
-    """One run of a world: the loop, its ends, and the status line."""
+    """One run of a world: the loop, its end conditions, and the status line."""
 
     def __init__(self, world: World, options: argparse.Namespace) -> None:
         self.world = world
@@ -144,12 +146,12 @@ class Run:
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
     def stop(self, number: int, _frame: object) -> None:
-        """Signal handler: end after this step."""
+        """Signal handler: stop after the present step."""
         self.stopped = True
         log.info("ending: %s", signal.Signals(number).name)
 
     def loop(self) -> None:
-        """Step until a signal, the time, or the number of steps ends it."""
+        """Step until a signal, the time, or the number of steps ends the run."""
         world, done = self.world, 0
         while not self.over(done):
             world.Step()
@@ -162,12 +164,12 @@ class Run:
                 self.print_status()
 
     def over(self, done: int) -> bool:
-        """Whether it is time to end."""
+        """Whether to stop, after a number of steps."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         return self.stopped or late or (self.steps is not None and done >= self.steps)
 
     def print_status(self) -> None:
-        """Real, sim and pause time, their ratio, and the processor's share, in place on one line."""
+        """Print real, sim and pause time, their ratio, and the processor load, over the previous status line."""
         self._next_status = time.monotonic() + STATUS_PERIOD
         world = self.world
         real, simulated, paused = world.GetRealTime(), world.GetSimTime(), world.GetPauseTime()
@@ -186,16 +188,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:
-        return _complain(str(error), USAGE_ERROR)
+        return _report(str(error), USAGE_ERROR)
     if options.steps is not None and options.steps < 0:
-        return _complain(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
+        return _report(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
     if not path.is_file():
         what = "is a directory" if path.is_dir() else "is not a plain file" if path.exists() else "does not exist"
-        return _complain(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
+        return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
         return _run(path, options)
     except GazeboError as error:
-        return _complain(str(error), 1)
+        return _report(str(error), 1)
 
 
 def _run(path: Path, options: argparse.Namespace) -> int:
@@ -209,7 +211,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
             return _serve(path, options, server_id)
         except ServerError:
             if free_server_id() == server_id:
-                raise  # for another reason than that somebody took the id while the world was loading
+                raise  # the id is still free, so another process did not take it: the error has another cause
 
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
@@ -238,7 +240,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     return 0
 
 
-def _complain(message: str, code: int) -> int:
+def _report(message: str, code: int) -> int:
     for line in message.splitlines():
         log.error("%s", line)
     return code

@@ -1,4 +1,4 @@
-"""libgz interfaces: what a running server offers."""
+"""libgz interfaces: list the interfaces of a running server."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_server(parser)
-    parser.add_argument("--json", action="store_true", help="as one JSON array")
+    parser.add_argument("--json", action="store_true", help="print one JSON array")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print a line for each interface.
 
     Raises:
-        ServerError: the server is not there.
+        ServerError: there is no such server.
     """
     with connect(options) as client:
         rows = [_row(client, kind, name) for kind, name in client.interfaces()]
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _row(client: Client, kind: str, name: str) -> dict[str, Any]:
-    """What there is to say of one interface."""
+    """The description of one interface."""
     row: dict[str, Any] = {"interface": f"{kind}.{name}", "type": kind, "id": name, "model": "", "about": ""}
     try:
         interface = client.open(new_interface(kind), name)

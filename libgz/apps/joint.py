@@ -1,4 +1,4 @@
-"""libgz joint: joints of a running SDF world: forces, targets, gains."""
+"""libgz joint: apply forces to joints of a running SDF world, and set targets and gains of their controllers."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add = parser.add_argument
     add_world(parser)
-    add("-m", "--model-name", required=True, metavar="NAME", help="the model")
-    add("-j", "--joint-name", metavar="JOINT", help="the joint")
-    add("-i", "--info", action="store_true", help="print the position, or those of all joints")
-    add("-d", "--delete", dest="reset", action="store_true", help="forget forces and targets")
-    add("-f", "--force", type=float, metavar="N", help="push from now on [N m or N]")
-    for kind, unit in (("pos", "rad or m"), ("vel", "rad/s or m/s")):
-        add(f"--{kind}-t", type=float, metavar="N", help=f"hold it there [{unit}]")
-        for letter, word in (("p", "proportional"), ("i", "integral"), ("d", "derivative")):
-            add(f"--{kind}-{letter}", type=float, metavar="N", help=f"{word} gain of that")
+    add("-m", "--model-name", required=True, metavar="NAME", help="name of the model")
+    add("-j", "--joint-name", metavar="JOINT", help="name of the joint")
+    add("-i", "--info", action="store_true", help="print the joint's position, or those of all joints")
+    add("-d", "--delete", dest="reset", action="store_true", help="reset forces and targets")
+    add("-f", "--force", type=float, metavar="N", help="apply a constant force or torque [N or N m]")
+    for kind, word, unit in (("pos", "position", "rad or m"), ("vel", "velocity", "rad/s or m/s")):
+        add(f"--{kind}-t", type=float, metavar="N", help=f"{word} target [{unit}]")
+        for letter, gain in (("p", "proportional"), ("i", "integral"), ("d", "derivative")):
+            add(f"--{kind}-{letter}", type=float, metavar="N", help=f"{gain} gain of the {word} controller")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what is asked.
+    """Print positions, or send a command.
 
     Raises:
         ServerError: there is no server.
         NotFoundError: there is no such model or joint.
-        ParameterError: the command line says too little.
+        ParameterError: the command line is incomplete.
     """
     with world_node(options) as (node, _link):
         model = ask(node, "entity_info", options.model_name)
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
                     print(name, *(f"{angle:.6f}" for angle in joint.angle))
             return 0
         if options.joint_name is None:
-            raise ParameterError("which joint? -j JOINT, or -i for all")
+            raise ParameterError("no joint is given; use -j JOINT, or -i for all joints")
         publish(node, "~/joint", _command(joints[options.joint_name].name, options))
     return 0
 
@@ -70,5 +70,5 @@ def _command(name: str, options: argparse.Namespace) -> Any:
             if value is not None and math.isfinite(value):
                 setattr(getattr(message, field), gain, value)
     if len(message.ListFields()) == 1:
-        raise ParameterError("what is to be done? -f N, --pos-t N, --vel-t N, gains such as --pos-p N, -d, or -i")
+        raise ParameterError("no action is given; use -f N, --pos-t N, --vel-t N, gains such as --pos-p N, -d, or -i")
     return message

@@ -1,4 +1,4 @@
-"""libgz: the toolbox command. Each subcommand is a module of this package, imported when it is asked for."""
+"""libgz: the command with subcommands. Each subcommand is a module of this package, imported when it is used."""
 
 from __future__ import annotations
 
@@ -15,33 +15,34 @@ from libgz.errors import GazeboError
 
 __all__ = ["main"]
 
-# Subcommand -> what it does. Its module has configure(parser), which adds options, and run(options), the exit code.
+# Subcommand -> help text. The module of the same name has configure(parser), which adds the options, and run(options),
+# which returns the exit code.
 COMMANDS = {
-    "check": "tell what is wrong or unused in worldfiles",
-    "clean": "remove what dead servers left behind",
-    "config": "print what a C compiler needs for programs that speak libgazebo",
-    "convert": "write a worldfile's world as SDF 1.6",
-    "demo": "run a robot's world and drive it from a second process",
-    "doctor": "show what this machine has of what libgz needs",
-    "echo": "print what an interface of a running server says, live",
-    "interfaces": "list what a running server offers",
-    "joint": "push and steer joints of a running SDF world",
-    "log": "read a log file of an SDF world, or switch recording on and off in a running server",
-    "model": "look at, move, add and delete models of a running SDF world",
+    "check": "report errors and unused elements in worldfiles",
+    "clean": "remove stale files of dead servers",
+    "config": "print compiler flags for C programs that use libgazebo",
+    "convert": "convert a worldfile to SDF 1.6",
+    "demo": "start a server with a robot, and drive the robot from a second process",
+    "doctor": "check what libgz needs on this machine",
+    "echo": "print the data of an interface of a running server, live",
+    "interfaces": "list the interfaces of a running server",
+    "joint": "apply forces to joints of a running SDF world, and set their targets",
+    "log": "read a log file of an SDF world, or start and stop recording in a running server",
+    "model": "inspect, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
-    "picture": "save what a camera of a world sees",
-    "schema": "print a grammar of worldfiles for editors",
-    "sdf": "check an SDF file of Gazebo classic, or print it with its defaults",
+    "picture": "run a world and save the image of one of its cameras",
+    "schema": "print a RELAX NG grammar of worldfiles for editors",
+    "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
     "set": "write fields of an interface of a running server",
-    "stats": "print how fast a running SDF world goes",
-    "topic": "list, print, measure and publish the topics of a running server of SDF worlds",
-    "upgrade": "rewrite a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7",
+    "stats": "print the real-time factor of a running SDF world",
+    "topic": "list, print, measure and publish topics of a running gzserver",
+    "upgrade": "convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7",
 }
 
 
 def make_parser(wanted: str | None) -> Parser:
-    """The parser; options are added for the subcommand `wanted` only, so that the others need not be imported."""
-    parser = Parser(prog="libgz", description="Tools around simulated worlds.")
+    """The parser, with options of the subcommand `wanted` only, so that the other modules are not imported."""
+    parser = Parser(prog="libgz", description="Tools for worldfiles, servers and SDF worlds.")
     parser.add_argument("-v", "--version", action="version", version=f"libgz {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
     for name, help_ in COMMANDS.items():
@@ -52,7 +53,7 @@ def make_parser(wanted: str | None) -> Parser:
 
 
 def _terminated(number: int, _frame: object) -> NoReturn:
-    """SIGTERM: end what was begun, the demonstration's server above all."""
+    """SIGTERM: exit with clean-up, such as ending the server of `libgz demo`."""
     sys.exit(128 + number)
 
 

@@ -1,4 +1,4 @@
-"""libgz log: log files of SDF worlds: what is in them, and recording switched on and off."""
+"""libgz log: read log files of SDF worlds, and start and stop recording in a running server."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add_world(parser)
     add("-f", "--file", metavar="FILE", help="the log file (gzserver -r writes state.log)")
-    add("-i", "--info", action="store_true", help="print what the file is, and what is in it")
-    add("-e", "--echo", action="store_true", help="print its states")
-    add("--filter", default="", metavar="NAMES", help="with -e: models of these names, a pattern with * or a regex")
-    add("-z", "--hz", type=float, metavar="HZ", help="with -e: at most so many states per second of sim time")
-    add("-d", "--record", choices=("0", "1"), help="let the running server record (1), or stop (0)")
-    add("--encoding", choices=tuple(ENCODINGS), default="zlib", help="with -d 1: how states are written")
-    add("--path", default="", metavar="FOLDER", help="with -d 1: where state.log is written")
+    add("-i", "--info", action="store_true", help="print a summary of the file (default)")
+    add("-e", "--echo", action="store_true", help="print the states")
+    add("--filter", default="", metavar="NAMES", help="with -e: names of models to print, a pattern with * or a regex")
+    add("-z", "--hz", type=float, metavar="HZ", help="with -e: largest number of states per second of sim time")
+    add("-d", "--record", choices=("0", "1"), help="start (1) or stop (0) recording in the running server")
+    add("--encoding", choices=tuple(ENCODINGS), default="zlib", help="with -d 1: encoding of the states (default zlib)")
+    add("--path", default="", metavar="FOLDER", help="with -d 1: directory of state.log")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what is asked.
+    """Print a log, or start or stop recording.
 
     Raises:
-        ParameterError: the command line says too little.
-        WorldFileError: the file cannot be read, is no log, or is damaged.
+        ParameterError: the command line is incomplete.
+        WorldFileError: the file cannot be read, is not a log, or is damaged.
         ServerError: there is no server.
-        GazeboError: the server does not listen.
+        GazeboError: the server does not subscribe to the topic.
     """
     if options.record is not None:
         message = msgs.LogControl()
@@ -48,9 +48,9 @@ def run(options: argparse.Namespace) -> int:
             publish(node, "~/log/control", message)
         return 0
     if options.file is None:
-        raise ParameterError("which log? -f FILE; or -d 1 and -d 0 for a running server")
+        raise ParameterError("no log file is given; use -f FILE, or -d 1 and -d 0 for a running server")
     if options.hz is not None and not options.hz > 0.0:
-        raise ParameterError(f"bad rate {options.hz:g} Hz; it must be above 0")
+        raise ParameterError(f"--hz is {options.hz:g}; it must be above 0")
     reader = LogReader(options.file)
     if options.echo:
         for state in _thinned(read_states(reader), options.hz):
@@ -61,18 +61,18 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogState]:
-    """States not closer than a rate [Hz] says; what those between tell goes into the next one."""
-    due, gathered = -float("inf"), LogState(0.0)
+    """States at no more than a rate [Hz]; each includes the changes of the omitted states before it."""
+    due, omitted = -float("inf"), LogState(0.0)
     for state in states:
-        state.poses = {**gathered.poses, **state.poses}
-        state.velocities = {**gathered.velocities, **state.velocities}
-        state.insertions = gathered.insertions + state.insertions
-        state.deletions = gathered.deletions + state.deletions
-        gathered = state
+        state.poses = {**omitted.poses, **state.poses}
+        state.velocities = {**omitted.velocities, **state.velocities}
+        state.insertions = omitted.insertions + state.insertions
+        state.deletions = omitted.deletions + state.deletions
+        omitted = state
         if rate is None or state.sim_time >= due - _SLACK:
             due = state.sim_time + (1.0 / rate if rate else 0.0)
             yield state
-            gathered = LogState(0.0)
+            omitted = LogState(0.0)
 
 
 def _print_state(state: LogState, wanted: NamePattern) -> None:
@@ -82,7 +82,7 @@ def _print_state(state: LogState, wanted: NamePattern) -> None:
 
 
 def _print_info(reader: LogReader) -> None:
-    """In the words of classic's tool."""
+    """Print a summary in the format of classic's tool."""
     count, first, last, models = 0, None, 0.0, set()
     for state in read_states(reader):
         first = state.sim_time if first is None else first

@@ -1,12 +1,12 @@
-"""libgz model: models of a running SDF world: look, move, add, delete."""
+"""libgz model: inspect, move, add and delete models of a running SDF world."""
 
 from __future__ import annotations
 
 import argparse
 import math
-from pathlib import Path
 from typing import Any
 
+from libgz.apps.console import read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
@@ -14,30 +14,38 @@ from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
 
-AXES = ("pose-x", "pose-y", "pose-z", "pose-R", "pose-P", "pose-Y")
+# Option -> what it sets.
+AXES = {
+    "pose-x": "x [m]",
+    "pose-y": "y [m]",
+    "pose-z": "z [m]",
+    "pose-R": "roll [rad]",
+    "pose-P": "pitch [rad]",
+    "pose-Y": "yaw [rad]",
+}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add = parser.add_argument
     add_world(parser)
-    add("-m", "--model-name", default="", metavar="NAME", help="the model")
-    add("-i", "--info", action="store_true", help="print all about it")
+    add("-m", "--model-name", default="", metavar="NAME", help="name of the model")
+    add("-i", "--info", action="store_true", help="print all data of the model")
     add("-p", "--pose", action="store_true", help="print its pose: x y z [m] roll pitch yaw [rad]")
-    add("-d", "--delete", action="store_true", help="take it out of the world")
+    add("-d", "--delete", action="store_true", help="delete the model")
     add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF file, or model://name")
-    add("-s", "--spawn-string", metavar="SDF", help="add a model from a text")
-    for word, unit in zip(AXES, ("m", "m", "m", "rad", "rad", "rad"), strict=True):
-        add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"its place [{unit}]")
+    add("-s", "--spawn-string", metavar="SDF", help="add a model from an SDF string")
+    for word, coordinate in AXES.items():
+        add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"new {coordinate}")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what is asked.
+    """Inspect, move, add or delete a model.
 
     Raises:
         ServerError: there is no server.
         NotFoundError: there is no such model.
-        ParameterError: the command line says too little.
+        ParameterError: the command line is incomplete.
     """
     place = [getattr(options, word.replace("-", "_")) for word in AXES]
     moved = any(value is not None for value in place)
@@ -46,9 +54,9 @@ def run(options: argparse.Namespace) -> int:
             raise ParameterError(f"--{word} is {value:g}; it must be a finite number")
     spawned = options.spawn_file or options.spawn_string
     if not (options.model_name or spawned):
-        raise ParameterError("which model? -m NAME, or -f FILE for a new one")
+        raise ParameterError("no model is given; use -m NAME, or -f FILE for a new model")
     if not (spawned or moved or options.info or options.pose or options.delete):
-        raise ParameterError("what is to be done? -i, -p, -d, a place such as -x 1, or -f FILE")
+        raise ParameterError("no action is given; use -i, -p, -d, a coordinate such as -x 1, or -f FILE")
     with world_node(options) as (node, _link):
         if spawned:
             publish(node, "~/factory", _factory(options, place if moved else None))
@@ -75,13 +83,7 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
     elif "://" in options.spawn_file:
         message.sdf_filename = options.spawn_file
     else:
-        path = Path(options.spawn_file)
-        if not path.is_file():
-            raise ParameterError(f"{path}: there is no such file")
-        try:
-            message.sdf = path.read_text()
-        except (OSError, UnicodeDecodeError) as error:
-            raise ParameterError(f"the model cannot be read from {str(path)!r}: {error}") from None
+        message.sdf = read_text(options.spawn_file, "the model")
     if options.model_name:
         message.edit_name = options.model_name
     if place is not None:

@@ -1,4 +1,4 @@
-"""libgz models: all models in one line each, or everything about one."""
+"""libgz models: list all models, or describe one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Iterable
 from pathlib import Path
 
-from libgz.errors import GazeboError
+from libgz.apps.console import writing
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries, entry
 from libgz.reference.pages import write_pages
 
@@ -18,21 +18,21 @@ WIDTH = 100
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("name", nargs="?", metavar="MODEL", help="the model to describe; without it, all are listed")
-    parser.add_argument("--pages", type=Path, metavar="DIR", help="write the reference pages of all built-in models")
+    parser.add_argument("name", nargs="?", metavar="MODEL", help="the model to describe (default: list all models)")
+    parser.add_argument(
+        "--pages", type=Path, metavar="DIR", help="write the reference pages of all built-in models to a directory"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print what is asked for.
+    """List all models, describe one, or write the reference pages.
 
     Raises:
         GazeboError: there is no such model, or pages cannot be written.
     """
     if options.pages is not None:
-        try:
+        with writing():
             changed = write_pages(options.pages)
-        except OSError as error:
-            raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
         print("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
     elif options.name is not None:
         print(describe(entry(options.name)), end="")
@@ -45,13 +45,13 @@ def run(options: argparse.Namespace) -> int:
 
 
 def describe(model: Entry) -> str:
-    """All about a model, as text for a terminal."""
+    """The description of a model, as text for a terminal."""
     bodies, joints = model.parts()
     sections = [f"{model.name}: {model.summary}"]
     if model.description:
         sections.append(model.description)
     sections.append(f"Interfaces: {', '.join(model.kind.interfaces) or 'none'}")
-    sections.append("Attributes:\n" + (_attributes(model.rows) or "  none of its own\n").rstrip())
+    sections.append("Attributes:\n" + (_attributes(model.rows) or "  none\n").rstrip())
     sections.append("Attributes of all models:\n" + _attributes(common_rows()).rstrip())
     sections.append("Bodies:\n" + _parts(bodies))
     if joints:
@@ -61,7 +61,7 @@ def describe(model: Entry) -> str:
 
 
 def _attributes(rows: Iterable[Row]) -> str:
-    """Name, type, default and unit on a line, the meaning below it."""
+    """Name, unit, type and default on one line, the meaning below."""
     text = ""
     for row in rows:
         unit = f" [{row.unit}]" if row.unit else ""

@@ -1,17 +1,21 @@
-"""libgz picture: run a world for a while and save what one of its cameras sees."""
+"""libgz picture: run a world for a while and save the image of one of its cameras."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Protocol, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.apps.view_options import pose, size
+from libgz.apps.view_options import GL_HELP, pose, size
+from libgz.classic.sensors import CameraSensor
+from libgz.classic.server import attach
 from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
+from libgz.geometry import GzPose
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo
@@ -21,27 +25,28 @@ from libgz.rendering.image import write_image
 
 __all__ = ["configure", "run"]
 
+C = TypeVar("C")
+Image: TypeAlias = NDArray[np.uint8]
+_EMPTY: Image = np.zeros((0, 0, 3), np.uint8)
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("world", help="the worldfile, legacy or SDF")
-    parser.add_argument("--camera", metavar="ID", help="id of the camera, or sensor (default: the world's first)")
-    parser.add_argument(
-        "--pose", type=pose, metavar='"X Y Z R P Y"', help="draw what a free camera sees from there [m], [rad]"
-    )
-    parser.add_argument("--size", type=size, default=(640, 480), metavar="WxH", help="of that picture [px]")
-    parser.add_argument("-o", dest="output", metavar="FILE", default="picture.png", help="default picture.png")
-    parser.add_argument(
-        "--time", type=float, default=0.0, metavar="T", help="save the last picture up to this sim time [s] (default 0)"
-    )
-    parser.add_argument("--gl", choices=CHOICES, default=None, help="as for gazebo")
+    add = parser.add_argument
+    add("world", help="the worldfile, legacy or SDF")
+    add("--camera", metavar="ID", help="id of the camera model, or name of the sensor (default: the first one)")
+    add("--pose", type=pose, metavar='"X Y Z R P Y"', help="use a free camera at this pose [m], [rad]")
+    add("--size", type=size, default=(640, 480), metavar="WxH", help="image size of the free camera [px]")
+    add("-o", dest="output", metavar="FILE", default="picture.png", help="the file to write (default picture.png)")
+    add("--time", type=float, default=0.0, metavar="T", help="save the last image up to this sim time [s] (default 0)")
+    add("--gl", choices=CHOICES, default=None, help=GL_HELP)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the world and save the picture.
+    """Run the world and save the image.
 
     Raises:
-        GazeboError: the world cannot run, has no such camera, or the file cannot be written.
+        GazeboError: the world cannot run, it has no such camera, or the file cannot be written.
     """
     if not 0.0 <= options.time < float("inf"):
         raise ParameterError(f"--time is {options.time:g} s; it must not be negative")
@@ -49,58 +54,87 @@ def run(options: argparse.Namespace) -> int:
         prefer(options.gl)
     with World.from_file(options.world) as world:
         world.sim.data.pause = 0
-        # What is wrong with the camera's name is told before the world runs.
-        look, seen_by = _look(world, options)
-        # Models act at the beginning of a step: one step more, and the picture of time T is there.
+        camera = _camera(world, options)  # before the world runs, so that a wrong name is reported at once
+        # Models act at the beginning of a step, so one more step is needed for the image of time T.
         world.step(round(options.time / world.engine.step_time) + 1)
-        image = look()
+        image = camera.image()
         if not image.size:
-            raise LibraryError(f"camera {seen_by} took no picture: OpenGL is switched off (--gl or LIBGZ_GL)")
+            raise LibraryError(f"camera {camera.label} has no image: rendering is disabled (--gl or LIBGZ_GL)")
         write_image(Path(options.output), image)
-        print(f"{options.output}: {image.shape[1]} x {image.shape[0]} px, seen by {seen_by}")
+        print(f"{options.output}: {image.shape[1]} x {image.shape[0]} px, from {camera.label}")
     return 0
 
 
-def _look(world: World, options: argparse.Namespace) -> tuple[Callable[[], NDArray[np.uint8]], str]:
-    """What takes the picture that is asked for, and who sees it."""
+class _Camera(Protocol):
+    """A source of the image to save."""
+
+    label: str  # its name in messages
+
+    def image(self) -> Image:
+        """The present image, shape (height, width, 3); empty if rendering is disabled."""
+
+
+class _FreeCamera:
+    """A camera at a pose in the world."""
+
+    label = "a free camera"
+
+    def __init__(self, world: World, pose: GzPose, size: tuple[int, int]) -> None:
+        self._camera = FreeCamera(world, *size, near=0.05, far=200.0)
+        self._camera.SetPose(pose)
+        self._camera.options.displayGrid = world.sdf is not None  # as in classic's window
+
+    def image(self) -> Image:
+        return _EMPTY if self._camera.blind else self._camera.Update()
+
+
+class _SensorCamera:
+    """A camera sensor of an SDF world."""
+
+    def __init__(self, sensor: CameraSensor) -> None:
+        self._sensor, self.label = sensor, repr(sensor.ScopedName())
+
+    def image(self) -> Image:
+        self._sensor.Update(True)
+        camera = self._sensor.Camera()
+        return _EMPTY if camera.core.blind else camera.pixels
+
+
+class _ModelCamera:
+    """A camera model of a legacy world."""
+
+    def __init__(self, interface: Camera | Guicam | Stereo) -> None:
+        self._interface, self.label = interface, repr(interface.id)
+
+    def image(self) -> Image:
+        interface = self._interface
+        return interface.left_image if isinstance(interface, Stereo) else interface.image
+
+
+def _camera(world: World, options: argparse.Namespace) -> _Camera:
+    """The camera given on the command line."""
     if options.pose is not None:
-        width, height = options.size
-        free = FreeCamera(world, width, height, near=0.05, far=200.0)
-        free.SetPose(options.pose)
-        free.options.displayGrid = world.sdf is not None  # as classic's window did
-        return (lambda: free.Update() if not free.blind else np.zeros((0, 0, 3), np.uint8)), "a free camera"
+        return _FreeCamera(world, options.pose, options.size)
     if world.sdf is not None:
-        return _look_by_sensor(world, options.camera)
-    camera = _find(world, options.camera)
-    return (lambda: camera.left_image if isinstance(camera, Stereo) else camera.image), repr(camera.id)
+        manager = attach(world).sensors
+        sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
+        scoped = {sensor.ScopedName(): sensor for sensor in sensors}
+        short = {sensor.Name(): sensor for sensor in reversed(sensors)}  # the first one of a name
+        return _SensorCamera(_choose({**scoped, **short}, list(scoped), options.camera, "name"))
+    cameras = {i.id: i for i in world.gz_server.interfaces.values() if isinstance(i, Camera | Guicam | Stereo)}
+    return _ModelCamera(_choose(cameras, list(cameras), options.camera, "id"))
 
 
-def _look_by_sensor(world: World, name: str | None) -> tuple[Callable[[], NDArray[np.uint8]], str]:
-    from libgz.classic.sensors import CameraSensor  # not needed by legacy worlds
-    from libgz.classic.server import attach
+def _choose(cameras: Mapping[str, C], names: list[str], wanted: str | None, what: str) -> C:
+    """The camera of a name; without one, the first of `names`.
 
-    sensors = attach(world).sensors
-    cameras = [s for s in (sensors.sensors.values() if sensors is not None else ()) if isinstance(s, CameraSensor)]
-    for camera in cameras:
-        if name in (None, camera.Name(), camera.ScopedName()):
-
-            def take(camera: CameraSensor = camera) -> NDArray[np.uint8]:
-                camera.Update(True)
-                return np.zeros((0, 0, 3), np.uint8) if camera.Camera().core.blind else camera.Camera().pixels
-
-            return take, repr(camera.ScopedName())
-    if not cameras:
-        raise NotFoundError("this world has no cameras; --pose draws what a free camera sees")
-    names = [camera.ScopedName() for camera in cameras]
-    raise NotFoundError(f"no camera has the name {name!r}; there are {', '.join(names)}{nearest(str(name), names)}")
-
-
-def _find(world: World, id: str | None) -> Camera | Guicam | Stereo:
-    cameras = [i for i in world.gz_server.interfaces.values() if isinstance(i, Camera | Guicam | Stereo)]
-    for camera in cameras:
-        if id in (None, camera.id):
-            return camera
-    if not cameras:
-        raise NotFoundError("this world has no cameras; --pose draws what a free camera sees")
-    ids = [camera.id for camera in cameras]
-    raise NotFoundError(f"no camera has the id {id!r}; there are {', '.join(ids)}{nearest(str(id), ids)}")
+    Raises:
+        NotFoundError: there is no such camera.
+    """
+    if not names:
+        raise NotFoundError("this world has no cameras; --pose renders the view of a free camera")
+    if wanted is not None and wanted not in cameras:
+        raise NotFoundError(
+            f"no camera has the {what} {wanted!r}; there are {', '.join(names)}{nearest(wanted, names)}"
+        )
+    return cameras[names[0] if wanted is None else wanted]

@@ -1,4 +1,4 @@
-"""Recorder: the pictures of a camera, streamed into a video file. Needs the extra [video]."""
+"""Recorder: writes the images of a camera to a video file. Needs the extra [video]."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from libgz.front import World
 
 __all__ = ["Recorder"]
 
-KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interface -> its picture
+KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interface type -> field of the image
 
 
 class Recorder:
-    """Writes each new picture of one camera at once; none is kept.
+    """Writes each new image of one camera to a video file; keeps none in memory.
 
     Args:
-        world: ready to step.
+        world: an initialized world.
         request: ``ID=FILE``, the camera's id and a video file (.mp4, .mkv, ...).
 
     Raises:
-        ParameterError: the request has another form.
+        ParameterError: the request has another format.
         NotFoundError: there is no such camera.
         GazeboError: the packages are missing, or the file cannot be written.
     """
@@ -45,31 +45,31 @@ class Recorder:
         self._started = False
 
     def take(self) -> None:
-        """Write the camera's picture, if it is a new one.
+        """Write the camera's image, if it is new.
 
         Raises:
             GazeboError: the file cannot be written.
         """
         data: Any = self._interface.data
         now = data.sim_time + data.pause_time if self._interface.type == "guicam" else data.time
-        picture = getattr(self._interface, self._field)
-        if now == self._last or not picture.size:
+        image = getattr(self._interface, self._field)
+        if now == self._last or not image.size:
             return
         self._last = now
         try:
             if not self._started:
                 self._file.init_video_stream("libx264", fps=max(self._rate, 1.0))
                 self._started = True
-            even = picture[: picture.shape[0] // 2 * 2, : picture.shape[1] // 2 * 2]  # the coder halves both sides
+            even = image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]  # the encoder needs even sides
             self._file.write_frame(even)
-        except (OSError, ValueError, EOFError) as error:  # av says EOFError where a disk is full
+        except (OSError, ValueError, EOFError) as error:  # av raises EOFError when a disk is full
             raise GazeboError(f"video {self.path} cannot be written: {error}") from None
 
     def close(self) -> None:
-        """Finish the file. Can be called twice.
+        """Finish the file; a second call does nothing.
 
         Raises:
-            GazeboError: its end cannot be written.
+            GazeboError: the file cannot be written.
         """
         file, self._file = self._file, None
         if file is not None:
@@ -82,7 +82,7 @@ class Recorder:
 def _open(path: Path) -> Any:
     try:
         from imageio import v3
-        from imageio.plugins import pyav  # noqa: F401 - so that its absence is told here
+        from imageio.plugins import pyav  # noqa: F401 - raises ImportError here if av is missing
     except ImportError:
         raise GazeboError("--record needs the packages imageio and av: pip install 'libgz[video]'") from None
     try:

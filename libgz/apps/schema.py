@@ -1,4 +1,4 @@
-"""libgz schema: a grammar of worldfiles for editors."""
+"""libgz schema: print a grammar of worldfiles for editors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from libgz.errors import GazeboError
+from libgz.apps.console import writing
 from libgz.reference.grammar import grammar
 
 __all__ = ["configure", "run"]
@@ -14,8 +14,8 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("--rng", action="store_true", required=True, help="as RELAX NG, in its XML form")
-    parser.add_argument("-o", dest="output", type=Path, metavar="FILE", help="where to; by default to the terminal")
+    parser.add_argument("--rng", action="store_true", required=True, help="RELAX NG in XML syntax, the only format")
+    parser.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -28,8 +28,6 @@ def run(options: argparse.Namespace) -> int:
     if options.output is None:
         sys.stdout.buffer.write(text)
         return 0
-    try:
+    with writing():
         options.output.write_bytes(text)
-    except OSError as error:
-        raise GazeboError(f"cannot write {str(options.output)!r}: {error.strerror}") from None
     return 0

@@ -14,12 +14,12 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("--check", metavar="FILE", help="tell all that is wrong with an SDF file; exit code 1 on errors")
-    what.add_argument("--print", metavar="FILE", help="print it with includes resolved and defaults filled in")
+    what.add_argument("--check", metavar="FILE", help="report all errors of an SDF file; exit code 1 if there are any")
+    what.add_argument("--print", metavar="FILE", help="print the file with includes resolved and defaults filled in")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check or print; 1 if the file has errors."""
+    """Check or print a file; return 1 if it has errors."""
     try:
         file = SdfFile.load(options.check or options.print)
     except WorldFileError as unreadable:

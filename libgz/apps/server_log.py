@@ -1,4 +1,4 @@
-"""What gzserver's options for log files do: record a world as it runs, or play one."""
+"""The log options of gzserver: record a running world, or play a log file."""
 
 from __future__ import annotations
 
@@ -21,22 +21,24 @@ log = logging.getLogger("libgz.classic")
 def add_log_options(parser: argparse.ArgumentParser) -> None:
     """Add classic's options."""
     add = parser.add_argument
-    add("-p", "--play", metavar="LOG", help="play a log file in place of a world")
-    add("-r", "--record", action="store_true", help="record a log file; so do the next four options")
-    add("--record_path", metavar="FOLDER", help="where state.log is written (default ~/.gazebo/log/<time>/gzserver)")
+    add("-p", "--play", metavar="LOG", help="play a log file instead of a world")
+    add("-r", "--record", action="store_true", help="record a log file; implied by the next four options")
+    add("--record_path", metavar="FOLDER", help="directory of state.log (default ~/.gazebo/log/<time>/gzserver)")
     add(
         "--record_period",
         type=number_from_zero("number of seconds"),
         metavar="S",
-        help="least sim time between two states (default: each step)",
+        help="sim time between two states [s] (default: every step)",
     )
-    add("--record_encoding", choices=tuple(ENCODINGS), help="how states are written (default zlib)")
-    add("--record_filter", metavar="NAMES", help="record models of these names: a pattern with * or a regex")
+    add("--record_encoding", choices=tuple(ENCODINGS), help="encoding of the states (default zlib)")
+    add(
+        "--record_filter", metavar="NAMES", help="names of models to record, a pattern with * or a regex (default: all)"
+    )
 
 
 @contextlib.contextmanager
 def keep_log(options: argparse.Namespace, core: World, play: LogPlay | None) -> Iterator[PlaybackControl | None]:
-    """Record a world, or play it, as options and topics say; what controls the playing, if that is what is done.
+    """Record a world, or play a log, as set by options and topics; yields the control of a played log, else None.
 
     Raises:
         GazeboError: the log cannot be written.
@@ -45,11 +47,11 @@ def keep_log(options: argparse.Namespace, core: World, play: LogPlay | None) -> 
     wanted = options.record or any(detail is not None for detail in details)
     if core.sdf is None:
         if wanted:
-            log.error("a legacy world cannot be recorded; `libgz convert` makes an SDF world of it")
+            log.error("a legacy world cannot be recorded; convert it to an SDF world with `libgz convert`")
         yield None
     elif play is not None:
         if wanted:
-            log.warning("what is played is not recorded")
+            log.warning("a played log is not recorded")
         with contextlib.closing(PlaybackControl(play)) as control:
             yield control
     else:

@@ -17,13 +17,13 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_target(parser)
-    help_ = "such as cmd_vel_pos=0.3,0,0 or cmd_vel_rot[2]=0.5; an array may be given in part, from its beginning"
+    help_ = "such as cmd_vel_pos=0.3,0,0 or cmd_vel_rot[2]=0.5; fewer values than the array has set its first elements"
     parser.add_argument("assignments", nargs="+", metavar="FIELD=VALUE", help=help_)
-    parser.add_argument("--force", action="store_true", help="write fields that are the server's, too")
+    parser.add_argument("--force", action="store_true", help="also write fields that belong to the server")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write all fields, or none.
+    """Write all fields, or none if one of them is invalid.
 
     Raises:
         ParameterError: a field or value is not allowed.
@@ -43,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _change(interface: Interface[Any], text: str, force: bool) -> tuple[Any, int | str, list[Any]]:
-    """Where an assignment writes (object, index or attribute) and what."""
+    """The target of an assignment (object, index or attribute), and its values."""
     left, equals, right = text.partition("=")
     if not equals:
         raise ParameterError(f"{text!r} is not an assignment; write FIELD=VALUE")
@@ -60,18 +60,18 @@ def _change(interface: Interface[Any], text: str, force: bool) -> tuple[Any, int
         own = [other for other, known in fields.items() if known.writer != SERVER]
         raise ParameterError(
             f"{left} is written by the server; clients write {', '.join(own) or 'nothing here'}"
-            " (--force writes it all the same)"
+            " (--force writes it nevertheless)"
         )
     target, key = _place(interface.data, name, indices, inner)
-    room = 1
+    capacity = 1
     value = getattr(target, key) if isinstance(key, str) else None
     if isinstance(value, ctypes.Array):
-        target, key, room = value, 0, len(value)
-    if field.ctype is ctypes.c_uint8 and room > 1:
-        return target, 0, list(_text_bytes(right, room, left))
+        target, key, capacity = value, 0, len(value)
+    if field.ctype is ctypes.c_uint8 and capacity > 1:
+        return target, 0, list(_text_bytes(right, capacity, left))
     values = [_number(word, field.ctype, left) for word in right.split(",")]
-    if len(values) > room:
-        raise ParameterError(f"{left} takes {room} number{'s' if room > 1 else ''}; {len(values)} are given")
+    if len(values) > capacity:
+        raise ParameterError(f"{left} takes {capacity} number{'s' if capacity > 1 else ''}; {len(values)} are given")
     return target, key, values
 
 
@@ -89,10 +89,10 @@ def _place(data: Any, name: str, indices: tuple[int, ...], inner: str) -> tuple[
     return holder, indices[-1]
 
 
-def _text_bytes(text: str, room: int, name: str) -> bytes:
+def _text_bytes(text: str, capacity: int, name: str) -> bytes:
     content = text.encode() + b"\0"
-    if len(content) > room:
-        raise ParameterError(f"the text for {name} has {len(content) - 1} bytes; {room - 1} are allowed")
+    if len(content) > capacity:
+        raise ParameterError(f"the text for {name} has {len(content) - 1} bytes; {capacity - 1} are allowed")
     return content
 
 

@@ -1,26 +1,23 @@
-"""libgz stats: how fast a running SDF world goes."""
+"""libgz stats: print the real-time factor of a running SDF world."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
-import time
 from typing import Any
 
-from libgz.apps.server_link import add_world, world_node
-from libgz.classic.transport import TopicManager
-from libgz.errors import GazeboError
+from libgz.apps.server_link import add_duration, add_world, receive, world_node
 
 __all__ = ["configure", "run"]
-
-NAP = 0.01  # [s] between looks for messages
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_world(parser)
-    parser.add_argument("-d", "--duration", type=float, default=None, metavar="S", help="end after so much wall time")
-    parser.add_argument("-p", "--plot", action="store_true", help="comma-separated: factor, sim, real, paused")
+    add_duration(parser)
+    parser.add_argument(
+        "-p", "--plot", action="store_true", help="print comma-separated values: factor, sim time, real time, paused"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -33,27 +30,23 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         print("# real-time factor (percent), simtime (sec), realtime (sec), paused (T or F)")
     with world_node(options) as (node, link), contextlib.suppress(KeyboardInterrupt):
-        watch = _Watch(options.plot)
-        subscriber = node.Subscribe("~/world_stats", watch.on_statistics)
-        end = float("inf") if options.duration is None else time.monotonic() + options.duration
-        while time.monotonic() < end:
-            TopicManager.Instance().ProcessNodes()
-            if not link.connected():
-                raise GazeboError("the server ended")
-            time.sleep(NAP)
+        printer = _Printer(options.plot)
+        subscriber = node.Subscribe("~/world_stats", printer.on_statistics)
+        for _ in receive(link, options.duration):
+            pass
         subscriber.Unsubscribe()
     return 0
 
 
-class _Watch:
-    """Turns statistics into lines; the factor is that since the last line."""
+class _Printer:
+    """Prints statistics; the factor is the mean since the previous line."""
 
     def __init__(self, plot: bool) -> None:
         self._plot = plot
         self._last: tuple[float, float] | None = None
 
     def on_statistics(self, message: Any) -> None:
-        """One message."""
+        """Print the line of a message."""
         sim, real = (t.sec + 1e-9 * t.nsec for t in (message.sim_time, message.real_time))
         last, self._last = self._last, (sim, real)
         if last is None or real <= last[1]:

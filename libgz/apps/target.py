@@ -1,4 +1,4 @@
-"""What the commands for interfaces share: a server's id, and an interface named on the command line."""
+"""Shared by the commands for interfaces: the server, the interface and its fields on the command line."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from libgz.transport.layout import Struct, fields_of
 
 __all__ = ["add_server", "add_target", "connect", "element_values", "find_field", "open_target", "unit_of", "values_of"]
 
-LONGEST = 16  # elements of an array that are printed; counts and pictures would fill screens
+LONGEST = 16  # elements; longer arrays, such as images, are not printed as text
 ELEMENT = re.compile(r"(\w+)((?:\[\d+\])*)((?:\.\w+)?)")
 
-# Arrays of which only as many elements count as a field says.
+# Arrays whose number of valid elements is in another field.
 COUNTED = {
     "actuators_data": "actuators_count",
     "fids": "fid_count",
@@ -42,22 +42,22 @@ def add_server(parser: argparse.ArgumentParser) -> None:
 
 
 def add_target(parser: argparse.ArgumentParser) -> None:
-    """Add the interface to look at."""
+    """Add the arguments for the server and the interface."""
     add_server(parser)
     parser.add_argument("target", metavar="TYPE.ID", help="an interface, such as position.robot1; sim is sim.default")
 
 
 def connect(options: argparse.Namespace, client_id: int = -1) -> Client:
-    """A client of the server that the command line names.
+    """A client of the server given on the command line.
 
     Raises:
-        ServerError: it is not there.
+        ServerError: there is no such server.
     """
     return Client(options.server_id, client_id)
 
 
 def open_target(client: Client, target: str) -> Interface[Any]:
-    """The interface that the command line names.
+    """The interface given on the command line.
 
     Raises:
         ParameterError: there is no such type.
@@ -66,7 +66,7 @@ def open_target(client: Client, target: str) -> Interface[Any]:
     kind, dot, name = target.partition(".")
     interface = new_interface(kind)
     if not dot and kind != "sim":
-        raise ParameterError(f"which {kind}? {target!r} names none; write TYPE.ID{client.hint(kind, '')}")
+        raise ParameterError(f"{target!r} has no id; write TYPE.ID{client.hint(kind, '')}")
     return client.open(interface, name if dot else "default")
 
 
@@ -115,10 +115,10 @@ def find_field(interface: Interface[Any], text: str) -> tuple[str, tuple[int, ..
     field, indices = fields[name], tuple(int(word) for word in re.findall(r"\d+", match[2]))
     if len(indices) > len(field.shape) or any(i >= n for i, n in zip(indices, field.shape, strict=False)):
         extent = "".join(f"[{n}]" for n in field.shape)
-        raise ParameterError(f"{text!r} is not there; the field is {name}{extent}")
+        raise ParameterError(f"there is no {text!r}; the field is {name}{extent}")
     inner = match[3].lstrip(".")
     if inner and (not issubclass(field.ctype, ctypes.Structure) or inner not in fields_of(field.ctype)):
-        raise ParameterError(f"{text!r} is not there; {name} has no part {inner!r}")
+        raise ParameterError(f"there is no {text!r}; {name} has no member {inner!r}")
     return name, indices, inner
 
 
@@ -145,4 +145,4 @@ def _numbers(value: Any) -> Iterator[float]:
     elif isinstance(value, int | float):
         yield float(value)
     else:
-        raise ParameterError("that field does not hold numbers")
+        raise ParameterError("the field is not numeric")

@@ -1,4 +1,4 @@
-"""libgz topic: the topics of a running server of SDF worlds: list, describe, print, measure, publish, request."""
+"""libgz topic: list, describe, print, measure and publish topics of a running gzserver, and send requests."""
 
 from __future__ import annotations
 
@@ -8,49 +8,67 @@ import json
 import math
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
+from libgz.apps.console import read_text
+from libgz.apps.server_link import PATIENCE, publish, receive
 from libgz.classic import msgs
 from libgz.classic.transport import Link, Node, TopicManager, connect, getAdvertisedTopics
 from libgz.classic.transport.functions import request
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import NotFoundError, ParameterError, nearest
 
 __all__ = ["configure", "run"]
 
-PATIENCE = 5.0  # [s] for a server, a subscriber or an answer
-PERIOD = 1.0  # [s] between lines of figures
-NAP = 0.002  # [s] between looks for messages
+PERIOD = 1.0  # [s] between printed measurements
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("-l", "--list", action="store_true", help="list what is published")
-    what.add_argument("-i", "--info", metavar="TOPIC", help="show a topic's type, and who publishes and listens")
+    what.add_argument("-l", "--list", action="store_true", help="list all topics")
+    what.add_argument(
+        "-i", "--info", metavar="TOPIC", help="print the type, the publishers and the subscribers of a topic"
+    )
     what.add_argument("-e", "--echo", metavar="TOPIC", help="print the messages of a topic")
-    what.add_argument("-z", "--hz", metavar="TOPIC", help="print the messages per second of wall time")
-    what.add_argument("-b", "--bw", metavar="TOPIC", help="print the bytes per second")
-    what.add_argument("-p", "--publish", metavar="TOPIC", help="send one message, given by -m or -f")
-    what.add_argument("-r", "--request", metavar="REQUEST", help="ask the world something, with -m as its data")
+    what.add_argument("-z", "--hz", metavar="TOPIC", help="print the messages per second of real time")
+    what.add_argument("-b", "--bw", metavar="TOPIC", help="print the bytes per second of real time")
+    what.add_argument("-p", "--publish", metavar="TOPIC", help="publish one message, given by -m or -f")
+    what.add_argument(
+        "-r",
+        "--request",
+        metavar="REQUEST",
+        help="send a request to the world, with -m as its data, and print the response",
+    )
     add = parser.add_argument
-    add("-m", "--msg", metavar="TEXT", help="the message, such as 'x: 1, y: 2' or '{\"x\": 1}'; a request's data")
-    add("-f", "--file", metavar="FILE", help="a file that holds the message")
-    add("-t", "--type", metavar="TYPE", help="the type to publish, where nobody publishes on the topic yet")
-    add("-w", "--world-name", default="", metavar="WORLD", help="the world that ~ means (default: the first one)")
-    add("-d", "--duration", type=float, default=None, metavar="S", help="end after so much wall time")
-    add("-n", "--num", type=int, default=None, metavar="N", help="end after so many messages")
-    add("-u", "--unformatted", action="store_true", help="with -e: each message in one line of JSON")
+    add(
+        "-m",
+        "--msg",
+        metavar="TEXT",
+        help="the message, such as 'x: 1, y: 2' or '{\"x\": 1}', or the data of a request",
+    )
+    add("-f", "--file", metavar="FILE", help="a file with the message")
+    add("-t", "--type", metavar="TYPE", help="the message type, for topics without publishers")
+    add("-w", "--world-name", default="", metavar="WORLD", help="the world that ~ stands for (default: the first one)")
+    add(
+        "-d",
+        "--duration",
+        type=float,
+        default=None,
+        metavar="S",
+        help="with -e, -z, -b: duration in real time [s]; with -p, -r: longest wait [s] (default 5)",
+    )
+    add("-n", "--num", type=int, default=None, metavar="N", help="number of messages (default: until interrupted)")
+    add("-u", "--unformatted", action="store_true", help="with -e: print each message as one line of JSON")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Do what is asked.
+    """List, describe, print, measure, publish or request.
 
     Raises:
         ServerError: there is no server.
         LibraryError: the extra for topics between processes is not installed.
         ParameterError: the message cannot be read, or does not fit the topic.
-        GazeboError: nobody listens or answers, or the server ended.
+        GazeboError: there is no subscriber or response, or the server ended.
     """
     if options.num is not None and options.num < 1:
         raise ParameterError(f"--num is {options.num}; it must be at least 1")
@@ -64,84 +82,105 @@ def run(options: argparse.Namespace) -> int:
         else:
             topic = options.info or options.echo or options.hz or options.bw or options.publish
             node = Node()
-            # A full name needs no world, and a server may have none yet.
+            # A name that begins with / needs no world, and the server may not have one yet.
             node.Init(options.world_name or ("-" if topic.startswith("/") else ""))
             if options.info:
                 _info(node.DecodeTopicName(topic))
             elif options.publish:
                 _publish(node, topic, options)
             else:
-                _listen(link, node, topic, options)
+                _subscribe(link, node, topic, options)
     return 0
 
 
 def _info(topic: str) -> None:
     info = TopicManager.Instance().TopicInfo(topic)
     if not info.publisher and not info.subscriber:
-        raise NotFoundError(f"nobody publishes on {topic} or listens{nearest(topic, getAdvertisedTopics())}")
-    print(f"Type: {info.msg_type or '(nobody publishes)'}")
+        raise NotFoundError(
+            f"topic {topic} has no publishers and no subscribers{nearest(topic, getAdvertisedTopics())}"
+        )
+    print(f"Type: {info.msg_type or '(no publishers)'}")
     for title, ends in (("Publishers", info.publisher), ("Subscribers", info.subscriber)):
         print(f"\n{title}:")
         for end in ends:
             print(f"\t{end.host}, process {end.port}")
 
 
-def _listen(link: Link, node: Node, topic: str, options: argparse.Namespace) -> None:
-    """Print messages, or figures, until the time is over."""
-    figures: list[tuple[float, int]] = []
+class _Echo:
+    """Prints messages, as text or as JSON lines."""
+
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
+
+    def add(self, message: Any) -> None:
+        print(json.dumps(message.ToDict()) if self._as_json else message.DebugString(), flush=True)
+
+    def report(self) -> None:
+        pass
+
+
+class _Rate:
+    """Measures messages per second of real time."""
+
+    def __init__(self) -> None:
+        self._times: list[float] = []
+
+    def add(self, message: Any) -> None:
+        self._times.append(time.monotonic())
+
+    def report(self) -> None:
+        """Print the rate since the last report."""
+        times = self._times
+        if len(times) > 1 and times[-1] > times[0]:
+            print(f"Hz: {(len(times) - 1) / (times[-1] - times[0]):7.2f}", flush=True)
+        del times[:-1]  # the last message begins the next period
+
+
+class _Bandwidth:
+    """Measures bytes per second of real time, and the sizes of messages."""
+
+    def __init__(self) -> None:
+        self._arrivals: list[tuple[float, int]] = []  # time [s], size [bytes]
+
+    def add(self, message: Any) -> None:
+        self._arrivals.append((time.monotonic(), len(message.SerializeToString())))
+
+    def report(self) -> None:
+        """Print the bandwidth since the last report."""
+        arrivals = self._arrivals
+        span = arrivals[-1][0] - arrivals[0][0] if len(arrivals) > 1 else 0.0
+        if span:
+            sizes = [size for _, size in arrivals[1:]]
+            mean = sum(sizes) / len(sizes)
+            print(
+                f"Total[{_bytes(sum(sizes) / span)}/s] Mean[{_bytes(mean)}] Min[{_bytes(min(sizes))}] "
+                f"Max[{_bytes(max(sizes))}] Messages[{len(sizes)}]",
+                flush=True,
+            )
+        del arrivals[:-1]  # the last message begins the next period
+
+
+def _subscribe(link: Link, node: Node, topic: str, options: argparse.Namespace) -> None:
+    """Print messages, or a measurement every period, until the duration or the number of messages is reached."""
     left = math.inf if options.num is None else options.num
-
-    def OnMeasured(message: Any) -> None:
-        figures.append((time.monotonic(), len(message.SerializeToString()) if options.bw else 0))
-
-    def OnEcho(message: Any) -> None:
-        print(json.dumps(message.ToDict()) if options.unformatted else message.DebugString(), flush=True)
+    printer = _Echo(options.unformatted) if options.echo else _Bandwidth() if options.bw else _Rate()
 
     def OnMessage(message: Any) -> None:
         nonlocal left
         if left > 0:
             left -= 1
-            (OnEcho if options.echo else OnMeasured)(message)
+            printer.add(message)
 
     subscriber = node.Subscribe(topic, OnMessage, latching=bool(options.echo))
-    end = math.inf if options.duration is None else time.monotonic() + options.duration
     begin = time.monotonic()
-    show = _show_bandwidth if options.bw else _show_rate
-    while left > 0 and (now := time.monotonic()) < end:
-        TopicManager.Instance().ProcessNodes()
+    for now in receive(link, options.duration):
         if now >= begin + PERIOD:
             begin = now
-            if not options.echo:
-                show(figures)
-        if not link.connected():
-            raise GazeboError("the server ended")
-        time.sleep(NAP)
-    TopicManager.Instance().ProcessNodes()
-    if not options.echo:
-        show(figures)
+            printer.report()
+        if left <= 0:
+            break
+    printer.report()
     subscriber.Unsubscribe()
-
-
-def _show_rate(figures: list[tuple[float, int]]) -> None:
-    """The rate since the last line, from the first to the last message."""
-    span = figures[-1][0] - figures[0][0] if len(figures) > 1 else 0.0
-    if span:
-        print(f"Hz: {(len(figures) - 1) / span:7.2f}", flush=True)
-    del figures[:-1]
-
-
-def _show_bandwidth(figures: list[tuple[float, int]]) -> None:
-    """The bytes a second since the last line, and the sizes of the messages; the first one only begins the time."""
-    span = figures[-1][0] - figures[0][0] if len(figures) > 1 else 0.0
-    if span:
-        sizes = [size for _, size in figures[1:]]
-        mean = sum(sizes) / len(sizes)
-        print(
-            f"Total[{_bytes(sum(sizes) / span)}/s] Mean[{_bytes(mean)}] Min[{_bytes(min(sizes))}] "
-            f"Max[{_bytes(max(sizes))}] Messages[{len(sizes)}]",
-            flush=True,
-        )
-    del figures[:-1]
 
 
 def _bytes(number: float) -> str:
@@ -153,47 +192,36 @@ def _bytes(number: float) -> str:
 
 
 def _text(options: argparse.Namespace) -> str:
-    """The message as it was given."""
+    """The message on the command line or in the file."""
     if (options.msg is None) == (options.file is None):
-        raise ParameterError("-p takes the message by -m TEXT or by -f FILE")
-    if options.msg is not None:
-        return str(options.msg)
-    try:
-        return Path(options.file).read_text()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ParameterError(f"the message cannot be read from {options.file!r}: {error}") from None
+        raise ParameterError("-p needs a message, by -m TEXT or -f FILE")
+    return str(options.msg) if options.msg is not None else read_text(options.file, "the message")
 
 
 def _publish(node: Node, topic: str, options: argparse.Namespace) -> None:
     text, known = _text(options), options.type or node.GetMsgType(topic)
     if not known:
         meant = nearest(node.DecodeTopicName(topic), getAdvertisedTopics())
-        raise ParameterError(f"nobody publishes on {topic}{meant}; -t TYPE says what to send, such as -t Vector3d")
+        raise ParameterError(f"topic {topic} has no publishers{meant}; give its type by -t, such as -t Vector3d")
     message = msgs.message_type(known)()
     if text.lstrip().startswith("{"):
         try:
             values = json.loads(text)
         except json.JSONDecodeError as error:
-            raise ParameterError(f"the message is no JSON: {error}") from None
+            raise ParameterError(f"the message is not valid JSON: {error}") from None
         message.FromDict(values)
     else:
         msgs.Parse(message, text)
-    publisher = node.Advertise(type(message), topic)
-    if not publisher.WaitForConnection(PATIENCE if options.duration is None else options.duration):
-        raise GazeboError(f"nobody listens to {publisher.GetTopic()}")
-    publisher.Publish(message)
+    publish(node, topic, message, PATIENCE if options.duration is None else options.duration)
 
 
 def _request(options: argparse.Namespace) -> None:
-    """Ask, and print the answer; what is packed in it, too."""
+    """Send a request, and print the response with the message that it contains."""
     patience = PATIENCE if options.duration is None else options.duration
     if patience == 0.0:
         node = Node()
         node.Init(options.world_name)
-        publisher = node.Advertise(msgs.Request, "~/request")
-        if not publisher.WaitForConnection(PATIENCE):
-            raise GazeboError(f"world {node.GetTopicNamespace()!r} takes no requests")
-        publisher.Publish(msgs.CreateRequest(options.request, options.msg or ""))
+        publish(node, "~/request", msgs.CreateRequest(options.request, options.msg or ""))
         return
     response = request(options.world_name, options.request, options.msg or "", patience)
     print(response.DebugString(), end="")

@@ -1,4 +1,4 @@
-"""libgz upgrade: a worldfile of Gazebo 0.3 or 0.4 in the spelling of 0.5 to 0.7."""
+"""libgz upgrade: convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from libgz.errors import GazeboError
+from libgz.apps.console import writing
 from libgz.files import write_whole
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
@@ -16,18 +16,18 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to rewrite")
+    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to convert")
     target = parser.add_mutually_exclusive_group()
-    target.add_argument("-o", dest="output", type=Path, metavar="FILE", help="where to; by default to the terminal")
-    target.add_argument("--in-place", action="store_true", help="replace the file itself")
+    target.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
+    target.add_argument("--in-place", action="store_true", help="overwrite the worldfile")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the newer file, and say on stderr what was changed.
+    """Write the converted file, and list the changes on stderr.
 
     Raises:
         WorldFileError: the file cannot be read.
-        GazeboError: the new one cannot be written.
+        GazeboError: the output cannot be written.
     """
     text, changes = upgrade(WorldFile.from_file(options.worldfile))
     for change in changes:
@@ -36,10 +36,8 @@ def run(options: argparse.Namespace) -> int:
     if target is None:
         sys.stdout.buffer.write(text)
     elif changes or not options.in_place:
-        try:
+        with writing():
             write_whole(target, text)
-        except OSError as error:
-            raise GazeboError(f"cannot write {str(target)!r}: {error.strerror}") from None
     if not changes:
         print(f"{options.worldfile}: nothing to change", file=sys.stderr)
     return 0

@@ -1,4 +1,4 @@
-"""What the commands that draw share: a free camera's place and size on the command line."""
+"""Options shared by the commands that render: a camera's pose, image size, and the OpenGL implementation."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import math
 
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
 
-__all__ = ["pose", "size"]
+__all__ = ["GL_HELP", "pose", "size"]
 
-MOST = 16384  # [px] a side: what Mesa draws
+MOST = 16384  # [px] per side, Mesa's limit
+GL_HELP = "OpenGL used for rendering: auto tries osmesa, then egl; none disables rendering; cameras produce no images "
+GL_HELP += "(default: LIBGZ_GL, else auto)"
 
 
 def size(text: str) -> tuple[int, int]:

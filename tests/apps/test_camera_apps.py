@@ -1,4 +1,4 @@
-"""The commands that show what cameras see, as users run them."""
+"""The commands for images and videos, as users run them."""
 
 import subprocess
 import sys
@@ -22,7 +22,7 @@ def libgz(*words):
     return subprocess.run([sys.executable, "-m", "libgz.apps.libgz", *map(str, words)], capture_output=True, text=True)
 
 
-def test_picture_saves_what_a_camera_sees(tmp_path):
+def test_picture_saves_the_image_of_a_camera(tmp_path):
     for camera, size in (("cam1", (320, 240)), ("observer", (640, 480))):
         done = libgz("picture", PTZ, "--camera", camera, "-o", tmp_path / "out.png")
         assert (done.returncode, done.stderr) == (0, "")
@@ -53,12 +53,12 @@ def test_picture_of_a_later_time(tmp_path):
     ("words", "complaint"),
     [
         (("--camera", "cam2"), "no camera has the id 'cam2'; there are cam1, observer; did you mean 'cam1'?"),
-        (("--gl", "none"), "took no picture: OpenGL is switched off"),
+        (("--gl", "none"), "has no image: rendering is disabled"),
         (("-o", "picture.nonsense"), "image picture.nonsense cannot be written"),
         (("--time", "-1"), "it must not be negative"),
     ],
 )
-def test_picture_says_what_is_wrong(words, complaint):
+def test_errors_of_picture(words, complaint):
     done = libgz("picture", PTZ, *words)
     assert done.returncode == 1
     assert complaint in done.stderr
@@ -79,7 +79,7 @@ def test_record_streams_a_video(gazebo, tmp_path):
     ("request_", "complaint"),
     [("cam1", "it must be ID=FILE"), ("cam9=a.mp4", "no camera has the id 'cam9'; there are cam1, observer")],
 )
-def test_record_says_what_is_wrong(gazebo, request_, complaint):
+def test_errors_of_record(gazebo, request_, complaint):
     process = gazebo(PTZ, "--steps", "1", "--record", request_, ready=False)
     _, err = process.process.communicate(timeout=60)
     assert process.process.returncode == 1
@@ -90,7 +90,7 @@ def test_doctor_shows_which_contexts_work():
     lines = {line.split()[1]: line for line in libgz("doctor").stdout.splitlines()}
     for name in ("osmesa", "egl"):
         assert lines[name].startswith("ok")
-        assert "draws pictures" in lines[name]
+        assert "renders: " in lines[name]
 
 
 SDF = """

@@ -119,12 +119,12 @@ def test_counts_are_clamped(capsys, server):
         (["positron.robot1"], "there is no interface type 'positron'"),
         (["position.robot2"], "its position interfaces are 'robot1'; did you mean 'robot1'"),
         (["position.robot1", "poss"], "position.robot1 has no field 'poss'; it has time, pos,"),
-        (["position.robot1", "pos[3]"], "'pos[3]' is not there; the field is pos[3]"),
-        (["joint.arm", "joints[0].ankle"], "joints has no part 'ankle'"),
+        (["position.robot1", "pos[3]"], "there is no 'pos[3]'; the field is pos[3]"),
+        (["joint.arm", "joints[0].ankle"], "joints has no member 'ankle'"),
         (["position.robot1", "--rate", "0"], "--rate is 0"),
         (["position.robot1", "--count", "0"], "--count is 0"),
-        (["position"], "which position? 'position' names none; write TYPE.ID; its position interfaces are 'robot1'"),
-        (["position.robot1", "pos", "--plot", "x.png"], "--plot needs an end"),
+        (["position"], "'position' has no id; write TYPE.ID; its position interfaces are 'robot1'"),
+        (["position.robot1", "pos", "--plot", "x.png"], "--plot needs a duration"),
         (["position.robot1", "--plot", "x.png"], "--plot needs a field"),
     ],
 )
@@ -139,7 +139,7 @@ def test_errors_of_echo(capsys, server, words, sentence):
 def test_invalid_durations_of_echo(capsys, server, seconds):
     code, out, err = command(capsys, "echo", "-s", server.server_id, "position.robot1", "--seconds", seconds)
     assert (code, out) == (1, "")
-    assert f"--seconds is {seconds}; it must not be negative, nor endless" in err
+    assert f"--seconds is {seconds}; it must be finite and not negative" in err
 
 
 def test_only_required_arguments_are_reported_as_missing(capsys):
@@ -182,7 +182,7 @@ def test_echo_plots(capsys, gazebo, tmp_path):
         server.id,
     ]
     code, out, err = command(capsys, *words)
-    assert (code, out) == (0, f"8 samples drawn in {path}\n"), err
+    assert (code, out) == (0, f"8 samples plotted to {path}\n"), err
     assert path.read_bytes().startswith(b"\x89PNG")
     words[-4:-2] = ["--plot", "/no/such/place.png"]
     assert "cannot be written to '/no/such/place.png'" in command(capsys, *words)[2]
@@ -263,7 +263,7 @@ def test_clean_removes_stale_files_of_a_dead_server(capsys, wire):
     assert not folder.exists()
     with pytest.raises(FileNotFoundError):
         SemaphoreSet.attach(wire)
-    assert command(capsys, "clean", "-s", wire) == (0, "dead servers left nothing behind\n", "")
+    assert command(capsys, "clean", "-s", wire) == (0, "no stale files of dead servers\n", "")
 
 
 def test_clean_finds_all_dead_servers(capsys, wire, monkeypatch):
@@ -287,7 +287,7 @@ def test_orphaned_semaphores_are_found(wire):
 
 def test_clean_never_touches_a_live_server(capsys, server):
     before = sorted(Path(server.path).iterdir())
-    assert "nothing" in command(capsys, "clean", "-s", server.server_id)[1]
+    assert "no stale files" in command(capsys, "clean", "-s", server.server_id)[1]
     assert sorted(Path(server.path).iterdir()) == before
     # Nor a server whose directory was removed: its semaphores show that it is alive.
     assert libgz.Client.query(server.server_id)
@@ -298,7 +298,7 @@ def test_clean_neither_follows_links_nor_removes_other_files(capsys, wire, tmp_p
     victim.write_text("precious")
     folder = Path(server_directory(wire))
     folder.symlink_to(tmp_path)
-    assert "nothing" in command(capsys, "clean", "-s", wire)[1]
+    assert "no stale files" in command(capsys, "clean", "-s", wire)[1]
     folder.unlink()
     folder.mkdir(mode=0o700)
     (folder / "position.link").symlink_to(victim)

@@ -73,7 +73,7 @@ def test_a_pioneer2at_drives_straight_turns_and_arcs_as_it_did():
         commands = {when: speeds for when, *speeds in COMMANDS}
         for when, *expected in DRIVE:
             run_until(world, when)
-            place, way = robot.GetPose(), robot.odometry
+            place, way = robot.GetPose(), robot.odometry.pose
             yaw = GzQuaternToEuler(place.rot).z
             found = [*place.pos, yaw, *way, robot.battery.level, position.time]
             assert found == pytest.approx(expected, abs=DIGITS), when

@@ -1,10 +1,10 @@
-"""A Model plugin with an animation that begins again when it is over."""
+"""A Model plugin with an animation that runs in a loop."""
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.common import PoseAnimation
 from libgz.classic.math import Quaterniond, Vector3d
 
-LENGTH = 8.0  # [s] of one round
+LENGTH = 8.0  # of one loop [s]
 SIDE = 2.0  # [m]
 
 

@@ -1,4 +1,4 @@
-"""A Sensor plugin that finds something red in each image of its camera, and logs its direction.
+"""A Sensor plugin that finds a red object in each image of its camera, and prints its direction.
 
 Images are wrapped as numpy arrays without a copy.
 """
@@ -11,7 +11,7 @@ from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
 
 
 class RedFinder(SensorPlugin):
-    """Elements: `<save_folder>`, the folder in which every image is saved; without it none is."""
+    """Elements: `<save_folder>`, where every image is saved; without it none is."""
 
     def Load(self, sensor, sdf):
         self.sensor = sensor
@@ -26,13 +26,13 @@ class RedFinder(SensorPlugin):
 
     def OnFrame(self, data, width, height, depth, image_format):
         self.frames += 1
-        image = np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3).astype(int)
-        red, green, blue = image[..., 0], image[..., 1], image[..., 2]
+        picture = np.frombuffer(data, dtype=np.uint8).reshape(height, width, 3).astype(int)
+        red, green, blue = picture[..., 0], picture[..., 1], picture[..., 2]
         columns = np.nonzero((red > 2 * green) & (red > 2 * blue) & (red > 40))[1]
         if not len(columns):
             self.bearing = None
             return
-        # From the middle of the red in pixels to an angle: the image plane is one focal length away.
+        # From the centre of the red pixels to an angle: the image plane is one focal length away.
         focal = width / 2.0 / math.tan(float(self.camera.HFOV()) / 2.0)
         self.bearing = math.atan2((width - 1) / 2.0 - columns.mean(), focal)
         if self.frames % 10 == 1:

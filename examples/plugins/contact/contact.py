@@ -1,18 +1,18 @@
-"""A Sensor plugin that logs the begin and the end of contacts of its contact sensor."""
+"""A Sensor plugin that prints when contacts with the collisions of its contact sensor begin and end."""
 
 from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
 
 
-class TouchTeller(SensorPlugin):
+class ContactPrinter(SensorPlugin):
     def Load(self, sensor, sdf):
         self.sensor = sensor
         self.touching = set()
-        # Sensors measure when they are active: by always_on in the file, or by SetActive.
+        # Sensors measure while they are active: by always_on in the file, or by SetActive.
         sensor.SetActive(True)
         self.connection = sensor.ConnectUpdated(self.OnUpdate)
 
     def OnUpdate(self):
-        # The contacts since the last measurement, a pair of collisions each, with all points where they touch.
+        # The contacts since the last measurement: pairs of collisions, each with all its contact points.
         contacts = self.sensor.Contacts().contact
         touching = {(contact.collision1, contact.collision2) for contact in contacts}
         for one, other in sorted(touching - self.touching):
@@ -25,4 +25,4 @@ class TouchTeller(SensorPlugin):
         self.touching = set()
 
 
-GZ_REGISTER_SENSOR_PLUGIN(TouchTeller)
+GZ_REGISTER_SENSOR_PLUGIN(ContactPrinter)

@@ -1,20 +1,20 @@
-"""A World plugin with messages of its own: asked for the heights along a line, it answers what rays find there.
+"""A World plugin with its own message types: it responds to a request with heights along a line, measured by rays.
 
-A message type is declared with its fields. Another program that declares it alike, by importing this file for example,
-can ask, too; the test of this example shows how.
+A message type is declared with its fields. Another program with the same declaration,
+for example by importing this file, can send requests; the test of this example shows how.
 """
 
 from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin, msgs, transport
 from libgz.classic.math import Vector3d
 
-# Fields may be messages: `begin` and `end` are gazebo.msgs.Vector3d. [] makes a list, = a value where none is set.
+# Fields may be messages: `begin` and `end` are gazebo.msgs.Vector3d. [] declares a list, = a default.
 Survey = msgs.declare("survey.msgs.Survey", "Vector3d begin, Vector3d end, uint32 count = 2, double from_height = 10")
 Heights = msgs.declare("survey.msgs.Heights", "survey.msgs.Survey question, double height[], string entity[]")
 
 
 class Surveyor(WorldPlugin):
     def Load(self, world, sdf):
-        # A ray in the world frame.
+        # A ray without a link; its ends are set below.
         self.ray = world.Physics().CreateShape("ray")
         self.node = transport.Node()
         self.node.Init(world.Name())
@@ -22,7 +22,7 @@ class Surveyor(WorldPlugin):
         self.subscriber = self.node.Subscribe("~/survey", self.OnSurvey)
 
     def OnSurvey(self, message):
-        # Messages are delivered between two iterations: nothing moves while this runs.
+        # Messages are delivered between two iterations, so nothing moves during this callback.
         begin, end = (Vector3d(msgs.ConvertIgn(point)) for point in (message.begin, message.end))
         answer = Heights(question=message)
         for number in range(message.count):

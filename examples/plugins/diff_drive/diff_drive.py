@@ -1,4 +1,4 @@
-"""A Model plugin that drives its model around a square by the topic that the ready DiffDrivePlugin listens to.
+"""A Model plugin that drives its model around a square by the topic that the ready DiffDrivePlugin subscribes to.
 
 The model has two plugins: libDiffDrivePlugin, which comes with libgz, turns messages into wheel speeds; this one sends
 the messages. Another program could do so as well.
@@ -18,7 +18,7 @@ class DriveSquare(ModelPlugin):
 
     def Load(self, model, sdf):
         side, speed = self.LoadParam(sdf, "side", 1.0), self.LoadParam(sdf, "speed", 0.2)
-        # (until [s], forward [m/s], turn [rad/s]) of one side and one corner, again and again.
+        # (end [s], forward [m/s], turn [rad/s]) of one side and one corner, repeated.
         self.straight, self.corner = side / speed, math.pi / 2.0 / TURN_RATE
         self.speed = speed
         self.node = transport.Node()
@@ -32,7 +32,7 @@ class DriveSquare(ModelPlugin):
 
     def OnUpdate(self, info):
         phase = info.simTime.Double() % (self.straight + self.corner)
-        # The speed forward is the position's x, the turn rate the orientation's yaw; a positive one turns right.
+        # position.x is the forward speed, the yaw of the orientation the turn rate; a positive one turns right.
         command = (self.speed, 0.0) if phase < self.straight else (0.0, -TURN_RATE)
         if command != self.sent:
             message = msgs.Pose()

@@ -1,10 +1,10 @@
-"""A World plugin that acts when something happens: rules of the world's file insert and delete models.
+"""A World plugin that reacts to events: rules in the world file insert and delete models.
 
 A rule has one condition and any number of actions, and acts each time its condition becomes true:
 
     <rule>
       <inside model="ball"><min>1 -1 0</min><max>2 1 1</max></inside>   the model's origin is in this box [m]
-      <above joint="gate::hinge">0.5</above>                            the joint stands beyond this [rad] or [m]
+      <above joint="gate::hinge">0.5</above>                            the joint is beyond this position [rad] or [m]
       <exists>prize</exists>                                            there is a model of this name
       <insert><model name="prize">...</model></insert>
       <delete>ball</delete>
@@ -60,7 +60,7 @@ class Rule:
         for insert in children(self.element, "insert"):
             model = insert.GetElement("model")
             gzmsg(f"{self.world.SimTime().Double():.3f} s: insert {model.Get(str, 'name')}")
-            # Insertions and deletions in a callback are deferred to the end of the iteration.
+            # Insertions and deletions in a callback take effect at the end of the iteration.
             self.world.InsertModelString(f"<sdf version='1.6'>{model.ToString()}</sdf>")
         for delete in children(self.element, "delete"):
             if self.exists(delete.Get(str)):
@@ -73,7 +73,7 @@ class Rule:
 class EventRules(WorldPlugin):
     def Load(self, world, sdf):
         self.rules = [Rule(world, element) for element in children(sdf, "rule")]
-        # A list of connections holds as many as one likes.
+        # A list keeps any number of connections.
         self.connections = [
             Events.ConnectWorldUpdateEnd(self.OnUpdateEnd),
             Events.ConnectAddEntity(lambda name: gzmsg(f"there is {name} now")),

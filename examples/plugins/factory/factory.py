@@ -1,4 +1,4 @@
-"""A World plugin that puts models into its world: from a file, from a text, from a document, and by a message."""
+"""A World plugin that inserts models: from a file, from a string, from an SDF document, and by a message."""
 
 from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin, msgs, sdf, transport
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
@@ -22,13 +22,13 @@ SPHERE = """
 
 class Factory(WorldPlugin):
     def Load(self, world, element):
-        # 1. A file: model:// is looked for in GAZEBO_MODEL_PATH and among the models of libgz.
+        # 1. A file: model:// is searched in GAZEBO_MODEL_PATH and in the models of libgz.
         world.InsertModelFile("model://pioneer2dx")
 
-        # 2. A text.
+        # 2. A string.
         world.InsertModelString(SPHERE)
 
-        # 3. A document, which can be changed before: here the name and the place.
+        # 3. An SDF document, which can be edited before: here its name and pose.
         document = sdf.SDF()
         document.SetFromString(SPHERE)
         model = document.Root().GetElement("model")
@@ -36,7 +36,7 @@ class Factory(WorldPlugin):
         model.GetElement("pose").Set(Pose3d(2.5, 0.0, 3.0, 0.0, 0.0, 0.0))
         world.InsertModelSDF(document)
 
-        # 4. A message, which can also come from another program: here with the pose beside the model.
+        # 4. A message, which can also come from another program: here with a pose in addition to the model.
         self.node = transport.Node()
         self.node.Init(world.Name())
         publisher = self.node.Advertise(msgs.Factory, "~/factory")

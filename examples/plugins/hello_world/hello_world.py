@@ -1,4 +1,4 @@
-"""The smallest plugin: it says hello when the world is loaded."""
+"""The smallest plugin: it prints a line when the world is loaded."""
 
 from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 

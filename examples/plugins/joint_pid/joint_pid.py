@@ -1,7 +1,7 @@
-"""A Model plugin that holds joints at a position or a velocity with PID controllers, and listens for new targets.
+"""A Model plugin that holds joints at a position or a velocity with PID controllers, and subscribes to new targets.
 
-A model's JointController applies efforts in every iteration, so a plugin only sets targets and
-gains. Targets that come by a topic work from other programs, too:
+A model's JointController applies efforts to its joints in every iteration; a plugin sets targets and gains. Targets can
+also be published by other programs:
 
     libgz topic -p '~/turret/vel_cmd' -t Vector3d -m 'x: 3'
 """
@@ -36,10 +36,10 @@ class JointPid(ModelPlugin):
 
     def take(self, element):
         joint = self.model.GetJoint(element.Get(str, "name"))
-        # Controllers know joints by their scoped name: model::joint.
+        # Controllers use the scoped names of joints: model::joint.
         name = joint.GetScopedName()
         gains = (element.Get(float, key) for key in ("p", "i", "d"))
-        # The last two limit the integral term; the default, 0 and 0, would switch it off.
+        # The last two limit the integral term; the defaults, 0 and 0, disable it.
         pid = PID(*gains, 100.0, -100.0)
         if element.HasElement("position"):
             self.controller.SetPositionPID(name, pid)

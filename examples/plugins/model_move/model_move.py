@@ -1,6 +1,6 @@
-"""A Model plugin that moves its model along waypoints of the world's file, and logs its arrival.
+"""A Model plugin that moves its model along waypoints in the world file, and prints when it has arrived.
 
-An animation moves a model regardless of obstacles: use it for lifts, passers-by and other scripted motion.
+An animation moves a model through obstacles; it is useful for models with a given motion, such as lifts or pedestrians.
 """
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin, gzerr, gzmsg
@@ -18,7 +18,7 @@ class ModelMove(ModelPlugin):
         self.model = model
         waypoints = []
         element = sdf.GetElement("waypoint")
-        while element is not None:  # one after the other, as long as there are some
+        while element is not None:  # until there are no more
             waypoints.append((element.Get(float, "time"), element.Get(Pose3d)))
             element = element.GetNextElement("waypoint")
         if not waypoints:

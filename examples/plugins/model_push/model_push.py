@@ -1,7 +1,7 @@
-"""A Model plugin that keeps its model moving: it sets the velocity anew in every iteration.
+"""A Model plugin that keeps its model moving: it sets the velocity in every iteration.
 
-Forces act for one step only, and velocities decay by contacts; for a constant one, set it in every step. The event
-WorldUpdateBegin comes first in each iteration, so what is set there acts in the step that follows.
+Forces act for one step only, and velocities change by contacts, so both have to be set in every step. The event
+WorldUpdateBegin is the first one of an iteration; settings in its callbacks act in the step that follows.
 """
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
@@ -15,11 +15,11 @@ class ModelPush(ModelPlugin):
     def Load(self, model, sdf):
         self.model = model
         self.velocity = self.LoadParam(sdf, "velocity", Vector3d(0.3, 0.0, 0.0))
-        # Keep the connection: when it is dropped, the callback is called no more.
+        # Keep a reference to the connection: dropping it disconnects the callback.
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def OnUpdate(self):
-        # What falls and jumps is left to physics: only x and y are ours.
+        # Sets x and y only; physics determines z.
         falling = self.model.WorldLinearVel().Z()
         self.model.SetLinearVel(Vector3d(self.velocity.X(), self.velocity.Y(), falling))
 

@@ -1,6 +1,6 @@
-"""A Model plugin that gives a link a new velocity in a random direction from time to time.
+"""A Model plugin that periodically gives a link a velocity in a random direction.
 
-Random numbers come from libgz.classic.math.Rand, which `gzserver --seed` makes the same in each run.
+Random numbers come from libgz.classic.math.Rand; with `gzserver --seed` they are the same in each run.
 """
 
 import math
@@ -21,17 +21,17 @@ class RandomVelocity(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def Reset(self):
-        # Sim time is 0 again after a reset.
+        # A reset sets sim time to 0, so stored times are reset, too.
         self.due = 0.0
 
     def OnUpdate(self, info):
-        # A callback that takes an argument gets the world's name, the sim time and the real time.
+        # A callback with an argument gets the world's name, sim time and real time.
         now = info.simTime.Double()
         if now >= self.due:
             self.due = now + self.period
             heading = Rand.DblUniform(-math.pi, math.pi)
             self.velocity = Vector3d(self.speed * math.cos(heading), self.speed * math.sin(heading), 0.0)
-        # Up and down is left to physics, or the link would float.
+        # Physics determines z; otherwise the link would float.
         self.velocity.Z(self.link.WorldCoGLinearVel().Z())
         self.link.SetLinearVel(self.velocity)
 

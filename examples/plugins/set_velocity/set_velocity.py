@@ -1,10 +1,10 @@
-"""A Model plugin that shows three ways to make a joint turn with a velocity.
+"""A Model plugin that shows three ways to set the velocity of a joint.
 
-- `instantly`: the links get the velocity there and then, as if by magic. It holds until something slows them down.
-- `motor`: ODE's joint motor brings the joint to the velocity with as much torque as it is given, and holds it there.
-- `pid`: a PID controller applies an effort; settling time and precision depend on the gains.
+- `instantly`: the links get the velocity at once. It lasts until forces slow them down.
+- `motor`: ODE's joint motor drives the joint at the velocity, with a maximum torque.
+- `pid`: a PID controller applies efforts to the joint; its accuracy depends on the gains.
 
-Links and models have SetLinearVel and SetAngularVel, which are of the first kind.
+Links and models have SetLinearVel and SetAngularVel, which set it at once, too.
 """
 
 from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin, gzerr

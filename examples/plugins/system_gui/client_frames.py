@@ -18,7 +18,7 @@ class ClientFrames(SystemPlugin):
         self.frames = 0
 
     def Init(self):
-        # There is no camera yet: the window comes after the System plugins.
+        # There is no camera yet: the window is created after the System plugins.
         self.connections = [Events.ConnectPreRender(self.OnPreRender)]
 
     def OnPreRender(self):

@@ -1,4 +1,4 @@
-"""A GUI plugin for the client: a widget in the client's window shows the sim time, and a button adds a sphere.
+"""A GUI plugin for the client: a widget in its window shows the sim time and has a button that adds a sphere.
 
 gzserver system_gui.world          # in one terminal
 gzclient --verbose                 # in another: the world names this plugin in <gui>
@@ -31,7 +31,7 @@ class Overlay(GUIPlugin):
         self.count = 0
         self.node = transport.Node()
         self.node.Init(gui.get_world())
-        # The server is another process: the client controls it by topics.
+        # The server is another process, so the client requests changes by a topic.
         self.publisher = self.node.Advertise(msgs.Factory, "~/factory")
         self.subscriber = self.node.Subscribe("~/world_stats", self.OnStatistics)
 
@@ -39,7 +39,7 @@ class Overlay(GUIPlugin):
         self.gui.SetText(f"{message.sim_time.sec + 1e-9 * message.sim_time.nsec:.2f} s")
 
     def OnButton(self):
-        # A new publisher takes a moment until the server listens to it; what is said before is lost.
+        # Messages are lost until the server has connected to a new publisher.
         self.publisher.WaitForConnection(5.0)
         self.publisher.Publish(msgs.Factory(sdf=SPHERE.format(name=f"sphere_{self.count}")))
         self.count += 1

@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 
 class ServerWatcher(SystemPlugin):
     def Load(self, argc, argv):
-        # The whole command line: options that the server does not know are for plugins.
+        # The whole command line, including options for plugins that the server does not know.
         gzmsg(f"started as {' '.join(argv)}")
         self.updates = 0
 

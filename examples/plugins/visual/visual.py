@@ -1,7 +1,7 @@
-"""A Visual plugin that lets its visual blink: it changes colour each half period.
+"""A Visual plugin that makes its visual blink: the colour changes every half period.
 
-Visual plugins are loaded by processes that render: a server with cameras, and clients. They change the appearance of
-the world only.
+Visual plugins are loaded where images are rendered: on servers with cameras, and in clients. They change
+what is seen, and nothing else.
 """
 
 from libgz.classic import GZ_REGISTER_VISUAL_PLUGIN, VisualPlugin
@@ -19,7 +19,7 @@ class Blink(VisualPlugin):
             self.LoadParam(sdf, "color_b", Color(0.0, 0.0, 1.0, 1.0)),
         ]
         self.period = self.LoadParam(sdf, "period", 1.0)
-        # PreRender is signalled before each image: changes are visible in it.
+        # PreRender is sent before each image is rendered; changes made there are visible in it.
         self.connection = Events.ConnectPreRender(self.OnPreRender)
 
     def OnPreRender(self):

@@ -1,6 +1,6 @@
-"""A World plugin that changes the physics of its world: gravity, step size and update rate, by the plugin's element.
+"""A World plugin that changes gravity, step size and real-time factor of its world, from the plugin's element.
 
-What every World plugin gets is the world, and its own <plugin> element; from the world it reaches everything else.
+A World plugin gets the world, which gives access to all objects, and its own <plugin> element.
 """
 
 from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin, gzmsg
@@ -10,7 +10,7 @@ from libgz.classic.math import Vector3d
 class WorldEdit(WorldPlugin):
     """Elements: `<gravity>` [m/s^2], `<max_step_size>` [s], `<real_time_update_rate>` [Hz], `<iters>`; all optional."""
 
-    # Numbers of the physics engine that have a name; gravity is not one, but three.
+    # Parameters of the physics engine with one number; gravity has three.
     PARAMETERS = {"max_step_size": float, "real_time_update_rate": float, "iters": int}
 
     def Load(self, world, sdf):
@@ -20,7 +20,7 @@ class WorldEdit(WorldPlugin):
                 before = physics.GetParam(name)
                 physics.SetParam(name, sdf.Get(kind, name))
                 gzmsg(f"{name}: {before} -> {physics.GetParam(name)}")
-        # With a third argument, the default, Get returns (value, found).
+        # With a default, Get returns (value, found): found is whether the file has the element.
         gravity, found = sdf.Get(Vector3d, "gravity", world.Gravity())
         if found:
             world.SetGravity(gravity)

@@ -28,6 +28,7 @@ from libgz.rendering.shot import Lines, View
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.visual import set_sky
+from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.light import Light as WorldLight

@@ -329,7 +329,8 @@ def test_gzserver_records_and_plays(place, tmp_path):
     assert played.returncode == 0, played.stderr
     assert f"playing [{folder}/state.log], recorded by libgz" in played.stderr + played.stdout
     assert run(place, "-p", tmp_path / "none.log", "--iters", 1).returncode == 255
-    assert tool(place, "log")[0::2] == (1, "libgz: which log? -f FILE; or -d 1 and -d 0 for a running server\n")
+    sentence = "libgz: no log file is given; use -f FILE, or -d 1 and -d 0 for a running server\n"
+    assert tool(place, "log")[0::2] == (1, sentence)
 
 
 def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):

@@ -32,7 +32,7 @@ def straight(count=40, rise=0.05):
     return [(2.0 * i, 2.0 * i, 0.0, rise * 2.0 * i + 1.0) for i in range(count)]
 
 
-def test_a_straight_road_is_where_its_records_say(tmp_path):
+def test_a_straight_road_follows_its_records(tmp_path):
     (tmp_path / "road.txt").write_text(road_file(straight()))
     with world_of(tmp_path, ROAD.format(""), SETTINGS) as world:
         for side in range(-5, 6):  # profile points lie a metre apart, right to left; the outermost two are drawn down
@@ -90,7 +90,7 @@ def test_track_spacing_stretches_the_parameter_not_the_road(tmp_path):
         assert len(old.models[0].road.vertices) == pytest.approx(2.5 * len(own.models[0].road.vertices), rel=0.02)
 
 
-def test_a_road_is_data_that_can_be_drawn(tmp_path):
+def test_a_road_can_be_rendered(tmp_path):
     signs = [(0, 1, 0.0, 3.0, 2.1), (40, 2, 40.0, 3.0, 4.1)]
     (tmp_path / "road.txt").write_text(road_file(straight(20), waypoints=signs))
     with world_of(tmp_path, ROAD.format("<textureSize>4 2</textureSize>"), SETTINGS) as world:
@@ -111,14 +111,14 @@ def test_a_road_is_data_that_can_be_drawn(tmp_path):
         (road_file([*straight(5), (2.0, 12, 0, 0)]), "not beyond"),
     ],
 )
-def test_a_road_that_is_none_is_one_warning(tmp_path, caplog, text, words):
+def test_an_invalid_road_is_one_warning(tmp_path, caplog, text, words):
     (tmp_path / "road.txt").write_text(text)
     with world_of(tmp_path, ROAD.format(""), SETTINGS) as world:
         world.step(2)
-    assert [words in r.getMessage() and "no road here" in r.getMessage() for r in caplog.records] == [True]
+    assert [words in r.getMessage() and "no road is built" in r.getMessage() for r in caplog.records] == [True]
 
 
-def test_lines_that_are_no_records_are_left_out_with_one_warning(tmp_path, caplog):
+def test_invalid_lines_are_ignored_with_one_warning(tmp_path, caplog):
     text = (
         "# made by hand\nhello\ntrack 1 2\ntrack 1 1 nan 0 0 1 0\n" + road_file(straight()) + "track 9 1 0 0 0 3 1 2\n"
     )
@@ -129,7 +129,7 @@ def test_lines_that_are_no_records_are_left_out_with_one_warning(tmp_path, caplo
     assert "and 3 more" in caplog.text
 
 
-def test_road_geoms_refuse_what_cannot_be():
+def test_road_geoms_reject_invalid_values():
     engine = Engine()
     road = RoadGeom(Body(engine, dummy=True), Space(engine))
     with pytest.raises(libgz.ParameterError, match="no track point 0"):

@@ -1,4 +1,4 @@
-"""Devices: the gripper, satellite navigation, truth, sonars of their own, radios."""
+"""Devices: the gripper, satellite navigation, truth, separate sonars, radios."""
 
 import logging
 import math
@@ -47,7 +47,7 @@ def test_gripper_lifts_a_cube_and_puts_it_down():
         world.run(1.0)
         assert flags(gripper) == OPEN | DOWN | {"grip_limit_reach"}
         gripper.command(codes.CLOSE)
-        world.step(7)  # 1 cm a step, and told a step later
+        world.step(7)  # 1 cm per step, published one step later
         assert model.left.position == pytest.approx(0.07, abs=1e-3)
         assert flags(gripper) == {"paddles_moving"} | DOWN
         world.run(1.0)
@@ -74,7 +74,7 @@ def test_gripper_lifts_a_cube_and_puts_it_down():
         assert gripper.time == pytest.approx(world.GetSimTime() - 0.02)
 
 
-def test_gripper_carries_what_it_holds():
+def test_gripper_carries_a_held_object():
     with world_of(GROUND + ROBOT + cube()) as world:
         world.run(0.5)
         for code in (codes.CLOSE, codes.LIFT_UP):
@@ -108,7 +108,7 @@ def test_gripper_closes_empty():
 
 
 @pytest.mark.parametrize(("x", "seen"), [(0.313, {"outer"}), (0.263, {"inner"}), (0.288, set()), (0.40, set())])
-def test_gripper_beams_see_what_stands_between_the_paddles(x, seen):
+def test_gripper_beams_detect_objects_between_the_paddles(x, seen):
     with world_of(GROUND + ROBOT + cube(x, "0.03 0.05 0.12")) as world:
         world.run(0.5)
         found = {
@@ -119,7 +119,7 @@ def test_gripper_beams_see_what_stands_between_the_paddles(x, seen):
         assert found == seen
 
 
-def test_gripper_beams_see_what_it_holds_and_not_itself():
+def test_gripper_beams_detect_a_held_object_and_not_the_gripper():
     with world_of(GROUND + ROBOT + cube(0.29, "0.08 0.08 0.12")) as world:
         gripper = world.interface("gripper", "g")
         gripper.command(codes.CLOSE)
@@ -148,7 +148,7 @@ def test_unknown_gripper_commands_do_nothing():
         assert "paddles_moving" in flags(gripper)
 
 
-def test_gripper_weighs_what_it_should_or_with_the_old_fault_next_to_nothing():
+def test_gripper_mass_with_and_without_the_quirk():
     with world_of(ROBOT) as world:
         assert world.body("g", "bar").mass == pytest.approx(0.25)
         assert world.body("g", "left_paddle").mass == pytest.approx(0.05)
@@ -157,7 +157,7 @@ def test_gripper_weighs_what_it_should_or_with_the_old_fault_next_to_nothing():
         assert world.body("g", "left_paddle").mass == pytest.approx(0.095 * 0.025 * 0.04)
 
 
-def test_gripper_tells_at_the_command_with_the_old_fault():
+def test_gripper_state_follows_the_command_with_the_quirk():
     with world_of(GROUND + ROBOT + cube(0.263, "0.03 0.05 0.12"), "<legacyQuirks>gripperState</legacyQuirks>") as world:
         gripper = world.interface("gripper", "g")
         gripper.command(codes.STORE)
@@ -196,7 +196,7 @@ def test_gripper_serves_the_struct_that_came_later(quirks, opened, moving, close
         (500000.0, 10000000.0, -1, 0.0, -177.0),
     ],
 )
-def test_utm_points_whose_places_are_known(easting, northing, zone, latitude, longitude):
+def test_utm_of_known_points(easting, northing, zone, latitude, longitude):
     assert utm_to_geodetic(easting, northing, zone) == pytest.approx((latitude, longitude), abs=6e-7)
 
 
@@ -213,7 +213,7 @@ def test_northing_on_the_central_meridian_is_the_length_of_the_meridian(latitude
     assert south == pytest.approx((-latitude, 15.0), abs=1e-8)
 
 
-def test_gps_tells_the_place_of_its_robot():
+def test_gps_publishes_the_position_of_its_robot():
     settings = "<utmZone>31</utmZone><utmOffset>448241.795 5411902.678 35</utmOffset><utcOffset>1000</utcOffset>"
     gps = "<model:GarminGPS><id>gps1</id><xyz>0 0 .32</xyz></model:GarminGPS>"
     robot = f"<model:Pioneer2AT><id>r</id><xyz>10 30 0</xyz>{gps}</model:Pioneer2AT>"
@@ -232,7 +232,7 @@ def test_gps_tells_the_place_of_its_robot():
         assert world.body("gps1").mass == pytest.approx(1.0)
 
 
-def test_gps_without_a_zone_has_no_latitude_and_says_so(caplog):
+def test_gps_without_a_zone_has_no_latitude_and_warns(caplog):
     with world_of("<model:GarminGPS><id>a</id><size>.1 .2</size><xyz>1 2 3</xyz></model:GarminGPS>") as world:
         world.step()
         fix = world.interface("gps", "a")
@@ -291,7 +291,7 @@ def test_truth_moves_a_model_that_sits_on_another():
         assert poses_agree(world.model("box").GetPose(), there)
 
 
-def test_truth_at_the_top_tells_and_moves_itself():
+def test_top_level_truth_publishes_and_moves_itself():
     with world_of("<model:TruthWidget><id>t</id><xyz>1 2 3</xyz></model:TruthWidget>") as world:
         truth = world.interface("truth", "t")
         assert tuple(truth.pose.pos) == (1, 2, 3)
@@ -310,7 +310,7 @@ def test_truth_at_the_top_tells_and_moves_itself():
         ((0, 0, 0), (math.inf, 0, 0, 0)),
     ],
 )
-def test_poses_that_are_none_move_nothing(position, rotation, caplog):
+def test_invalid_poses_are_ignored(position, rotation, caplog):
     with world_of(f"<model:SimpleSolid><id>s</id>{TRUTH}</model:SimpleSolid>", "<gravity>0 0 0</gravity>") as world:
         truth = world.interface("truth", "t")
         with caplog.at_level(logging.WARNING):
@@ -322,7 +322,7 @@ def test_poses_that_are_none_move_nothing(position, rotation, caplog):
         assert caplog.text.count("a client wrote truth.t") == 1
 
 
-def test_truth_of_0x050_speaks_in_angles(caplog):
+def test_truth_of_0x050_has_angles(caplog):
     with world_of("<model:TruthWidget><id>t</id><rpy>10 20 30</rpy></model:TruthWidget>", wire_version=0x050) as world:
         truth = world.interface("truth", "t")
         assert tuple(truth.data.rot) == pytest.approx(np.radians((10, 20, 30)))
@@ -333,7 +333,7 @@ def test_truth_of_0x050_speaks_in_angles(caplog):
         truth.data.cmd_rot[:], truth.data.cmd_new = (math.inf, 0, 0), 1
         world.step()
         assert tuple(truth.data.rot) == pytest.approx((0.1, 0.2, 0.3))
-        assert "which is no pose" in caplog.text
+        assert "not a valid pose" in caplog.text
 
 
 # Sonars ----------------------------------------------------------------------------------------------------------
@@ -342,7 +342,7 @@ def test_truth_of_0x050_speaks_in_angles(caplog):
 @pytest.mark.parametrize(
     ("model", "z", "front", "rear"), [("Pioneer2AT", "0", 0.24103, 0.24103), ("Pioneer2DX", ".335", 0.14103, 0.24103)]
 )
-def test_sonars_of_their_own_hear_what_the_robots_own_do(model, z, front, rear):
+def test_separate_sonars_have_the_ranges_of_the_robots_own(model, z, front, rear):
     walls = "".join(
         f"<model:SimpleSolid><xyz>{x} {y} 0.5</xyz><size>{size}</size></model:SimpleSolid>"
         for x, y, size in ((2.5, 0, "1 5 1"), (-2.5, 0, "1 5 1"), (0, 3.5, "9 1 1"))
@@ -422,7 +422,7 @@ def test_a_radio_has_at_most_sixteen_links_the_strongest():
 
 def test_radio_addresses_are_checked(caplog):
     with world_of(radio("a", 0, "<ip>10.0.0.1</ip>") + radio("b", 1, "<ip>10.0.0.1</ip>")):
-        assert "the address 10.0.0.1 is that of 'a' already" in caplog.text
+        assert "the address 10.0.0.1 is already used by 'a'" in caplog.text
     with pytest.raises(libgz.WorldFileError, match="at most 31 bytes"):
         world_of(radio("a", 0, f"<ip>{'1' * 32}</ip>"))
 
@@ -431,7 +431,7 @@ def test_radio_addresses_are_checked(caplog):
 
 
 @pytest.mark.parametrize("name", ["TotemPole", "PointSet"])
-def test_models_known_by_name_only_are_skipped_with_a_word(name, caplog):
+def test_models_known_by_name_only_are_skipped_with_a_warning(name, caplog):
     solid = "<model:SimpleSolid><id>s</id><xyz>0 0 1</xyz></model:SimpleSolid>"
     with world_of(f"<model:{name}><id>p</id><xyz>1 0 0</xyz><colors><c>1</c></colors>{solid}</model:{name}>") as world:
         assert world.GetNumModels() == 0
@@ -453,7 +453,7 @@ def test_a_gripper_over_the_wire(gazebo, wire, tmp_path):
         gripper.close()
 
 
-def test_yaw_of_a_moved_robot_is_as_told():
+def test_yaw_of_a_moved_robot():
     with world_of(f"<model:SimpleSolid><id>s</id>{TRUTH}</model:SimpleSolid>", "<gravity>0 0 0</gravity>") as world:
         world.interface("truth", "t").move(GzPose(GzVector(), GzQuaternFromEuler(0, 0, 1.2)))
         world.step()

@@ -1,4 +1,4 @@
-"""The robots whose source is lost: how they rest, drive, turn, balance, climb, fly and move their arms."""
+"""The robots whose original source is lost: resting, driving, turning, balancing, climbing, flying, moving arms."""
 
 import logging
 import math
@@ -79,7 +79,7 @@ def test_rests_upright_at_its_height(model):
 
 @pytest.mark.parametrize("model", HEIGHTS)
 @pytest.mark.parametrize("speed", [0.3, -0.3])
-def test_told_to_go_straight(model, speed):
+def test_driving_straight(model, speed):
     with world_of(model, rpy="0 0 90") as world:
         robot, position = world.model("r"), world.interface("position", "r")
         world.run(2.0)
@@ -97,7 +97,7 @@ def test_told_to_go_straight(model, speed):
 
 
 @pytest.mark.parametrize("model", TURN_ON_THE_SPOT)
-def test_told_to_turn_left_on_the_spot(model):
+def test_turning_left_on_the_spot(model):
     # Wheels that are dragged sideways, and the Segway's soft start, cost what they cost.
     share = {"Atrv": (0.55, 0.65), "Shrimp": (0.75, 0.88), "SegwayRMP": (0.80, 0.95)}.get(model, (0.98, 1.01))
     with world_of(model) as world:
@@ -160,7 +160,7 @@ def test_motors_are_on_and_can_be_switched_off_and_on(model):
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
 @pytest.mark.parametrize("model", ALL)
-def test_insane_commands_do_no_harm(model, bad, caplog):
+def test_invalid_commands_have_no_effect(model, bad, caplog):
     with world_of(model) as world:
         robot, position = world.model("r"), world.interface("position", "r")
         position.command(vx=0.2)
@@ -172,7 +172,7 @@ def test_insane_commands_do_no_harm(model, bad, caplog):
         assert np.isfinite(position.pos).all()
         assert caplog.text.count("a client wrote position.r: cmd_vel_pos[0]") == 1
         if not math.isfinite(bad):
-            assert robot.command[:2] == (0.2, 0.0)
+            assert robot.position.command[:2] == (0.2, 0.0)
             assert fastest(world) < 1.0
         assert robot.GetPose().pos.z < 12.0
 
@@ -196,7 +196,7 @@ def test_clodbuster_drives_a_circle(speed):
         assert turned(world, 1.0) == pytest.approx(0, abs=0.01)
 
 
-def test_clodbuster_tells_raw_encoders():
+def test_clodbuster_publishes_raw_encoders():
     with world_of("ClodBuster", "<rawEncoder>true</rawEncoder>") as world:
         position = world.interface("position", "r")
         position.command(vx=0.3)
@@ -357,7 +357,7 @@ def test_avatarheli_falls_and_lands_on_its_skids():
 ORDER = [f"{s}_{j}" for s in "LR" for j in ("SHOULDER", "UPPERARM", "ELBOW", "LOWERARM", "WRIST")] + ["HEAD"]
 
 
-def test_bandit_moves_its_joints_as_told():
+def test_bandit_moves_its_joints_to_the_commands():
     with world_of("Bandit", xyz="1 2 0.8", rpy="0 0 90") as world:
         robot, joints = world.model("r"), world.interface("joint", "r")
         world.run(2.0)
@@ -377,7 +377,7 @@ def test_bandit_moves_its_joints_as_told():
         assert tuple(robot.GetPose().pos) == pytest.approx((1, 2, 0.8), abs=1e-6)
 
 
-def test_bandit_tells_axes_about_which_bodies_turn():
+def test_bandit_publishes_the_axes_of_its_joints():
     with world_of("Bandit", xyz="0 0 0.8") as world:
         joints = world.interface("joint", "r")
         joints.command(10, 0.4, 0.3)
@@ -394,7 +394,7 @@ def test_bandit_tells_axes_about_which_bodies_turn():
         assert GzQuaternToEuler(GzCoordPoseSub(shoulder, torso).rot).y == pytest.approx(-0.5, abs=1e-3)
 
 
-def test_bandit_stays_where_it_is_moved_to_and_goes_with_a_robot():
+def test_bandit_stays_at_its_pose_and_moves_with_a_robot():
     with world_of("Bandit", xyz="0 0 0.8") as world:
         robot = world.model("r")
         world.run(0.5)
@@ -412,7 +412,7 @@ def test_bandit_stays_where_it_is_moved_to_and_goes_with_a_robot():
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, 1e300])
-def test_bandit_survives_insane_angles(bad, caplog):
+def test_bandit_ignores_invalid_angles(bad, caplog):
     with world_of("Bandit", xyz="0 0 0.8") as world:
         joints = world.interface("joint", "r")
         for i in range(11):

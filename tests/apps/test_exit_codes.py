@@ -1,4 +1,4 @@
-"""How commands end: by signals, without readers or streams, on full disks. Always in a sentence, or in silence."""
+"""How commands end after signals, with closed pipes and streams, and on full disks: one sentence at most."""
 
 import argparse
 import errno
@@ -65,7 +65,7 @@ def test_a_closed_stream_is_not_taken_for_a_file(wire):
     assert done.stderr == "True\n"
 
 
-def test_a_log_file_on_a_full_disk_is_told_once(wire):
+def test_a_log_file_on_a_full_disk_is_reported_once(wire):
     done = subprocess.run(
         words("gazebo", "-n", "-s", wire, "--steps", "3", "-l", "/dev/full", WORLD),
         capture_output=True,
@@ -73,10 +73,10 @@ def test_a_log_file_on_a_full_disk_is_told_once(wire):
         timeout=60,
     )
     assert done.returncode == 0
-    assert done.stderr == f"error   : log file /dev/full ends here: {FULL}\n"
+    assert done.stderr == f"error   : log file /dev/full cannot be written any more: {FULL}\n"
 
 
-def test_a_log_file_is_not_left_for_another_fault(tmp_path, capsys):
+def test_a_log_file_stays_open_after_another_error(tmp_path, capsys):
     root = logging.getLogger("libgz")
     file = LogFile(tmp_path / "log")
     root.addHandler(file)
@@ -98,7 +98,7 @@ def test_an_interrupt_is_an_exit_code():
 
 
 @pytest.mark.parametrize(
-    ("error", "told"),
+    ("error", "sentence"),
     [
         (OSError(errno.ENOSPC, FULL), f"gz: its output: {FULL}\n"),
         (OSError(errno.EACCES, "Permission denied", "a.txt"), "gz: a.txt: Permission denied\n"),
@@ -106,12 +106,12 @@ def test_an_interrupt_is_an_exit_code():
         (TimeoutError("too late"), "gz: too late\n"),
     ],
 )
-def test_what_the_system_refuses_is_one_sentence(capsys, error, told):
+def test_errors_of_the_system_are_one_sentence(capsys, error, sentence):
     def main(_arguments):
         raise error
 
     assert as_command("gz", failed=255)(main)() == 255
-    assert capsys.readouterr().err == told
+    assert capsys.readouterr().err == sentence
 
 
 def test_an_interrupt_while_a_world_loads(wire, tmp_path):
@@ -156,7 +156,7 @@ def test_no_free_directory_ends_the_search(wire, monkeypatch, capsys):
     assert len(err.splitlines()) == 1
 
 
-def test_what_a_program_forgets_to_close(wire):
+def test_worlds_that_a_program_does_not_close(wire):
     program = f"import libgz; world = libgz.World.from_file({str(WORLD)!r}, server_id={wire}); world.step(2)"
     subprocess.run([sys.executable, "-c", program], check=True, timeout=60)
     # The fixture looks for what the server left.
@@ -197,7 +197,7 @@ def test_a_model_to_add_that_is_no_text(tmp_path):
         model._factory(argparse.Namespace(spawn_string=None, spawn_file=str(path), model_name=""), None)
 
 
-def test_a_world_that_does_not_run_says_so():
+def test_stepping_a_world_that_does_not_run_raises():
     world = libgz.World()
     with pytest.raises(libgz.ClosedError, match="Initialize"):
         world.step()
@@ -214,7 +214,7 @@ def test_a_world_that_does_not_run_says_so():
 @pytest.mark.parametrize(
     "words", [["--size", "99999x99999"], ["--size", "0x1"], ["--pose", "nan 0 1 0 0 0"], ["--pose", "0 0 inf 0 0 0"]]
 )
-def test_views_that_cannot_be_drawn(capsys, words):
+def test_views_that_cannot_be_rendered(capsys, words):
     with pytest.raises(SystemExit) as end:
         toolbox.main(["picture", str(WORLD), *words])
     assert end.value.code == 2

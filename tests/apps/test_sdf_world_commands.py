@@ -108,10 +108,10 @@ def test_statistics_are_printed(libgz):
         assert re.fullmatch(r"Factor\[\d+\.\d\d\] SimTime\[[\d.]+\] RealTime\[[\d.]+\] Paused\[F\]", line)
 
 
-def test_what_is_missing_is_told(libgz):
-    assert "which model?" in libgz("model", "-i", code=1)
-    assert "what is to be done?" in libgz("model", "-m", "box", code=1)
-    assert "what is to be done?" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)
+def test_missing_arguments_are_reported(libgz):
+    assert "no model is given" in libgz("model", "-i", code=1)
+    assert "no action is given" in libgz("model", "-m", "box", code=1)
+    assert "no action is given" in libgz("joint", "-m", "arm", "-j", "hinge", code=1)
 
 
 def test_statistics_end_with_the_server(tmp_path):
@@ -120,5 +120,5 @@ def test_statistics_end_with_the_server(tmp_path):
         with subprocess.Popen(command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as stats:
             assert stats.stdout.readline().startswith("Factor")
             server.kill()
-            assert "the server ended" in stats.communicate(timeout=30)[1]
+            assert "the server has ended" in stats.communicate(timeout=30)[1]
             assert stats.returncode == 1

@@ -145,7 +145,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         (["-t", "nan", "x.world"], "invalid number of seconds value"),
         (["--seed", "-1", "x.world"], "--seed"),
         (["--steps", "-1", str(WORLD)], "--steps is -1"),
-        (["--wire-version", "0.4", "x.world"], "'0.4' is no wire version; allowed are 0x050, 0.5, 0x060"),
+        (["--wire-version", "0.4", "x.world"], "'0.4' is not a wire version; allowed are 0x050, 0.5, 0x060"),
         (["/no/such.world"], "worldfile '/no/such.world' does not exist"),
         (["/tmp"], "worldfile '/tmp' is a directory"),
         (["/dev/null"], "worldfile '/dev/null' is not a plain file"),
@@ -160,7 +160,7 @@ def test_a_wrong_command_line_is_one_sentence_and_code_2(arguments, sentence):
     assert done.stdout == ""
 
 
-def test_a_bad_world_is_told_and_code_1(wire, tmp_path):
+def test_an_invalid_world_is_reported_with_code_1(wire, tmp_path):
     path = tmp_path / "bad.world"
     path.write_text(
         "<gz:world xmlns:gz='g' xmlns:model='m'>\n<model:SimpleSolid><mass>-1</mass></model:SimpleSolid></gz:world>"
@@ -234,7 +234,7 @@ def test_doctor_looks_at_every_extra():
         ("plot", "matplotlib", "no plots by libgz echo --plot without matplotlib; libgz echo prints "),
     ],
 )
-def test_doctor_tells_what_works_without_an_extra_and_how_to_get_it(monkeypatch, capsys, name, package, words):
+def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words):
     real = importlib.metadata.version
 
     def version(asked):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from gzserver_process import SERVER, new_environment, run
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 HELLO = ROOT / "examples" / "plugins" / "hello_world"
 EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"
 
@@ -45,7 +45,7 @@ def test_the_tutorial_prints_its_lines(place):
     assert done.stderr.startswith("Gazebo multi-robot simulator, version")
 
 
-def test_without_verbose_only_errors_and_what_plugins_print_are_seen(place, tmp_path):
+def test_without_verbose_only_errors_and_output_of_plugins_are_printed(place, tmp_path):
     plugin(tmp_path, "bad", "class P(WorldPlugin):\n    def Load(self, w, s): 1 / 0\nGZ_REGISTER_WORLD_PLUGIN(P)")
     lines = "<plugin name='bad' filename='libbad.so'/><plugin name='gone' filename='libgone.so'/>"
     done = run(place, world(tmp_path, lines), "--iters", 5)
@@ -75,7 +75,7 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
             ["--iters", "1", "--record_resources", "--lockstep"],
             0,
             "stderr",
-            "--record_resources has no effect: models and meshes stay where they are",
+            "--record_resources has no effect: models and meshes are not copied",
         ),
         (["--iters", "1", "-e", "bullet"], 0, "stderr", "Unregistered physics engine [bullet], the default will be"),
         (["--iters", "1", "-o", "fast"], 0, "stderr", "Specified profile [fast] was not found"),
@@ -88,7 +88,7 @@ def test_options_and_exit_codes(words, code, stream, text, place):
     assert text in getattr(done, stream)
 
 
-def test_an_unreadable_world_is_told(place, tmp_path):
+def test_an_unreadable_world_is_reported(place, tmp_path):
     path = tmp_path / "broken.world"
     path.write_text("<sdf version='1.6'><world name='w'><model name='m'></world></sdf>")
     done = run(place, path)
@@ -96,7 +96,7 @@ def test_an_unreadable_world_is_told(place, tmp_path):
     assert "broken.world:1" in done.stderr
 
 
-def test_a_port_in_use_is_told(place, tmp_path):
+def test_a_port_in_use_is_reported(place, tmp_path):
     with socket.socket() as other:
         other.bind(("127.0.0.1", int(place["GAZEBO_MASTER_URI"].rpartition(":")[2])))
         other.listen()
@@ -117,12 +117,12 @@ def test_system_plugins_come_first_and_in_order(place, tmp_path):
                 print("Load", argc == len(argv), argv[0], "--verbose" in argv, flush=True)
                 names = ("WorldCreated", "WorldUpdateBegin", "Stop")
                 self.kept = [getattr(event.Events, f"Connect{name}")(self.hear(name)) for name in names]
-                self.told = set()
+                self.seen = set()
             def hear(self, name):
                 def heard():
-                    if name not in self.told:
+                    if name not in self.seen:
                         print(name, flush=True)
-                    self.told.add(name)
+                    self.seen.add(name)
                 return heard
             def Init(self):
                 print("Init", flush=True)

@@ -39,7 +39,7 @@ def packed_wave(slope=None):
 TERRAIN = "<model:Terrain><terrainFile>t.gzb</terrainFile><xyz>{}</xyz><rpy>{}</rpy></model:Terrain>"
 
 
-def test_terrain_files_hold_what_was_written(tmp_path):
+def test_terrain_files_are_read_as_written(tmp_path):
     packed, strip, triangles = packed_wave()
     packed[0, 0] = -2147483.648  # stands for no texture coordinate
     write_gzb(tmp_path / "t.gzb", packed, strip, triangles)
@@ -60,7 +60,7 @@ def test_terrain_files_hold_what_was_written(tmp_path):
 
 
 @pytest.mark.parametrize(("place", "turn"), [((0, 0, 0), 0), ((-10, 5, -0.1), 0), ((3, 4, 1), 90)])
-def test_rays_find_the_terrain_where_its_formula_says(tmp_path, place, turn):
+def test_rays_hit_the_terrain_at_the_heights_of_its_formula(tmp_path, place, turn):
     write_gzb(tmp_path / "t.gzb", *packed_wave())
     with world_of(tmp_path, TERRAIN.format(" ".join(map(str, place)), f"0 0 {turn}")) as world:
         local = np.random.default_rng(1).integers(1, COUNT - 1, (200, 2)) * SPACING
@@ -78,7 +78,7 @@ def test_rays_find_the_terrain_where_its_formula_says(tmp_path, place, turn):
         assert np.isnan(heights_below(world, np.array([place[:2]]) - 100.0)).all()
 
 
-def test_a_ball_rolls_down_a_terrain_as_the_formula_says(tmp_path):
+def test_a_ball_rolls_down_a_terrain_by_the_formula(tmp_path):
     slope = 0.1
     write_gzb(tmp_path / "t.gzb", *packed_wave(slope))
     angle = math.atan(slope)
@@ -109,7 +109,7 @@ def test_a_robot_stands_on_a_terrain_and_its_laser_sees_the_hill(tmp_path):
         assert world.interface("laser", "laser1").ranges[90] == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
+def test_a_terrain_can_be_rendered(tmp_path):
     packed, strip, triangles = packed_wave()
     write_gzb(tmp_path / "t.gzb", packed, strip, triangles)
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")) as world:
@@ -122,7 +122,7 @@ def test_a_terrain_is_data_that_can_be_drawn(tmp_path):
         assert world.engine.tables.geoms.surface[ground.row, :4].tolist() == [math.inf, 0, 1, 0]
 
 
-def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
+def test_a_terrain_with_converted_line_ends_is_repaired(tmp_path, caplog):
     """Bytes 0D turned into 0A, as a conversion of line ends does."""
     packed, strip, triangles = packed_wave()
     path = tmp_path / "t.gzb"
@@ -135,10 +135,10 @@ def test_a_terrain_whose_bytes_were_converted_is_set_right(tmp_path, caplog):
     assert len(terrain.damage) == 1
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")):
         assert [r.getMessage().count("is damaged: ") for r in caplog.records] == [1]
-        assert "were set right" in caplog.text
+        assert "were repaired" in caplog.text
 
 
-def test_triangles_that_cannot_be_are_left_out(tmp_path, caplog):
+def test_invalid_triangles_are_ignored(tmp_path, caplog):
     packed, strip, triangles = packed_wave()
     path = tmp_path / "t.gzb"
     write_gzb(path, packed, strip, triangles)
@@ -148,16 +148,16 @@ def test_triangles_that_cannot_be_are_left_out(tmp_path, caplog):
     path.write_bytes(data)
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0")) as world:
         assert len(world.models[0].ground.triangles) == len(triangles) - 2
-    assert "1 triangles name a vertex that there is not" in caplog.text
+    assert "1 triangles refer to a vertex that does not exist" in caplog.text
 
 
 @pytest.mark.parametrize(
     ("damage", "words"),
     [
-        (lambda d: d[:-9], "does not fit its counts"),
-        (lambda d: b"", "is no terrain file"),
-        (lambda d: b"\x89PNG" + d, "is no terrain file"),
-        (lambda d: d[:28] + b"\xff" * 4 + d[32:], "does not fit its counts"),
+        (lambda d: d[:-9], "; its counts, "),
+        (lambda d: b"", "is not a terrain file"),
+        (lambda d: b"\x89PNG" + d, "is not a terrain file"),
+        (lambda d: d[:28] + b"\xff" * 4 + d[32:], "; its counts, "),
         (lambda d: d[:28] + b"\0" * 12, "needs at least one triangle"),
     ],
 )
@@ -167,7 +167,7 @@ def test_a_damaged_terrain_is_one_warning_and_no_ground(tmp_path, caplog, damage
     with world_of(tmp_path, TERRAIN.format("0 0 0", "0 0 0") + ball(5, 5, 3)) as world:
         world.step(3)
         assert world.model("ball").GetPose().pos.z < 3.0
-    assert [words in r.getMessage() and "no ground here" in r.getMessage() for r in caplog.records] == [True]
+    assert [words in r.getMessage() and "no ground is built" in r.getMessage() for r in caplog.records] == [True]
 
 
 def test_a_terrain_needs_a_file(tmp_path, caplog):
@@ -205,7 +205,7 @@ def test_slanting_rays_see_the_nearest_slope_of_a_height_map(tmp_path):
         assert ranges == pytest.approx(18.0 + rays[:, 2] / 3.0, abs=1e-5)
 
 
-def test_grey_pictures_of_all_kinds(tmp_path):
+def test_grey_values_of_all_image_modes(tmp_path):
     ramp = np.arange(256, dtype=np.uint8).reshape(16, 16)
     Image.fromarray(ramp).save(tmp_path / "8.png")
     Image.fromarray(ramp.astype(np.uint16) * 257).save(tmp_path / "16.png")
@@ -215,7 +215,7 @@ def test_grey_pictures_of_all_kinds(tmp_path):
     Image.new("RGBA", (4, 4), (0, 0, 0, 0)).save(tmp_path / "clear.png")
     assert (read_grey(tmp_path / "clear.png") == 255).all()
     (tmp_path / "no.png").write_text("no picture")
-    with pytest.raises(libgz.ParameterError, match="cannot read picture"):
+    with pytest.raises(libgz.ParameterError, match="cannot read image"):
         read_grey(tmp_path / "no.png")
     Image.new("1", (2049, 2048)).save(tmp_path / "huge.png")
     with pytest.raises(libgz.ParameterError, match="pixels"):

@@ -1,4 +1,4 @@
-"""Floor plans: outlines of pictures, and the walls on them."""
+"""Floor plans: outlines of images, and the walls on them."""
 
 import logging
 import math
@@ -12,7 +12,7 @@ import libgz
 from libgz.models.contours import outlines, simplified
 
 
-def test_outlines_of_a_small_picture():
+def test_outlines_of_a_small_image():
     mask = np.zeros((6, 7), dtype=bool)
     mask[1:4, 2:5] = True
     mask[2, 3] = False  # a hole
@@ -34,7 +34,7 @@ def area(polygon):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_outlines_enclose_what_is_solid(seed):
+def test_outlines_enclose_solid_pixels(seed):
     mask = np.random.default_rng(seed).random((40, 50)) < 0.1 + 0.2 * seed
     assert sum(area(polygon) for polygon in outlines(mask)) == mask.sum()
 
@@ -106,7 +106,7 @@ def test_a_large_plan_becomes_walls_and_a_laser_sees_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "words"), [(None, "file 'map.png' was not found"), (b"no picture", "cannot read picture")]
+    ("content", "words"), [(None, "file 'map.png' was not found"), (b"no picture", "cannot read image")]
 )
 def test_a_plan_that_cannot_be_read_is_one_warning_and_no_walls(tmp_path, caplog, content, words):
     if content is not None:

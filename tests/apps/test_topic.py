@@ -86,7 +86,7 @@ def test_rate_and_bandwidth(node):
 def test_publish(node, tmp_path):
     got = []
     sub = node.Subscribe("~/v", got.append)
-    assert "-t TYPE says what to send" in topic("-p", "~/v", "-m", "x: 1", code=1)
+    assert "give its type by -t" in topic("-p", "~/v", "-m", "x: 1", code=1)
     topic("-p", "~/v", "-t", "Vector3d", "-m", "x: 1")
     publisher = node.Advertise(msgs.Vector3d, "~/v")
     topic("-p", "/gazebo/w/v", "-m", '{"y": 2}')
@@ -94,10 +94,10 @@ def test_publish(node, tmp_path):
     topic("-p", "~/v", "-f", str(tmp_path / "message"))
     assert "there is no" in topic("-p", "~/v", "-t", "Vectr3d", "-m", "x: 1", code=1)
     assert "has no field 'w'" in topic("-p", "~/v", "-m", "w: 1", code=1)
-    assert "no JSON" in topic("-p", "~/v", "-m", "{x: 1}", code=1)
-    assert "-m TEXT or by -f FILE" in topic("-p", "~/v", code=1)
+    assert "not valid JSON" in topic("-p", "~/v", "-m", "{x: 1}", code=1)
+    assert "-m TEXT or -f FILE" in topic("-p", "~/v", code=1)
     assert "cannot be advertised with" in topic("-p", "~/v", "-t", "Pose", "-m", "", code=1)
-    assert "nobody listens to /gazebo/w/u" in topic("-p", "~/u", "-t", "Int", "-m", "", "-d", "0", code=1)
+    assert "/gazebo/w/u has no subscribers" in topic("-p", "~/u", "-t", "Int", "-m", "", "-d", "0", code=1)
     wait(lambda: len(got) == 3)
     assert [(m.x, m.y, m.z) for m in got] == [(1, 0, 0), (0, 2, 0), (3, 0, 4)]
     assert sub

@@ -1,0 +1,138 @@
+"""Shared by gzserver and gzclient: Gazebo classic's options, console, log file and System plugins."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from libgz._version import __version__
+from libgz.apps.console import LogFile
+from libgz.classic.common import ConsoleHandler, LogFormatter
+from libgz.classic.loading import new_plugin
+from libgz.classic.server import system_plugins
+from libgz.classic.transport import Link, publicized_address
+
+__all__ = [
+    "BANNER",
+    "FAILED",
+    "Parser",
+    "SystemPlugins",
+    "log_link",
+    "open_log",
+    "parse_known",
+    "set_up_console",
+]
+
+log = logging.getLogger("libgz.classic")
+
+FAILED = 255
+BANNER = f"""Gazebo multi-robot simulator, version {__version__} (libgz)
+Worlds and plugins of Gazebo classic, run from Python by libgz
+Released under the Apache 2 License
+"""
+
+
+class _Help(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
+        """Print the options on stderr, and exit with 255."""
+        parser.print_help(sys.stderr)
+        parser.exit(FAILED)
+
+
+class _Version(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
+        """Print the banner on stdout, and exit with 255."""
+        sys.stdout.write(BANNER + "\n")
+        parser.exit(FAILED)
+
+
+class Parser(argparse.ArgumentParser):
+    """An argument parser with classic's exit codes, error message, and the options -v, --verbose and -h."""
+
+    def __init__(self, prog: str, description: str) -> None:
+        super().__init__(prog=prog, description=description, add_help=False)
+        self.add_argument("-v", "--version", action=_Version, nargs=0, help="print the version and exit")
+        self.add_argument(
+            "--verbose", action="store_true", help="print all messages; errors and warnings are always printed"
+        )
+        self.add_argument("-h", "--help", action=_Help, nargs=0, help="print this help and exit")
+
+    def error(self, message: str) -> NoReturn:
+        """Report invalid arguments as classic does, with the reason, and exit with 255."""
+        self.exit(FAILED, f"Error. Invalid arguments\n{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
+
+
+def parse_known(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
+    """Parse the command line; unknown options are passed on to System plugins."""
+    options, unknown = parser.parse_known_args(list(words))
+    if unknown:
+        log.info("options for System plugins: %s", " ".join(unknown))
+    return options
+
+
+def set_up_console(*, verbose: bool) -> None:
+    """Send errors and warnings to stderr, and with `verbose` messages to stdout, in Gazebo classic's format."""
+    root = logging.getLogger("libgz")
+    root.setLevel(logging.DEBUG)
+    root.propagate = False
+    root.handlers[:] = [ConsoleHandler(verbose)]
+
+
+def open_log(kind: str, port: int) -> None:
+    """Write all messages also to ``<kind>-<port>/default.log`` in GAZEBO_LOG_PATH or ~/.gazebo."""
+    folder = Path(os.environ.get("GAZEBO_LOG_PATH") or "~/.gazebo").expanduser() / f"{kind}-{port}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        handler = LogFile(folder / "default.log", mode="w")
+    except OSError as error:
+        log.warning("no log file in %s: %s", folder, error.strerror)
+        return
+    handler.setFormatter(LogFormatter())
+    logging.getLogger("libgz").addHandler(handler)
+
+
+def log_link(link: Link) -> None:
+    """Log the address of the master, with classic's messages."""
+    log.info("Connected to gazebo master @ %s", link.address.uri)
+    log.info("Publicized address: %s", publicized_address())
+
+
+class SystemPlugins:
+    """The System plugins of this process, from `with` to its end.
+
+    Args:
+        filenames: as on the command line; plugins that cannot be loaded are logged and left out.
+    """
+
+    def __init__(self, filenames: Sequence[str]) -> None:
+        for filename in filter(None, filenames):
+            plugin = new_plugin("System", filename, filename, "System", None)
+            if plugin is not None:
+                system_plugins.append(plugin)
+
+    def load(self, words: Sequence[str]) -> None:
+        """Call Load of all plugins, with the command line."""
+        for plugin in system_plugins:
+            plugin.load(len(words), words)
+
+    def init(self) -> None:
+        """Call Init of all plugins."""
+        for plugin in system_plugins:
+            plugin.init()
+
+    def close(self) -> None:
+        """Drop all plugins."""
+        for plugin in system_plugins:
+            plugin.drop()
+        system_plugins.clear()
+
+    def __enter__(self) -> SystemPlugins:
+        return self
+
+    def __exit__(self, *_exception: object) -> None:
+        self.close()

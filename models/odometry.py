@@ -1,0 +1,36 @@
+"""Odometry: the pose that a robot computes from the travel of its wheels."""
+
+from __future__ import annotations
+
+import math
+
+from libgz.interfaces.position import PositionData
+
+__all__ = ["Odometry"]
+
+
+class Odometry:
+    """Pose and velocity by dead reckoning. Starts at zero; moving the model by other means does not change it.
+
+    Attributes:
+        pose: x [m], y [m], yaw [rad].
+        velocity: forward [m/s], turning [rad/s].
+    """
+
+    def __init__(self) -> None:
+        self.pose = [0.0, 0.0, 0.0]
+        self.velocity = (0.0, 0.0)
+
+    def advance(self, travel: float, turn: float, step: float) -> None:
+        """Add a travel [m] in the present direction and then a turn [rad], made in a step [s]."""
+        pose = self.pose
+        pose[0] += travel * math.cos(pose[2])
+        pose[1] += travel * math.sin(pose[2])
+        pose[2] += turn
+        self.velocity = (travel / step, turn / step)
+
+    def publish(self, data: PositionData) -> None:
+        """Write pose and velocity to the interface."""
+        pos, vel_pos = data.pos, data.vel_pos
+        pos[0], pos[1], data.rot[2] = self.pose
+        vel_pos[0], data.vel_rot[2] = self.velocity

@@ -35,8 +35,8 @@ system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process,
 
 def attach(core: CoreWorld) -> WorldServer:
     """The WorldServer of a world, created on first use; it starts at once if the world runs."""
-    if core.view is not None:
-        server: WorldServer = core.view.server
+    if core.facade is not None:
+        server: WorldServer = core.facade.server
         return server
     server = WorldServer(core)
     core.companions.append(server)
@@ -70,7 +70,7 @@ class WorldServer:
         file = core.extension(SdfWorld).file
         root = file.root if file is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
-        self.world = core.view = World(core, self)
+        self.world = core.facade = World(core, self)
         self.activity = Activity(self.world)
         self.physics = PhysicsEngine(self.world)
         self.presets = PresetManager(self.world)

@@ -108,6 +108,6 @@ class WorldTopics:
         name = self._world.Name()
         self._node.Fini()
         self._subscribers.clear()
-        others = [core for core in CoreWorld.all_running() if core.view is not None and core is not self._world.core]
+        others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
         if not any(core.name == name for core in others):
             self._manager.RemoveTopicNamespace(name)

@@ -53,7 +53,6 @@ class Model(Entity):
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
     example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
-    view: Any = None  # the object by which a layer above shows this one; set by that layer
 
     def __init__(self, world: World) -> None:
         super().__init__(world)

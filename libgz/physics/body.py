@@ -62,8 +62,7 @@ class Body:
         kinematic: whether it moves by its velocity only.
         auto_disable: whether it sleeps when it rests.
         diverged: whether it ever diverged, which is reported once.
-        view: the object by which a layer above shows this body; set by that layer.
-        visual: the object by which a layer above shows how it looks; set by that layer.
+        facade: the object by which the API of a layer above presents this body; set by that layer.
 
     Args:
         world: the World, or an Engine.
@@ -71,15 +70,12 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
-    view: Any = None  # the object by which a layer above shows this body; set by that layer
-
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
         self.engine: Engine = world.engine
         self.bodyName = name
         self.number = next(_numbers)  # of this body among all, never used again
         self.model: Any = None
-        self.view: Any = None
-        self.visual: Any = None
+        self.facade: Any = None
         self.diverged = False
         self.kinematic = False
         self.auto_disable = False

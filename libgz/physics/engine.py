@@ -72,7 +72,7 @@ class Engine:
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
         abandoned: whether a step was ever abandoned because ODE could not solve it.
-        view: the object by which a layer above shows this engine; set by that layer.
+        facade: the object by which the API of a layer above presents this engine; set by that layer.
 
     Args:
         gravity: [m/s^2], shape (3,).
@@ -119,7 +119,7 @@ class Engine:
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
         self.collisions = 0
-        self.view: Any = None
+        self.facade: Any = None
         self.abandoned = False
         self._failed_pairs: set[tuple[int, ...]] = set()  # rows of geoms that were reported
         self.iterations = 20

@@ -40,8 +40,7 @@ class Geom:
     Attributes:
         appearance: how it looks, and how sensors see it.
         number: of this geom among all, never used again.
-        view: the object by which a layer above shows this geom; set by that layer.
-        visual: the object by which a layer above shows how it looks; set by that layer.
+        facade: the object by which the API of a layer above presents this geom; set by that layer.
 
     Args:
         body: the body it belongs to.
@@ -72,8 +71,7 @@ class Geom:
         self._slip = [0.01, 0.01]
         self._closed = False
         self._id: int | None = None
-        self.view: Any = None
-        self.visual: Any = None
+        self.facade: Any = None
         self.number = next(_numbers)
         self._table = body.engine.tables.geoms
         self.row = body.engine.tables.add_geom(self, body.number)

@@ -79,7 +79,7 @@ class Joint:
 
     Attributes:
         bodies: the first and second body; None for the world.
-        view: the object by which a layer above shows this joint; set by that layer.
+        facade: the object by which the API of a layer above presents this joint; set by that layer.
 
     Args:
         world: the World, or an Engine.
@@ -95,7 +95,7 @@ class Joint:
         self.engine: Engine = world.engine
         self.name = name
         self.bodies: tuple[Body | None, Body | None] = (None, None)
-        self.view: Any = None
+        self.facade: Any = None
         self._feedback: JointFeedback | None = None
         self._functions = self._ode_functions(ode())
         self._set_param = self._functions.set_param  # models set some in every step

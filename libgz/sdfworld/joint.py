@@ -70,8 +70,6 @@ class SdfJoint:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
     """
 
-    view: Any = None  # the object by which a layer above shows this one; set by that layer
-
     def __init__(self, engine: Engine, plan: JointPlan) -> None:
         self.links = Links(plan.parent, plan.child)
         kind = mechanism_class(plan, self.links)
@@ -82,6 +80,7 @@ class SdfJoint:
         self.name, self.kind, self.axes = plan.name, plan.kind, plan.axes
         self.implicit = plan.implicit
         self.acts = False
+        self.facade: Any = None
         self._mechanism: Mechanism | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
         self._before, self._before_at = [0.0, 0.0], -1  # the efforts before those
@@ -169,7 +168,7 @@ class SdfJoint:
             self._mechanism.close()
         self._mechanism = None
         self.acts = False
-        self._spring_stops.clear()
+        self.facade: Any = None
 
     close = detach
 

@@ -70,14 +70,14 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     found = [geom] if geom is not None else []
     if geom is None:
         for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
-            drawn = TriMeshGeom(body, None, part.vertices, part.triangles)
+            geom = TriMeshGeom(body, None, part.vertices, part.triangles)
             if shape.name == "plane":
-                drawn.texture_coordinates, drawn.columns = _across(), PATCHES + 1
+                geom.texture_coordinates, geom.columns = _across(), PATCHES + 1
             if shape.name == "heightmap":
-                drawn.normals = vertex_normals(part.vertices, part.triangles)
+                geom.normals = vertex_normals(part.vertices, part.triangles)
             if part.color is not None:
-                drawn.SetColor(GzColor(*part.color))
-            found.append(drawn)
+                geom.SetColor(GzColor(*part.color))
+            found.append(geom)
     for geom in found:
         geom.SetRelativePose(pose)
     return found

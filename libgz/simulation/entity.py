@@ -47,7 +47,7 @@ class Entity:
         self.relPose = GzPose()  # in the parent body
         self.fixed = False
         self.failed: BaseException | None = None  # what its update raised; it is not updated any more
-        self.view: Any = None  # what a layer above shows it as
+        self.facade: Any = None  # by which the API of a layer above presents it; set by that layer
         self._children: list[Entity] = []
         self._bodies: list[Body] = []
         self._canonical: Body | None = None

@@ -57,7 +57,7 @@ class World:
         entities: everything in the world, in order of the file; `models` and `lights` are those of them.
         companions: what runs beside the world, notified of its events.
         era: how time is counted, and what a reset does.
-        view: what a layer above shows this world as.
+        facade: the object by which the API of a layer above presents this world; set by that layer.
 
     Raises:
         LibraryError: ODE is absent or unfit.
@@ -91,7 +91,7 @@ class World:
         self.sim = Sim()
         self.physics_enabled = True
         self.starts_paused = False
-        self.view: Any = None
+        self.facade: Any = None
         self._updating: list[Entity] = []
         self._followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}

@@ -23,9 +23,9 @@ _ids = itertools.count(1)
 
 def view_of(core: Any, make: Callable[[], V]) -> V:
     """The one view on an object of the engine, its attribute `view`; created on first use."""
-    if core.view is None:
-        core.view = make()
-    view: V = core.view
+    if core.facade is None:
+        core.facade = make()
+    view: V = core.facade
     return view
 
 

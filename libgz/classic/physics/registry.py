@@ -21,7 +21,7 @@ def worlds() -> list[World]:
     for core in CoreWorld.all_running():
         if core.engine.contact_rule is ContactRule.CLASSIC:
             core.attach_era()
-            found.append(core.view)
+            found.append(core.facade)
     return found
 
 

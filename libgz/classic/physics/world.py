@@ -285,12 +285,12 @@ class World(Base):
 
     def collision_of(self, geom: Geom) -> Collision | None:
         """The view on a geom; None for one that belongs to no model of this world, and for one without contacts."""
-        if geom.view is None:
+        if geom.facade is None:
             link = self.link_of(geom.body)
             if link is None:
                 return None
             link.GetCollisions()  # creates the views of all its geoms
-        view: Collision | None = geom.view
+        view: Collision | None = geom.facade
         return view
 
     def ray_down(self, start: VectorLike, above: Base | None = None) -> tuple[float, str]:

@@ -53,7 +53,7 @@ def scene_of(world: World) -> Scene:
 
 
 def _new_scene(core: CoreWorld) -> Scene:
-    return Scene(core.view)
+    return Scene(core.facade)
 
 
 def get_scene(name: str = "") -> Scene:

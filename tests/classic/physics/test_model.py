@@ -30,8 +30,8 @@ def test_a_view_is_always_the_same_object(model):
     assert world.ModelByName("outer") is model is world.ModelByIndex(0) is world.GetModel("outer")
     assert model.GetLink("link") is model.GetLink() is model.GetChild("link")
     assert model.NestedModel("inner").GetParent() is model
-    assert model.core.view is model
-    assert model.GetLink().body.view is model.GetLink()
+    assert model.core.facade is model
+    assert model.GetLink().body.facade is model.GetLink()
 
 
 def test_nested_models_move_with_their_parent(model):

@@ -109,7 +109,7 @@ def test_models_and_lights_are_removed(world):
 
 def test_the_views_of_a_world_hold_no_state_of_it(world):
     assert set(vars(world)) == {"core", "server", "_world", "_name", "_parent", "_sdf", "_number"}
-    assert world.core.view is world
+    assert world.core.facade is world
     assert physics.worlds() == [world]
     assert physics.has_world("default")
     assert not physics.has_world("other")

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gzserver_process import new_environment, run
 from sdf_worlds import GROUND, collision, inertial, link, model, world
-from test_gzserver import place, run  # noqa: F401 - a fixture
 
 from libgz.classic import msgs
 from libgz.classic.log import LogPlay, LogReader, LogRecord, NamePattern, read_states
@@ -23,6 +23,12 @@ from libgz.geometry import GzPose, GzVector
 BOX = model("box", link("link", inertial(2.0), collision()), pose="0 0 5 0.1 0.2 0.3")
 BALL = model("ball", link("link", inertial(2.0), collision("sphere")), pose="3 0 5 0 0 0")
 LAMP = "<light name='lamp' type='point'><pose>0 0 4 0 0 0</pose></light>"
+
+
+@pytest.fixture
+def place(tmp_path):
+    """The environment of gzserver."""
+    return new_environment(tmp_path)
 
 
 def log_of(path):
@@ -302,7 +308,7 @@ def tool(place, *words):  # noqa: F811
     return done.returncode, done.stdout, done.stderr
 
 
-def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
+def test_gzserver_records_and_plays(place, tmp_path):
     path = tmp_path / "w.world"
     path.write_text(f"<sdf version='1.6'>{world(GROUND, BOX, BALL)}</sdf>".replace("'default'", "'hall &amp; yard'"))
     folder = tmp_path / "logs"
@@ -327,7 +333,7 @@ def test_gzserver_records_and_plays(place, tmp_path):  # noqa: F811
     assert tool(place, "log")[0::2] == (1, sentence)
 
 
-def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):  # noqa: F811
+def test_by_default_logs_lie_in_the_home_folder(place, tmp_path):
     path = tmp_path / "w.world"
     path.write_text(f"<sdf version='1.6'>{world(BOX)}</sdf>")
     assert run(place, path, "-r", "--record_encoding", "bz2", "--iters", 5).returncode == 0

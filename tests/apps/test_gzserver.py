@@ -1,35 +1,24 @@
 """The gzserver command: options, messages, exit codes, System plugins."""
 
-import os
 import signal
 import socket
 import subprocess
-import sys
 import textwrap
 import time
 from pathlib import Path
 
 import pytest
-from master_uri import free_master_uri
+from gzserver_process import SERVER, new_environment, run
 
 ROOT = Path(__file__).parents[2]
 HELLO = ROOT / "examples" / "plugins" / "hello_world"
-SERVER = [sys.executable, "-m", "libgz.apps.gzserver"]
 EMPTY = "<sdf version='1.6'><world name='default'>{}</world></sdf>"
 
 
 @pytest.fixture
 def place(tmp_path):
-    """An environment of its own: home, port, plugin path."""
-    kept = {k: v for k, v in os.environ.items() if not k.startswith("GAZEBO")}
-    home = tmp_path / "home"
-    home.mkdir()
-    paths = {"HOME": str(home), "TMP": str(tmp_path), "GAZEBO_PLUGIN_PATH": str(tmp_path)}
-    return {**kept, **paths, "GAZEBO_MASTER_URI": free_master_uri(), "GAZEBO_IP": "127.0.0.1"}
-
-
-def run(place, *words, timeout=60):
-    return subprocess.run([*SERVER, *map(str, words)], env=place, capture_output=True, text=True, timeout=timeout)
+    """The environment of the server."""
+    return new_environment(tmp_path)
 
 
 def plugin(tmp_path, name, text):

@@ -297,7 +297,7 @@ def test_topics_begin_and_end_a_log(load, tmp_path):
     control.close()
 
 
-def tool(place, *words):  # noqa: F811
+def tool(place, *words):
     done = subprocess.run(
         [sys.executable, "-m", "libgz.apps.libgz", *map(str, words)],
         env=place,

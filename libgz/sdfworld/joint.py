@@ -168,7 +168,6 @@ class SdfJoint:
             self._mechanism.close()
         self._mechanism = None
         self.acts = False
-        self.facade: Any = None
 
     close = detach
 

@@ -76,7 +76,7 @@ class RayProximity:
         return float(self.ranges[index])
 
     def hits(self) -> list[Geom | None]:
-        """The geom that each ray hit in the last `Update`; None for nothing, and for a geom that was destroyed since."""
+        """The geom that each ray hit in the last `Update`; None for nothing, and for one that was destroyed since."""
         find = self.engine.geoms.get
         return [find(row) for row in self.rows.tolist()]
 

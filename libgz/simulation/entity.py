@@ -144,7 +144,7 @@ class Entity:
     def joints(self) -> list[Joint]:
         """The joints between its own bodies, and from them to the world, in order of construction."""
         own = set(self.bodies)
-        found = {joint.row: joint for body in self.bodies for joint in body.joints}
+        found = {joint.row: joint for body in self.bodies for joint in tuple(body.joints)}
         return [j for _, j in sorted(found.items()) if all(b is None or b in own for b in j.bodies)]
 
     def GetJoint(self, name: str) -> Joint:
@@ -204,12 +204,13 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
-        before = self.GetPose()
-        for body in self.bodies:
-            relative = GzCoordPoseSub(body.GetPose(), before)
-            body.SetPose(GzCoordPoseAdd(relative, pose))
-            body.SetLinearVel(STILL)
-            body.SetAngularVel(STILL)
+        with self.world.lock:
+            before = self.GetPose()
+            for body in self.bodies:
+                relative = GzCoordPoseSub(body.GetPose(), before)
+                body.SetPose(GzCoordPoseAdd(relative, pose))
+                body.SetLinearVel(STILL)
+                body.SetAngularVel(STILL)
 
     def restore(self) -> None:
         """Return to the initial pose, at rest, with all that is attached."""

@@ -139,6 +139,8 @@ class Body:
             joint.close()
         for geom in list(self.geoms):
             geom.close()
+        for bundle in [bundle for bundle in self.engine.ray_bundles if bundle.body is self]:
+            self.engine.ray_bundles.discard(bundle)
         if self._id is not None:
             self.engine.auto_disabled.discard(self)
             self._table.remove(self.row)

@@ -47,6 +47,10 @@ class HasEngine(Protocol):
 class RayBundle(Protocol):
     """A sensor's rays."""
 
+    @property
+    def body(self) -> Any:
+        """The body that they are fixed to, which removes them from `Engine.ray_bundles` when it is closed."""
+
     def segments(self) -> NDArray[np.float64]:
         """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
 
@@ -69,7 +73,7 @@ class Engine:
         spaces: open spaces, in order of construction.
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
-        ray_bundles: rays of sensors, for a renderer to show.
+        ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.errors import ClosedError, ParameterError
+from libgz.files import is_file
 from libgz.geometry import (
     GzColor,
     GzCoordPoseAdd,
@@ -439,4 +440,4 @@ class Geom:
 def _existing(path: str | Path | None) -> tuple[Path | None, bool]:
     """(path, whether it is None or a file)."""
     file = Path(path) if path is not None else None
-    return file, file is None or file.is_file()
+    return file, file is None or is_file(file)

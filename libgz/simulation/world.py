@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from libgz.errors import ClosedError, GazeboError, InterfaceError, NotFoundError, nearest
+from libgz.errors import USER_ERRORS, ClosedError, GazeboError, InterfaceError, NotFoundError, nearest, pass_interrupt
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
@@ -484,7 +484,8 @@ class World:
         for entity in self._updating:
             try:
                 entity.MasterUpdate(step)
-            except Exception as error:  # noqa: BLE001 - a plugin may raise anything
+            except USER_ERRORS as error:
+                pass_interrupt(error)
                 failed = True
                 entity.failed = error
                 log.error(

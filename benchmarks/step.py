@@ -126,7 +126,9 @@ def gazebo_table() -> None:
     if compiler is None:
         print("no C compiler here: the reference cannot be built")
         return
-    print("\ngazebo -n: n driving Pioneer2ATs with sonars, 20 ms steps, no camera; C: the same ODE calls for n robots")
+    print(
+        "\ngazebo -n: n driving Pioneer2ATs with sonars, 20 ms steps, no camera; C: ODE alone with n robots and boxes"
+    )
     print(f"{'n':>5}{'C [us]':>10}{'step [us]':>12}{'step/C':>10}   medians of {SERVER_ROUNDS}")
     with tempfile.TemporaryDirectory() as folder:
         program = build_reference(compiler, folder)

@@ -129,6 +129,7 @@ class Pioneer2Gripper(Model):
     command arrives, the inner beam detects nothing, and limits are never reached.
     """
 
+    behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes
     interfaces = ("gripper",)
     example = """

@@ -39,6 +39,7 @@ class SegwayRMP(DifferentialRobot):
     Dimensions as published for the real machine; layout chosen for libgz.
     """
 
+    behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     wheelSep, wheelDiam = 0.54, 0.48
     maxTorque = MAX_TORQUE / 2.0

@@ -59,6 +59,7 @@ class Model(Entity):
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
+    behaviour: ClassVar[str] = ""  # what its Update does to itself and to others, interfaces apart
     example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
 
     def __init__(self, world: World) -> None:

@@ -432,6 +432,11 @@ class Engine:
             self._report_failed_pair(tuple(context.failed_rows))
             self.sort_geoms()  # the failed pair may have left a wrong bounding box of a geom in ODE
 
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms, by their handles [m]; -1 if they do not touch."""
+        self._ode.ensure_thread()
+        return self.step_form.overlap(geom1, geom2)
+
     def _report_failed_pair(self, rows: tuple[int, ...]) -> None:
         """Report a pair of geoms whose collision detection failed, the first time; row -1 is a ray."""
         if rows in self._failed_pairs:

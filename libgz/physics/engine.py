@@ -325,11 +325,13 @@ class Engine:
 
     @record_motion.setter
     def record_motion(self, value: bool) -> None:
-        if value and not self._context.record_motion:  # no step has changed velocities yet
-            bodies = self.tables.bodies
-            bodies.start[: bodies.used] = 0.0
-            bodies.start[: bodies.used, :6] = self.states[:, 10:16]
+        if value and not self._context.record_motion:
+            self.forget_motion()
         self._context.record_motion = int(value)
+
+    def forget_motion(self) -> None:
+        """Set recorded accelerations and efforts to zero, as before the first step."""
+        self.tables.bodies.motion[:] = 0.0
 
     def wake(self) -> None:
         """Wake all sleeping bodies: what they rest on was moved or removed, or gravity changed."""

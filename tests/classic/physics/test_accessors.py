@@ -11,7 +11,7 @@ from accessor_pairs import accessor_pairs
 
 import libgz
 from libgz.classic import physics, rendering, sensors
-from libgz.classic.math import Pose3d
+from libgz.classic.math import Matrix3d, Pose3d
 from libgz.classic.server import attach
 
 BALL = "<sphere><radius>0.5</radius></sphere>"
@@ -161,6 +161,7 @@ VALUES: dict[type, dict[str, tuple]] = {
     physics.Inertial: {
         **{f"SetI{axis}{axis}": (2.0, 2.5) for axis in "XYZ"},
         **{f"SetI{axes}": (0.1, 0.2) for axes in ("XY", "XZ", "YZ")},
+        "SetMOI": (Matrix3d(2, 0, 0, 0, 2, 0, 0, 0, 2), Matrix3d(3, 0, 0, 0, 3, 0, 0, 0, 3)),
     },
     rendering.Light: {"SetLightType": ("point", "directional")},
     rendering.Camera: {"SetImageFormat": ("L8", "R8G8B8")},

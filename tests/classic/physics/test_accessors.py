@@ -140,6 +140,7 @@ NOT_READ_BACK: dict[type, dict[str, str]] = {
     },
     physics.Joint: {"GetChild": "the argument has no effect", "SetForce": "efforts of several calls add up"},
     physics.Collision: {"WorldLinearVel": "the argument is a point"},
+    physics.Inertial: {"MOI": "the argument is a frame"},
     physics.Light: {"SetAttenuation": "it has three values"},
     rendering.Visual: {"Load": "the argument is an element"},
     sensors.ContactSensor: {"Contacts": "the argument is the name of a collision"},

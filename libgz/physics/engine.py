@@ -338,11 +338,14 @@ class Engine:
     @record_motion.setter
     @exclusive
     def record_motion(self, value: bool) -> None:
-        if value and not self._context.record_motion:  # no step has changed velocities yet
-            bodies = self.tables.bodies
-            bodies.start[: bodies.used] = 0.0
-            bodies.start[: bodies.used, :6] = self.states[:, 10:16]
+        if value and not self._context.record_motion:
+            self.forget_motion()
         self._context.record_motion = int(value)
+
+    @exclusive
+    def forget_motion(self) -> None:
+        """Set recorded accelerations and efforts to zero, as before the first step."""
+        self.tables.bodies.motion[:] = 0.0
 
     @exclusive
     def wake(self) -> None:

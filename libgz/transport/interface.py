@@ -336,11 +336,13 @@ class Interface(Generic[D]):
         if timeout is not None:
             taken = self._poll_lock(timeout)
         elif self._blocked or self.server is None:
-            taken = False
+            return False
         else:
             patience, begin = self.server.patience, time.monotonic()
-            taken = self._poll_lock(min(SERVER_TIMEOUT, patience.left()))
-            patience.spend(time.monotonic() - begin)
+            left = patience.left(begin)
+            taken = left > 0.0 and self._poll_lock(min(SERVER_TIMEOUT, left))
+            if left > 0.0:
+                patience.spend(time.monotonic() - begin)
         if not taken and self.server is not None and not self._blocked:
             self._blocked = True
             self._warn("a client holds the lock of", "the simulation continues without it")

@@ -6,7 +6,7 @@ import time
 
 __all__ = ["Patience"]
 
-SHARE = 0.03  # of the time
+SHARE = 0.02  # of the time
 MOST = 0.04  # [s] at once
 
 
@@ -17,9 +17,8 @@ class Patience:
         self._left = MOST
         self._updated = time.monotonic()
 
-    def left(self) -> float:
-        """How long the server can wait now [s]."""
-        now = time.monotonic()
+    def left(self, now: float) -> float:
+        """How long the server can wait at a monotonic time [s]."""
         self._left = min(MOST, self._left + SHARE * (now - self._updated))
         self._updated = now
         return max(0.0, self._left)

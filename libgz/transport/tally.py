@@ -8,27 +8,35 @@ __all__ = ["Tally"]
 
 
 class Tally:
-    """Counts by cause. Each cause is logged at its first time and then at every tenfold count.
+    """Counts by cause. Each cause is logged at its first time, at the hundredth, and then at every tenfold count.
 
     So no client can fill the log.
+
+    Args:
+        first: how often each cause is logged before that.
     """
 
-    def __init__(self) -> None:
-        self._counts: dict[Hashable, int] = {}
-        self._next: dict[Hashable, int] = {}
+    def __init__(self, first: int = 1) -> None:
+        self._first = first
+        self._counts: dict[Hashable, list[int]] = {}  # cause -> count, count at which it is logged next
 
     def due(self, cause: Hashable, times: int = 1) -> bool:
         """Count `cause`; whether to log it now."""
-        count = self._counts[cause] = self._counts.get(cause, 0) + times
-        limit = self._next.get(cause, 1)
-        if count < limit:
+        entry = self._counts.get(cause)
+        if entry is None:
+            entry = self._counts[cause] = [0, 1]
+        entry[0] += times
+        if entry[0] < entry[1]:
             return False
-        while limit <= count:
-            limit *= 10
-        self._next[cause] = limit
+        if entry[0] < self._first:
+            entry[1] = entry[0] + 1
+        else:
+            entry[1] = 100
+            while entry[1] <= entry[0]:
+                entry[1] *= 10
         return True
 
     def times(self, cause: Hashable) -> str:
         """The end of a message: how often, from the second time on."""
-        count = self._counts.get(cause, 0)
+        count = self._counts.get(cause, (0,))[0]
         return f" ({count} times so far)" if count > 1 else ""

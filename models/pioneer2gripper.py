@@ -124,6 +124,7 @@ class Pioneer2Gripper(Model):
     paddle when the paddles are shut and begins inside of what they hold, and limits are never reached.
     """
 
+    behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes
     interfaces = ("gripper",)
     example = """

@@ -45,6 +45,7 @@ class SegwayRMP(DifferentialRobot):
     cm: the tires damp the impact, and while it falls the wheels only counteract its pitching.
     """
 
+    behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     wheelSep, wheelDiam = 0.54, 0.48
     maxTorque = MAX_TORQUE / 2.0

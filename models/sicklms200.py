@@ -129,9 +129,12 @@ class SickLMS200(Model):
             return
         data = self.laser.data
         wanted = None
-        if data.cmd_new_angle or data.cmd_new_length:
+        angle, length = data.cmd_new_angle, data.cmd_new_length
+        if angle or length:
             data.cmd_new_angle = data.cmd_new_length = 0
-            wanted = (data.cmd_min_angle, data.cmd_max_angle, data.cmd_max_range, data.cmd_range_count)
+            new = [self.guard.switch("cmd_new_angle", angle, False), self.guard.switch("cmd_new_length", length, False)]
+            if any(new):
+                wanted = (data.cmd_min_angle, data.cmd_max_angle, data.cmd_max_range, data.cmd_range_count)
         self.laser.unlock()
         if wanted is None:
             return
@@ -142,8 +145,9 @@ class SickLMS200(Model):
         if high < low or far <= self.rangeMin or wanted[3] < 1:
             self.guard.warn(
                 "cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
-                f"are {wanted}, not a valid scan",
+                "are {}, not a valid scan",
                 "are ignored",
+                wanted,
             )
             return
         self.minAngle, self.maxAngle, self.rangeMax = low, high, far

@@ -53,7 +53,7 @@ class GuicamData(Data):
     display_textures: int = int32(BOTH, "", "1: render textures")
     polygon_fill: int = int32(BOTH, "", "1: fill polygons; 0: render their edges only")
     shade_smooth: int = int32(BOTH, "", "1: smooth shading; 0: flat shading")
-    save_frames: int = int32(BOTH, "", "1: save every image")
+    save_frames: int = int32(BOTH, "", "1: save every image, at a client's request at most 1000")
     width: int = uint32(SERVER, "px", "width of the image")
     height: int = uint32(SERVER, "px", "height of the image")
     image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_GUICAM_MAX_IMAGE_SIZE)

@@ -164,7 +164,7 @@ class Bandit(Model):
         if not self.interface.lock():
             return
         data = self.interface.data
-        data.time = now
+        data.time, data.joint_count = now, len(self.servos)
         wishes = []
         for servo, joint in zip(self.servos, data.joints, strict=False):
             servo.publish(joint)

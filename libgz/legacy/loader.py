@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import logging
 
-from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
+from libgz.errors import (
+    USER_ERRORS,
+    GazeboError,
+    InterfaceError,
+    NotFoundError,
+    ParameterError,
+    nearest,
+    pass_interrupt,
+)
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
@@ -62,6 +70,7 @@ class ModelLoader:
 
         Problems are reported on the worldfile: an unknown model is a warning, anything else an error.
         """
+        model = None
         try:
             model = self._new_model(node)
             if model is not None:
@@ -69,9 +78,13 @@ class ModelLoader:
         except GazeboError as error:
             node.error(f"{error}{own_place(error)}")
             model = None
-        except Exception as error:
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             log.debug("Load failed", exc_info=True)
-            node.error(f"Load failed with\n{own_traceback(error)}")
+            if isinstance(error, MemoryError | RecursionError) or (model is not None and _is_builtin(model)):
+                node.file.diagnostics.failure(node.place, error)
+            else:
+                node.error(f"Load failed with\n{own_traceback(error)}")
             model = None
         if model is None:
             _skip(node, models=True)
@@ -124,6 +137,11 @@ class ModelLoader:
             model.modelSpaceId.set_fixed()
         self.world.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
+
+
+def _is_builtin(model: Model) -> bool:
+    """Whether a model is one of those of libgz."""
+    return type(model).__module__.startswith("libgz.models.")
 
 
 def _check_id(model: Model, node: WorldFileNode) -> None:

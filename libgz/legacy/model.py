@@ -7,7 +7,7 @@ import logging
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import GazeboError, PluginError
+from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
 from libgz.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVectorSub
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
@@ -157,7 +157,8 @@ class Model(Entity):
         except GazeboError as error:
             reason = f"{error}{own_place(error)}"
             raise PluginError(f"{where}: Init of model {self.GetId()!r}: {reason}") from error
-        except Exception as error:
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             raise PluginError(f"{where}: Init of model {self.GetId()!r} failed with\n{own_traceback(error)}") from error
         self.initialized = True
 

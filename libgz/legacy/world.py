@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import logging
 
-from libgz.errors import GazeboError, WorldFileError
+from libgz.errors import GazeboError, ParameterError, WorldFileError
 from libgz.geometry import GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
-from libgz.legacy.settings import GlobalAttributes, read_global, read_quirks
+from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
 from libgz.simulation.era import Era
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
@@ -53,7 +53,11 @@ class LegacyWorld(Era):
         self.file = file
         values, fog = read_global(file)
         self.world.engine.quirks = read_quirks(file, values.legacyQuirks)
-        self.apply(values, fog)
+        try:
+            self.apply(values, fog)
+        except ParameterError as error:  # of the engine, which refuses what the declaration does not
+            node = next(reversed(find_global_nodes(file)), file.GetRootNode())
+            file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
         models = [model for model in self.world.models if isinstance(model, Model)]
         warn_of_overlaps(models)

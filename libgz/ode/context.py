@@ -77,7 +77,7 @@ class StepContext(ctypes.Structure):
         ("com", c_void_p),
         ("body_state", c_void_p),
         ("record_motion", c_int64),
-        ("body_start", c_void_p),
+        ("body_motion", c_void_p),
         ("joint_count", c_int64),
         ("joints", c_void_p),
         ("joint_types", c_void_p),

@@ -196,7 +196,8 @@ class FullContacts:
     def _refine(self, a: list[float], b: list[float], geom1: int, geom2: int, count: int, point: Any) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limit = max(a[Surface.MAX_VEL], b[Surface.MAX_VEL])
+        limit = self._of_bodies(a, b, geom1, geom2, Surface.MAX_VEL)
+        min_depth = self._of_bodies(a, b, geom1, geom2, Surface.MIN_DEPTH)
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
         if surface.slip1 > 0.0:
@@ -207,9 +208,15 @@ class FullContacts:
         if aimed or (self._context.cone and self._sliding_direction(geom1, geom2, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
-        point.geom.depth = max(0.0, point.geom.depth - max(a[Surface.MIN_DEPTH], b[Surface.MIN_DEPTH]))
+        point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
             surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+
+    def _of_bodies(self, a: list[float], b: list[float], geom1: int, geom2: int, column: int) -> float:
+        """of_bodies in step.c."""
+        if not self._ode.dGeomGetBody(geom1):
+            return b[column]
+        return min(a[column], b[column]) if self._ode.dGeomGetBody(geom2) else a[column]
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""

@@ -13,7 +13,8 @@ from importlib.abc import SourceLoader
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import PluginError, nearest
+from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
+from libgz.files import exists, expand, is_file, is_folder
 
 __all__ = ["Plugin", "collect", "load_plugin", "own_place", "own_traceback", "search"]
 
@@ -52,10 +53,10 @@ def _file_names(name: str) -> list[str]:
 def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
     """Files in a folder that have one of the names; the case may differ, as old files often differ in it."""
     for name in names:
-        if (folder / name).is_file():
+        if is_file(folder / name):
             yield folder / name
     wanted = {name.lower() for name in names if "/" not in name}
-    with_other_case = sorted(folder.iterdir()) if folder.is_dir() else []
+    with_other_case = sorted(folder.iterdir()) if is_folder(folder) else []
     yield from (path for path in with_other_case if path.name.lower() in wanted)
 
 
@@ -66,15 +67,15 @@ def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path 
     """
     names = _file_names(name)
     if name[0] in "/~":
-        path = Path(name).expanduser()
+        path = expand(name)
         places, names = [("the absolute path", path.parent)], _file_names(path.name)
     for why, folder in places:
         found = next(_matches(folder, names), None)
         if found is not None:
             return found.resolve()
-        if not folder.is_dir():
+        if not exists(folder):
             tried.append(f"  {folder}/ ({why}): there is no such directory")
-        elif name.endswith(".so") and (folder / Path(name).name).is_file():
+        elif name.endswith(".so") and is_file(folder / Path(name).name):
             tried.append(
                 f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
                 f"port it to Python as {names[0]}"
@@ -127,7 +128,8 @@ def load_plugin(path: Path) -> Plugin:
         code = spec.loader.source_to_code(path.read_bytes(), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
-    except Exception as error:
+    except USER_ERRORS as error:
+        pass_interrupt(error)
         del sys.modules[name]
         raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}") from error
     finally:

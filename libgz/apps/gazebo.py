@@ -128,6 +128,12 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="ID=FILE",
         help="record a camera's images to a video file; may be repeated",
     )
+    add(
+        "--solver",
+        choices=("world", "quick"),
+        default="world",
+        help="ODE's solver: world, the exact one (default), or quick, the iterative one, which holds stacks",
+    )
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
 
@@ -215,7 +221,13 @@ def _run(path: Path, options: argparse.Namespace) -> int:
 
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
-    world = World(server_id, options.force, seed=options.seed, wire_version=options.wire_version)
+    world = World(
+        server_id,
+        options.force,
+        seed=options.seed,
+        wire_version=options.wire_version,
+        solver=options.solver,
+    )
     world.backdrop.threaded = options.render_thread
     run = None
     try:

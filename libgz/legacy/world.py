@@ -6,7 +6,7 @@ import logging
 
 from libgz.errors import GazeboError, ParameterError, WorldFileError
 from libgz.geometry import GzVector
-from libgz.legacy.checks import warn_of_overlaps
+from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
@@ -59,7 +59,9 @@ class LegacyWorld(Era):
             node = next(reversed(find_global_nodes(file)), file.GetRootNode())
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
-        warn_of_overlaps(model for model in self.world.models if isinstance(model, Model))
+        models = [model for model in self.world.models if isinstance(model, Model)]
+        warn_of_overlaps(models)
+        warn_of_contacts(models)
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -116,6 +118,7 @@ class LegacyWorld(Era):
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
             warn_of_overlaps(added)
+            warn_of_contacts(added)
             world.initialize(added)
         except BaseException:
             world.remove(world.entities[count:])

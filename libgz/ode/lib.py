@@ -18,6 +18,7 @@ from typing import Any
 
 from libgz.errors import LibraryError, nearest
 from libgz.ode.prototypes import PROTOTYPES
+from libgz.ode.types import ContactGeom
 
 __all__ = ["OdeLibrary", "ode"]
 
@@ -111,6 +112,18 @@ class OdeLibrary:
     def path(self) -> str:
         """The name under which the library was loaded."""
         return str(self._shared._name)
+
+    @functools.cached_property
+    def collides_cylinders(self) -> bool:
+        """Whether this ODE finds contacts of two cylinders, which needs libccd."""
+        one, two = self.dCreateCylinder(None, 1.0, 1.0), self.dCreateCylinder(None, 1.0, 1.0)
+        try:
+            self.dGeomSetPosition(two, 0.0, 0.1, 0.9)
+            found = ctypes.create_string_buffer(ctypes.sizeof(ContactGeom))
+            return bool(self.dCollide(one, two, 1, ctypes.addressof(found), ctypes.sizeof(ContactGeom)))
+        finally:
+            self.dGeomDestroy(one)
+            self.dGeomDestroy(two)
 
     @property
     def configuration(self) -> str:

@@ -125,7 +125,7 @@ class FullContacts:
         return surface[data(geom1) or 0].tolist(), surface[data(geom2) or 0].tolist()
 
     def round_pair(self, geom1: int, geom2: int) -> bool:
-        """Whether ODE has no collider for two geoms."""
+        """Whether boxes stand in for one of two geoms."""
         kinds = {self._ode.dGeomGetClass(geom) for geom in (geom1, geom2)}
         return bool(self._context.no_cylinder_pairs) and GeomClass.CYLINDER in kinds and kinds <= _ROUND
 

@@ -172,7 +172,7 @@ typedef struct {
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
-    int64_t no_cylinder_pairs; /* 1: this ODE cannot collide cylinders with each other or with capsules */
+    int64_t no_cylinder_pairs; /* 1: boxes stand in for a cylinder against cylinders and capsules */
     double step;
     int64_t quick;            /* 1: dWorldQuickStep */
     int64_t contact_rule;     /* LEGACY_RULE or CLASSIC_RULE */

@@ -108,7 +108,7 @@ class Engine:
         self._context = StepContext(world=world, space=top, contacts=contacts, ray=ray, probe=probe, stand_in=stand_in)
         self._context.max_contacts = 20
         self._context.max_distance = 2.0 * FAR
-        self._context.no_cylinder_pairs = "libccd" not in lib.configuration
+        self._context.no_cylinder_pairs = True
         self.tables = Tables(self._context, lib)
         self.step_form: Step = choose_step(self._context, self.tables)
         self.tables.fresh_after_step = self.step_form.reads_all
@@ -263,12 +263,17 @@ class Engine:
 
     @property
     def contact_rule(self) -> ContactRule:
-        """How contact points become contact joints: as in the legacy server (default) or in Gazebo classic."""
+        """How contact points become contact joints: as in the legacy server (default) or in Gazebo classic.
+
+        Under the legacy rule two boxes stand in for a cylinder against cylinders and capsules, with any ODE; under the
+        classic rule the contacts are ODE's own, if it finds any.
+        """
         return ContactRule(self._context.contact_rule)
 
     @contact_rule.setter
     def contact_rule(self, rule: ContactRule) -> None:
         self._context.contact_rule = ContactRule(rule)
+        self._context.no_cylinder_pairs = rule == ContactRule.LEGACY or not self._ode.collides_cylinders
         self.tables.geoms.edits += 1
 
     @property

@@ -60,3 +60,60 @@ def test_the_python_step_finds_the_same(monkeypatch):
 def test_models_of_the_installed_worlds_do_not_overlap(path):
     with libgz.World.from_file(path) as world:
         assert not [warning for warning in world.file.diagnostics.warnings if "overlaps" in warning.message]
+
+
+def solids(*inside, step=0.02):
+    models = "\n".join(f"<model:SimpleSolid><id>s{i}</id>{text}</model:SimpleSolid>" for i, text in enumerate(inside))
+    return f"""<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>
+<param:Global><stepTime>{step}</stepTime></param:Global>
+<model:GroundPlane/>\n{models}</gz:world>"""
+
+
+CYLINDER = "<shape>cylinder</shape><size>0.5 0.4</size><xyz>0 0 0.05</xyz><rpy>{}</rpy>"
+
+
+@pytest.mark.parametrize(("rpy", "step", "warned"), [("10 5 0", 0.02, True), ("10 5 0", 0.002, False)])
+def test_a_tilted_cylinder_that_would_wobble_is_named(rpy, step, warned):
+    with libgz.World.from_string(solids(CYLINDER.format(rpy), step=step)) as world:
+        found = [str(warning) for warning in world.file.diagnostics.warnings]
+        assert (
+            any(
+                "wobbles on its rim without end at a stepTime of 0.02 s; it comes to rest at 0.003 s" in w
+                for w in found
+            )
+            == warned
+        )
+        world.run(24.0)
+        rate = sum(w * w for w in world.model("s0").GetBody().GetAngularRate()) ** 0.5
+        assert (rate > 0.1) == warned  # the warning is right
+
+
+@pytest.mark.parametrize("rpy", ["0 0 0", "90 0 0", "0 80 0", "0 180 30"])
+def test_upright_and_lying_cylinders_are_not_named(rpy):
+    assert not warnings(solids(CYLINDER.format(rpy)))
+
+
+def stack(count, hardness="1e6 0"):
+    return solids(*(f"<surfaceHardness>{hardness}</surfaceHardness><xyz>0 0 {0.5 * i}</xyz>" for i in range(count)))
+
+
+def test_a_stack_that_the_solver_does_not_hold_is_named():
+    found = warnings(stack(10))
+    assert len(found) == 1
+    assert found[0].startswith("<string>:13: <model:SimpleSolid>: is the top of a stack of 10 solids ('s0', ")
+    assert not warnings(stack(3))
+
+
+@pytest.mark.parametrize(("count", "solver", "hardness"), [(3, "world", "1e6 0"), (10, "quick", "1e6 1e4")])
+def test_stacks_without_a_warning_stand(count, solver, hardness):
+    with libgz.World.from_string(stack(count, hardness), solver=solver) as world:
+        assert not world.file.diagnostics.warnings
+        world.run(10.0)
+        assert world.model(f"s{count - 1}").GetPose().pos.z == pytest.approx(0.5 * (count - 1), abs=0.05)
+
+
+def test_a_solid_that_its_springs_cannot_carry_is_named():
+    found = warnings(solids("<mass>100</mass><surfaceHardness>1e3 0</surfaceHardness>"))
+    assert "sinks about 0.25 m into the ground: contacts of kp 1000 N/m cannot carry its 100 kg" in found[0]
+    assert "its kp should be above 5e+04 N/m" in found[0]
+    assert not warnings(solids("<mass>100</mass><surfaceHardness>5e4 0</surfaceHardness>"))

@@ -6,6 +6,8 @@ import pytest
 from engine_parts import dress, dressed_box, dressed_ground as ground, in_both_forms, use_classic
 
 import libgz
+from libgz.ode.lib import ode
+from libgz.ode.types import ContactRule
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
 
@@ -153,3 +155,25 @@ def test_the_halves_of_a_step_are_a_step(engine):
         twin.solve()
     assert tuple(body.GetPosition()) == tuple(other.GetPosition())
     assert twin.contact_count == engine.contact_count > 0
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+def test_cylinders_collide_by_odes_own_collider_under_the_classic_rule(form, monkeypatch):
+    """Standing on each other; the stand-ins' contacts are at the corners of the inscribed square."""
+    monkeypatch.setenv("LIBGZ_STEP", form)
+    reach = {}
+    for rule in (ContactRule.LEGACY, ContactRule.CLASSIC):
+        engine = Engine(step_time=0.001)
+        engine.contact_rule = rule
+        engine.record_contacts = True
+        for z in (0.25, 0.749):
+            body = libgz.Body(engine)
+            libgz.CylinderGeom(body, Space(engine), 0.25, 0.5)
+            body.SetPosition((0, 0, z))
+        engine.step()
+        contacts = engine.step_form.contacts()
+        assert len(contacts) >= 3
+        reach[rule] = max(abs(contact["normal"][2]) for contact in contacts)
+        assert engine._context.no_cylinder_pairs == (rule == ContactRule.LEGACY or not ode().collides_cylinders)
+        engine.close()
+    assert all(value == pytest.approx(1.0, abs=1e-6) for value in reach.values())

@@ -141,7 +141,7 @@ def test_settings_out_of_range():
     for settings in ((INF, 0, 1), (0.2, INF, 1), (math.nan, 0, 1), (0.2, 0, -1)):
         with pytest.raises(ParameterError):
             engine.set_constraints(*settings)
-    with pytest.raises(ParameterError, match="bounce is inf"):
+    with pytest.raises(ParameterError, match=r"bounce of BoxGeom 1 of .* is inf"):
         solid(engine, box(1, 1, 1)).geoms[0].SetBounce(INF)
 
 

@@ -81,6 +81,7 @@ class Bandit(Model):
     Dimensions and layout chosen for libgz.
     """
 
+    behaviour = "motors that move and hold its joints (arms and head hang down)"
     example = """
     <model:Bandit>
       <id>robot1</id>

@@ -29,6 +29,7 @@ class Factory(Model):
     is cleared. An invalid text is reported as a warning and leaves the world unchanged.
     """
 
+    behaviour = "adding and removing models on request"
     interfaces = ("factory",)
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102

@@ -24,6 +24,7 @@ class TruthWidget(Model):
     and obeys in every step, also while the world is paused.
     """
 
+    behaviour = "moving its robot on request"
     interfaces = ("truth",)
     example = """
         <model:Pioneer2DX>

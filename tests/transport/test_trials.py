@@ -1,5 +1,6 @@
 """Long trials: many clients for a long time, and servers that are killed at random times."""
 
+import contextlib
 import json
 import os
 import random
@@ -13,6 +14,7 @@ from trials.table import trial
 
 import libgz
 from libgz.files import installed_worlds
+from libgz.transport.semaphores import SemaphoreSet
 
 pytestmark = pytest.mark.trial
 
@@ -161,6 +163,15 @@ print(json.dumps(counts))
 """
 
 
+def wait_until_it_posts(server, server_id):
+    end = time.monotonic() + 20.0
+    while server.poll() is None and time.monotonic() < end:
+        with contextlib.suppress(OSError):
+            if SemaphoreSet.attach(server_id).last_poster() == server.pid:
+                return
+        time.sleep(0.02)
+
+
 def test_clients_never_hang_when_servers_are_killed_and_replaced(wire, tmp_path):
     with trial("kill -9 and restart") as row:
         stop = tmp_path / "stop"
@@ -174,6 +185,9 @@ def test_clients_never_hang_when_servers_are_killed_and_replaced(wire, tmp_path)
         for turn in range(KILLS):
             server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
             time.sleep(generator.uniform(0.02, 1.2))
+            if turn % 2 and server.poll() is None:  # half of them are killed while they serve
+                wait_until_it_posts(server, wire)
+                time.sleep(generator.uniform(0.0, 0.3))
             if server.poll() is not None:
                 failures.append((turn, server.stderr.read()))
             server.kill()

@@ -16,6 +16,7 @@ from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.front import World
+from libgz.ode.step import check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -201,6 +202,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         what = "is a directory" if path.is_dir() else "is not a plain file" if path.exists() else "does not exist"
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
+        check_serving()
         return _run(path, options)
     except GazeboError as error:
         return _report(str(error), 1)

@@ -31,6 +31,7 @@ from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError
 from libgz.front import World
+from libgz.ode.step import check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
@@ -96,6 +97,7 @@ class Server:
         """Run the world, with classic's order of events; return the exit code."""
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, self._interrupted)
+        check_serving()
         with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
             open_log("server", link.address.port)
             plugins.load(self.words)

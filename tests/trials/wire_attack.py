@@ -40,7 +40,7 @@ def write_locked(target: Target, generator: random.Random) -> None:
 
 def truncate(target: Target, generator: random.Random) -> None:
     descriptor, _, size = target
-    os.ftruncate(descriptor, generator.choice((0, 1, 151, size // 2, size - 1)))
+    os.ftruncate(descriptor, generator.choice((0, 1, 151, size // 2, max(0, size - 1))))
 
 
 ATTACKS: dict[str, Callable[[Target, random.Random], None]] = {

@@ -139,6 +139,9 @@ class Step(Protocol):
     def read(self) -> None:
         """Copy all body and joint states into the tables."""
 
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
+
     def forget(self, geom: int) -> None:
         """Drop what is cached of a geom, because it was destroyed or got another body."""
 

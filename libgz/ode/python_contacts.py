@@ -139,12 +139,7 @@ class FullContacts:
         classic = context.contact_rule == ContactRule.CLASSIC
         if classic and not self._may_touch(a, b, body1, body2):
             return
-        address, size = ctypes.addressof(points) + Contact.geom.offset, ctypes.sizeof(Contact)
-        if self.round_pair(geom1, geom2):
-            count = self._collide_cylinder(geom1, geom2, address)
-        else:
-            most = MOST_CONTACTS if classic else MAX_CONTACTS
-            count = ode_.dCollide(geom1, geom2, most, address, size)
+        count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
         surface, ghost = make_surface(context, a, b), False
@@ -164,6 +159,18 @@ class FullContacts:
                 self.count += 1
             if context.record_contacts:
                 self.log.add(data, point.geom, depth, joint, not body1)
+
+    def _find_points(self, geom1: int, geom2: int, most: int) -> int:
+        """find_points in step.c."""
+        address = ctypes.addressof(self._points) + Contact.geom.offset
+        if self.round_pair(geom1, geom2):
+            return self._collide_cylinder(geom1, geom2, address)
+        return int(self._ode.dCollide(geom1, geom2, most, address, ctypes.sizeof(Contact)))
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """gz_overlap in step.c."""
+        count = self._find_points(geom1, geom2, MAX_CONTACTS)
+        return max((float(self._points[i].geom.depth) for i in range(count)), default=-1.0)
 
     def _may_touch(self, a: list[float], b: list[float], body1: int, body2: int) -> bool:
         """may_touch in step.c."""

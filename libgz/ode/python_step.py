@@ -68,6 +68,10 @@ class PythonStep:
     def release() -> None:
         """Nothing to do: all memory is Python's."""
 
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m]; -1 without any."""
+        return self._full.overlap(geom1, geom2)
+
     def forget(self, geom: int) -> None:
         """Drop what is cached of a geom, because it was destroyed or got another body."""
         self._pairs.clear()

@@ -561,13 +561,23 @@ static int may_touch(const context *c, const double *a, const double *b, void *b
     return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both disabled: nothing to do */
 }
 
+/* The contact points of two geoms; ODE's own, or those of a cylinder's stand-ins. */
+static int find_points(context *c, void *geom1, void *geom2, int most, contact *points)
+{
+    int class1 = dGeomGetClass(geom1), class2 = dGeomGetClass(geom2);
+    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
+                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
+        return collide_cylinder(c, geom1, geom2, class2, points);
+    return collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
+}
+
 static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
     surface_parameters surface;
     const double *a, *b;
     void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
-    int classic = c->contact_rule == CLASSIC_RULE, count, i, class1, class2, ghost = 0;
+    int classic = c->contact_rule == CLASSIC_RULE, count, i, ghost = 0;
 
     if (!body1 && !body2)
         return;
@@ -577,13 +587,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
     if (classic && !may_touch(c, a, b, body1, body2, &ghost))
         return;
-    class1 = dGeomGetClass(geom1);
-    class2 = dGeomGetClass(geom2);
-    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
-                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
-        count = collide_cylinder(c, geom1, geom2, class2, points);
-    else
-        count = collide_pair(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
+    count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
     make_surface(c, a, b, &surface);
@@ -957,6 +961,21 @@ int gz_step(context *c)
     done = solve(c);
     pthread_mutex_unlock(&ode_lock);
     return done;
+}
+
+/* Depth of the deepest contact point of two geoms; -1 without any, and if their collision detection fails. */
+double gz_overlap(context *c, void *geom1, void *geom2)
+{
+    contact points[MOST_CONTACTS];
+    double deepest = -1.0;
+    int count, i;
+    enter_ode();
+    count = find_points(c, geom1, geom2, MAX_CONTACTS, points);
+    for (i = 0; i < count; i++)
+        deepest = larger(deepest, points[i].geom.depth);
+    c->collision_failed = 0;
+    pthread_mutex_unlock(&ode_lock);
+    return deepest;
 }
 
 void gz_read(context *c)

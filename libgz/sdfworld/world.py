@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable
 
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, WorldFileError, nearest
+from libgz.errors import Diagnostics, NotFoundError, WorldFileError, nearest
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
@@ -67,11 +67,12 @@ class SdfWorld(Era):
         if not any(child.name in ("world", "model", "light") for child in root.children):
             diagnostics.raise_errors()
             raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
+        element = next(root.named("world"), None) or _world_around(root)
         try:
-            self._build(next(root.named("world"), None) or _world_around(root), diagnostics)
-        except GazeboError as error:
+            self._build(element, diagnostics)
+        except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             if not diagnostics.errors:  # else it follows from what the reader has found
-                raise WorldFileError(str(error)) from error
+                diagnostics.failure(element, error)
         for warning in diagnostics.warnings:
             log.warning("%s", warning)
         diagnostics.raise_errors()
@@ -118,16 +119,22 @@ class SdfWorld(Era):
         before = len(world.entities)
         models = []
         for element in elements:
-            if element.name == "model":
-                model = SdfModel(world, element, diagnostics)
-                model.build(model_pose(element))
-                models.append(model)
-                for member in model.nested_family():
-                    self._register(member)
-            elif element.name == "light":
-                self._register(SdfLight(world, element, diagnostics))
+            try:
+                if element.name == "model":
+                    model = SdfModel(world, element, diagnostics)
+                    model.build(model_pose(element))
+                    models.append(model)
+                    for member in model.nested_family():
+                        self._register(member)
+                elif element.name == "light":
+                    self._register(SdfLight(world, element, diagnostics))
+            except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
+                diagnostics.failure(element, error)
         for model in models:
-            model.build_joints()
+            try:
+                model.build_joints()
+            except Exception as error:  # noqa: BLE001 - as above
+                diagnostics.failure(model.sdf, error)
         return world.entities[before:]
 
     def _register(self, entity: Entity) -> None:

@@ -6,7 +6,7 @@ import itertools
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, nearest, pass_interrupt
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
 from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
@@ -84,7 +84,8 @@ class Entity:
     def _call_fini(self, level: int) -> None:
         try:
             self.Fini()
-        except Exception as error:  # noqa: BLE001 - a plugin's; the others must still end
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error))
 
     def close(self) -> None:
@@ -144,7 +145,7 @@ class Entity:
     def joints(self) -> list[Joint]:
         """The joints between its own bodies, and from them to the world, in order of construction."""
         own = set(self.bodies)
-        found = {joint.row: joint for body in self.bodies for joint in body.joints}
+        found = {joint.row: joint for body in self.bodies for joint in tuple(body.joints)}
         return [j for _, j in sorted(found.items()) if all(b is None or b in own for b in j.bodies)]
 
     def GetJoint(self, name: str) -> Joint:
@@ -204,12 +205,13 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
-        before = self.GetPose()
-        for body in self.bodies:
-            relative = GzCoordPoseSub(body.GetPose(), before)
-            body.SetPose(GzCoordPoseAdd(relative, pose))
-            body.SetLinearVel(STILL)
-            body.SetAngularVel(STILL)
+        with self.world.lock:
+            before = self.GetPose()
+            for body in self.bodies:
+                relative = GzCoordPoseSub(body.GetPose(), before)
+                body.SetPose(GzCoordPoseAdd(relative, pose))
+                body.SetLinearVel(STILL)
+                body.SetAngularVel(STILL)
 
     def restore(self) -> None:
         """Return to the initial pose, at rest, with all that is attached."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import random
 import select
 import signal
 import subprocess
@@ -21,6 +22,46 @@ from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 settings.register_profile("repeatable", derandomize=True, deadline=None)
 settings.register_profile("random", deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """An option for the order of tests."""
+    parser.addoption(
+        "--shuffle",
+        type=int,
+        nargs="?",
+        const=-1,
+        metavar="SEED",
+        help="run modules, and the tests of each, in a random order; without a seed: a new one, which is printed",
+    )
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Choose a seed before processes of xdist are started, which have to use the same."""
+    if config.option.shuffle == -1:
+        config.option.shuffle = random.SystemRandom().randrange(10**6)
+
+
+def pytest_report_header(config: pytest.Config) -> str | None:
+    """The seed of the order."""
+    return None if config.option.shuffle is None else f"random order: --shuffle {config.option.shuffle}"
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Shuffle modules, and the tests of each; fixtures of a module are made once all the same."""
+    if config.option.shuffle is None:
+        return
+    order = random.Random(config.option.shuffle)
+    modules: dict[Path, list[pytest.Item]] = {}
+    for item in items:
+        modules.setdefault(item.path, []).append(item)
+    groups = list(modules.values())
+    order.shuffle(groups)
+    for group in groups:
+        order.shuffle(group)
+    items[:] = itertools.chain.from_iterable(groups)
+
 
 _numbers = itertools.count()
 START = 30.0  # [s]

@@ -12,6 +12,7 @@ from weakref import WeakSet
 
 from libgz.errors import ParameterError
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, note
 
 __all__ = [
     "Callback",
@@ -112,7 +113,8 @@ def report_failure(by: Owner | None, what: str, error: Exception) -> None:
     if by is not None:
         by.stop(what, error)
     else:
-        log.error("%s failed and is not called any more:\n%s", what, own_traceback(error))
+        note(what, "it", error)
+        log.error("%s failed and is not called any more:\n%s", what, own_traceback(error), extra=NOTED)
 
 
 def checked(callback: Any, what: str) -> Callable[..., Any]:

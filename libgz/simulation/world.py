@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
@@ -28,7 +29,9 @@ from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.running import add_running, remove_running, running_worlds
+from libgz.simulation.running_code import names, report_wait
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
@@ -52,6 +55,8 @@ class World:
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
+            of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
     Attributes:
         engine: the ODE world.
@@ -61,6 +66,7 @@ class World:
         agenda: changes deferred until a step is over.
         events: Gazebo's events of this world.
         entities: everything in the world, in order of the file; `models` and `lights` are those of them.
+        problems: its errors and warnings.
         companions: what runs beside the world, notified of its events.
         era: how time is counted, and what a reset does.
         facade: the object by which the API of a layer above presents this world; set by that layer.
@@ -78,6 +84,7 @@ class World:
         seed: int = 0,
         solver: str = "world",
         wire_version: int = LIBGAZEBO_VERSION,
+        strict: bool = False,
     ) -> None:
         self.server_id = server_id
         self.gz_server: LocalServer = (
@@ -89,6 +96,8 @@ class World:
         self.name = "default"
         self.clock = Clock()
         self.lock = self.engine.lock
+        self.lock.report = report_wait
+        self.problems = Problems(self.lock.owned, strict)
         self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
         self.era = Era()
@@ -247,6 +256,16 @@ class World:
     def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
 
+    @property
+    def errors(self) -> list[Problem]:
+        """The errors of models and plugins, and others that were logged for this world, in order; 1000 at most."""
+        return list(self.problems.errors)
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """The warnings about this world and its files, in order; 1000 at most."""
+        return list(self.problems.warnings)
+
     # Start and end ---------------------------------------------------------------------------------------------------
 
     @property
@@ -280,6 +299,7 @@ class World:
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
+        self.problems.check()
         return 0
 
     @exclusive
@@ -315,6 +335,7 @@ class World:
 
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
+            StrictError: a strict world had an error or warning that was not raised yet, such as one of a Fini.
         """
         if self._closed:
             return
@@ -324,6 +345,8 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
+            self.problems.check(again=False)
 
     # Time ------------------------------------------------------------------------------------------------------------
 
@@ -389,6 +412,7 @@ class World:
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
+            StrictError: a strict world had an error or warning.
         """
         lock = self.lock
         if lock.waiting:
@@ -403,9 +427,16 @@ class World:
                 self._step()
             finally:
                 self._inside = self.agenda.stepping = False
+            if self.problems.failure is not None:
+                self.problems.check()
         finally:
             lock.release()
         return 0
+
+    @property
+    def present_step(self) -> tuple[int, float] | None:
+        """What distinguishes the step that runs now from others: (number, pause time [s]); None between steps."""
+        return (self.clock.iterations, self.clock.pause_time) if self._inside else None
 
     def _check_ready(self) -> None:
         if not self.clock.running:
@@ -457,7 +488,7 @@ class World:
             self._contact(self._update_info())
             engine.solve()
         elif self.physics_enabled:
-            engine.step()
+            engine.advance()
         for entity in self._followers:
             entity.follow()
         if self._end:
@@ -487,8 +518,12 @@ class World:
             except Exception as error:  # noqa: BLE001 - a plugin may raise anything
                 failed = True
                 entity.failed = error
+                note(f"model {entity.GetId()!r}", "its Update", error)
                 log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s", entity.GetId(), own_traceback(error)
+                    "model %r stopped, its motors off: its Update failed with\n%s",
+                    entity.GetId(),
+                    own_traceback(error),
+                    extra=NOTED,
                 )
         if failed:
             for entity in self._updating:
@@ -564,3 +599,7 @@ class World:
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
         return self.era.save(self)
+
+
+names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")
+names(World.Step, lambda _: "", outermost=True)

@@ -112,16 +112,17 @@ class Watchdog:
 
     def _end_process(self, number: int) -> None:
         """Remove what other processes see of the server, and end without waiting for any other thread."""
+        # In a thread, for messages may wait for a stream that nobody reads.
+        last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name,), daemon=True)
+        last.start()
+        last.join(GRACE)
+        os._exit(128 + number)
+
+    def _clean_up(self, name: str) -> None:
         if self.world is not None:
             with contextlib.suppress(Exception):  # the process must end
                 self.world.gz_server.vanish()
-        # Logging may wait for a stream that nobody reads.
-        message = threading.Thread(
-            target=log.error, args=("ended at once: second signal, %s", signal.Signals(number).name), daemon=True
-        )
-        message.start()
-        message.join(0.2)
-        os._exit(128 + number)
+        log.error("ended at once: second signal, %s", name)
 
     def _remind(self) -> None:
         if len(self._signals) == 1 and time.monotonic() >= self._first + PATIENCE:

@@ -42,6 +42,10 @@ log = logging.getLogger("libgz.simulation")
 
 E = TypeVar("E")
 
+LOWEST = -1000.0  # [m]; a body that falls further is reported
+FALL_PERIOD = 256  # steps between two looks
+NAMED = 5  # bodies in one such message
+
 
 class World:
     """A simulated world: what both eras share. `libgz.World` loads files into it.
@@ -111,6 +115,7 @@ class World:
         self._updating: list[Entity] = []
         self._followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
+        self._fallen: set[int] = set()  # numbers of bodies that were reported
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
         self._begin, self._contact, self._end = (
@@ -475,6 +480,8 @@ class World:
         """Advance everything by one step of sim time, and signal the events of a step."""
         engine, clock, step = self.engine, self.clock, self.engine.step_time
         clock.iterations += 1
+        if not clock.iterations % FALL_PERIOD:
+            self._report_fallen()
         at_start = self.era.counts_at_start
         clock.sim_time += step if at_start else 0.0
         if self._begin:
@@ -493,6 +500,17 @@ class World:
             entity.follow()
         if self._end:
             self._end()
+
+    def _report_fallen(self) -> None:
+        """Warn once of each body that has fallen out of the world."""
+        below = np.flatnonzero(self.engine.states[:, 2] < LOWEST)
+        fallen = [self.engine.bodies[row] for row in below.tolist() if row in self.engine.bodies]
+        new = [body for body in fallen if body.number not in self._fallen and body.GetLinearVel().z < 0.0]
+        self._fallen = {body.number for body in (*new, *fallen) if body in new or body.number in self._fallen}
+        if new:
+            names = ", ".join(body.label for body in new[:NAMED])
+            more = f" and {len(new) - NAMED} more bodies" if len(new) > NAMED else ""
+            log.warning("%s%s fell below %g m: is there ground under it?", names, more, LOWEST)
 
     def _read_buttons(self) -> bool:
         """Act on the sim interface's reset and save; whether the world is paused."""

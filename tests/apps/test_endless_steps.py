@@ -69,8 +69,8 @@ def read_until(stream, text, limit=30.0):
 def end_by_two(process, first, second):
     """Send two signals; the second one must end the process soon. Returns the exit code."""
     process.send_signal(first)
-    with pytest.raises(subprocess.TimeoutExpired):
-        process.wait(0.5)
+    time.sleep(0.5)
+    assert process.poll() is None, process.communicate()
     begin = time.monotonic()
     process.send_signal(second)
     process.wait(20)
@@ -102,7 +102,7 @@ def test_a_second_signal_ends_a_long_physics_step(gazebo, tmp_path):
     path = tmp_path / "solids.world"
     path.write_text(f"{HEAD}<model:GroundPlane/>{SOLIDS}</gz:world>")
     server = gazebo(path, "-n")
-    time.sleep(1.0)  # it is in one of the first steps, each of which takes far longer
+    time.sleep(2.0)  # it is in the first step, which takes far longer
     assert end_by_two(server.process, signal.SIGINT, signal.SIGINT) == 130
     assert not server.directory.exists()
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import difflib
+import dis
+import logging
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Literal, NamedTuple, Protocol, TypeAlias
 
 __all__ = [
+    "USER_ERRORS",
     "ClosedError",
     "Diagnostic",
     "Diagnostics",
@@ -25,7 +30,9 @@ __all__ = [
     "Severity",
     "StrictError",
     "WorldFileError",
+    "explain",
     "nearest",
+    "pass_interrupt",
 ]
 
 
@@ -73,6 +80,30 @@ class ServerGoneError(InterfaceError):
     """The server ended while a client was connected to it."""
 
 
+# What code of users may raise to stop itself; `pass_interrupt` lets real interrupts through.
+USER_ERRORS = (Exception, SystemExit, KeyboardInterrupt)
+
+
+def pass_interrupt(error: BaseException) -> None:
+    """Raise an error again that interrupts the process, and was not raised by a user's code.
+
+    These are a `KeyboardInterrupt` by Ctrl-C, and what a signal handler of libgz raises. A plugin that calls
+    `sys.exit`, or raises `KeyboardInterrupt` itself, fails like one that raises any other exception.
+    """
+    if isinstance(error, Exception):
+        return
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        raise error
+    code = trace.tb_frame.f_code
+    own = Path(code.co_filename).is_relative_to(Path(__file__).parent)
+    raised = code.co_code[trace.tb_lasti] == dis.opmap["RAISE_VARARGS"]
+    if own or (isinstance(error, KeyboardInterrupt) and not raised):
+        raise error
+
+
 def nearest(name: str, known: Iterable[str]) -> str:
     """The end of a message, ``"; did you mean 'x'?"``; an empty string if no known name resembles `name`."""
     lower = {candidate.lower(): candidate for candidate in known}
@@ -82,7 +113,28 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
 
 
+UNFORESEEN = "libgz cannot handle it"
+
+
+def explain(error: BaseException) -> str:
+    """What an exception says of an element or file that could not be loaded, in one sentence."""
+    if isinstance(error, GazeboError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for it"
+    if isinstance(error, RecursionError):
+        return "it is nested too deeply"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    return f"{UNFORESEEN} ({type(error).__name__}: {error}); please report this with the file"
+
+
 Severity: TypeAlias = Literal["error", "warning"]
+
+
+log = logging.getLogger("libgz")
+
+_PLACED = re.compile(r"(.+?):(\d+): <([^<>]+)>: (.*)")  # str() of a Remark
 
 
 class Located(Protocol):
@@ -157,6 +209,17 @@ class Diagnostics:
     def warn(self, where: Located, message: str) -> None:
         """Add a warning: the world loads all the same."""
         self.add(Diagnostic.at(where, message, "warning"))
+
+    def failure(self, where: Located, error: BaseException) -> None:
+        """Add what the loading of an element raised as an error; a message that names a place itself keeps it."""
+        text = explain(error)
+        if not isinstance(error, GazeboError):
+            log.debug("%s:%d: <%s>", where.file, where.line, where.name, exc_info=error)
+        placed = [_PLACED.match(line) for line in text.splitlines()]
+        if placed and all(placed):
+            self.add(*(Diagnostic(m[1], int(m[2]), m[3], m[4], "error") for m in placed if m))
+        else:
+            self.error(where, text)
 
     def add(self, *diagnostics: Diagnostic) -> None:
         """Add diagnostics, such as those of an included file; the known ones are skipped."""

@@ -10,9 +10,50 @@ from pathlib import Path
 
 from lxml import etree
 
-__all__ = ["installed_worlds", "read_limited", "write_whole", "xml_parser"]
+__all__ = [
+    "exists",
+    "expand",
+    "installed_worlds",
+    "is_file",
+    "is_folder",
+    "read_limited",
+    "write_whole",
+    "xml_parser",
+]
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes of a world
+
+
+def exists(path: Path) -> bool:
+    """Whether there is such a file or folder; false for what cannot be asked for, such as too long a name."""
+    try:
+        return path.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; false for what cannot be asked for, such as too long a name."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Whether there is such a folder, and its contents can be listed."""
+    try:
+        return path.is_dir() and os.access(path, os.R_OK | os.X_OK)
+    except (OSError, ValueError):
+        return False
+
+
+def expand(name: str) -> Path:
+    """A path whose `~` is expanded; one that begins with the home of an unknown user stays as it is."""
+    try:
+        return Path(name).expanduser()
+    except RuntimeError:
+        return Path(name)
 
 
 def read_limited(path: Path) -> bytes:

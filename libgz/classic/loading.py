@@ -11,7 +11,7 @@ from weakref import WeakSet
 
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
-from libgz.errors import PluginError
+from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
@@ -61,7 +61,8 @@ class LoadedPlugin:
             plugin._handle, plugin._filename = self.name, self.filename
             self.plugin = plugin
             plugin.__init__()  # type: ignore[misc]
-        except Exception as error:  # noqa: BLE001 - a plugin's
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             self.stop("the constructor", error)
         finally:
             owner.reset(token)
@@ -90,7 +91,8 @@ class LoadedPlugin:
         token = owner.set(self)
         try:
             function(*values)
-        except Exception as error:  # noqa: BLE001 - a plugin's
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             self.stop(f"the {name} function", error)
         finally:
             owner.reset(token)

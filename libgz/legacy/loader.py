@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import logging
 
-from libgz.errors import GazeboError, InterfaceError, NotFoundError, ParameterError, nearest
+from libgz.errors import (
+    USER_ERRORS,
+    GazeboError,
+    InterfaceError,
+    NotFoundError,
+    ParameterError,
+    nearest,
+    pass_interrupt,
+)
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
@@ -13,7 +21,7 @@ from libgz.legacy.plugin_search import find_plugin
 from libgz.legacy.settings import is_settings
 from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
-from libgz.simulation.plugins import load_plugin, own_traceback
+from libgz.simulation.plugins import load_plugin, own_place, own_traceback
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
 from libgz.worldfile.file import WorldFile
@@ -62,16 +70,21 @@ class ModelLoader:
 
         Problems are reported on the worldfile: an unknown model is a warning, anything else an error.
         """
+        model = None
         try:
             model = self._new_model(node)
             if model is not None:
                 self._load_model(model, node, parent)
         except GazeboError as error:
-            node.error(str(error))
+            node.error(f"{error}{own_place(error)}")
             model = None
-        except Exception as error:
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             log.debug("Load failed", exc_info=True)
-            node.error(f"Load failed with\n{own_traceback(error)}")
+            if isinstance(error, MemoryError | RecursionError) or (model is not None and _is_builtin(model)):
+                node.file.diagnostics.failure(node.place, error)
+            else:
+                node.error(f"Load failed with\n{own_traceback(error)}")
             model = None
         if model is None:
             _skip(node, models=True)
@@ -124,6 +137,11 @@ class ModelLoader:
             model.modelSpaceId.set_fixed()
         self.world.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
+
+
+def _is_builtin(model: Model) -> bool:
+    """Whether a model is one of those of libgz."""
+    return type(model).__module__.startswith("libgz.models.")
 
 
 def _check_id(model: Model, node: WorldFileNode) -> None:

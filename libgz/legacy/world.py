@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import logging
 
-from libgz.errors import GazeboError, WorldFileError
+from libgz.errors import GazeboError, ParameterError, WorldFileError
 from libgz.geometry import GzVector
+from libgz.legacy.checks import warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
-from libgz.legacy.settings import GlobalAttributes, read_global, read_quirks
+from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
 from libgz.simulation.era import Era
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
@@ -52,8 +53,13 @@ class LegacyWorld(Era):
         self.file = file
         values, fog = read_global(file)
         self.world.engine.quirks = read_quirks(file, values.legacyQuirks)
-        self.apply(values, fog)
+        try:
+            self.apply(values, fog)
+        except ParameterError as error:  # of the engine, which refuses what the declaration does not
+            node = next(reversed(find_global_nodes(file)), file.GetRootNode())
+            file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
+        warn_of_overlaps(model for model in self.world.models if isinstance(model, Model))
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -109,6 +115,7 @@ class LegacyWorld(Era):
             if not added:
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
+            warn_of_overlaps(added)
             world.initialize(added)
         except BaseException:
             world.remove(world.entities[count:])

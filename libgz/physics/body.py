@@ -139,6 +139,8 @@ class Body:
             joint.close()
         for geom in list(self.geoms):
             geom.close()
+        for bundle in [bundle for bundle in self.engine.ray_bundles if bundle.body is self]:
+            self.engine.ray_bundles.discard(bundle)
         if self._id is not None:
             self.engine.auto_disabled.discard(self)
             self._table.remove(self.row)
@@ -262,28 +264,35 @@ class Body:
 
         Zero unless the engine's `record_motion` is on.
         """
-        return self._accel(0, self.GetLinearVel)
+        return self._motion(0)
 
     def GetAngularAccel(self) -> GzVector:
         """Angular acceleration in the last step [rad/s^2], global; zero unless the engine's `record_motion` is on."""
-        return self._accel(3, self.GetAngularRate)
-
-    def _accel(self, column: int, velocity: Callable[[], GzVector]) -> GzVector:
-        if self.row < 0 or not self.engine.record_motion:
-            return GzVector()
-        start = self._table.start[self.row, column : column + 3].tolist()
-        return GzVector(*((v - s) / self.engine.step_time for v, s in zip(velocity(), start, strict=True)))
+        return self._motion(3)
 
     def GetAppliedForce(self) -> GzVector:
         """The force applied to the body in the last step [N], global; without gravity, contacts and joints.
 
         Zero unless the engine's `record_motion` is on.
         """
-        return GzVector(*self._table.start[self.row, 6:9].tolist()) if self.row >= 0 else GzVector()
+        return self._motion(6)
 
     def GetAppliedTorque(self) -> GzVector:
         """The torque applied in the last step [N m], likewise."""
-        return GzVector(*self._table.start[self.row, 9:12].tolist()) if self.row >= 0 else GzVector()
+        return self._motion(9)
+
+    def GetWeight(self) -> GzVector:
+        """The force of gravity in the last step [N], global; zero unless the engine's `record_motion` is on."""
+        if self.row < 0 or not self._table.motion[self.row, 12]:
+            return GzVector()
+        mass = self.mass
+        return GzVector(*(mass * g for g in self.engine.gravity))
+
+    def _motion(self, column: int) -> GzVector:
+        """Three columns of what the last step recorded."""
+        if self.row < 0:
+            return GzVector()
+        return GzVector(*self._table.motion[self.row, column : column + 3].tolist())
 
     def GetKineticEnergy(self) -> float:
         """Energy of motion [J]: m v^2 / 2 + w I w / 2."""
@@ -443,6 +452,7 @@ class Body:
             return
         self.report_divergence()
         self._drop_efforts()
+        self._table.motion[self.row] = 0.0
         self.SetLinearVel(_STILL)
         self.SetAngularVel(_STILL)
         usable = all(map(math.isfinite, rotation)) and any(rotation)

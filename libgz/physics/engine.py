@@ -47,6 +47,10 @@ class HasEngine(Protocol):
 class RayBundle(Protocol):
     """A sensor's rays."""
 
+    @property
+    def body(self) -> Any:
+        """The body that they are fixed to, which removes them from `Engine.ray_bundles` when it is closed."""
+
     def segments(self) -> NDArray[np.float64]:
         """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
 
@@ -69,7 +73,7 @@ class Engine:
         spaces: open spaces, in order of construction.
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
-        ray_bundles: rays of sensors, for a renderer to show.
+        ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -334,11 +338,14 @@ class Engine:
     @record_motion.setter
     @exclusive
     def record_motion(self, value: bool) -> None:
-        if value and not self._context.record_motion:  # no step has changed velocities yet
-            bodies = self.tables.bodies
-            bodies.start[: bodies.used] = 0.0
-            bodies.start[: bodies.used, :6] = self.states[:, 10:16]
+        if value and not self._context.record_motion:
+            self.forget_motion()
         self._context.record_motion = int(value)
+
+    @exclusive
+    def forget_motion(self) -> None:
+        """Set recorded accelerations and efforts to zero, as before the first step."""
+        self.tables.bodies.motion[:] = 0.0
 
     @exclusive
     def wake(self) -> None:
@@ -426,6 +433,11 @@ class Engine:
             context.collision_failed = 0
             self._report_failed_pair(tuple(context.failed_rows))
             self.sort_geoms()  # the failed pair may have left a wrong bounding box of a geom in ODE
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms, by their handles [m]; -1 if they do not touch."""
+        self._ode.ensure_thread()
+        return self.step_form.overlap(geom1, geom2)
 
     def _report_failed_pair(self, rows: tuple[int, ...]) -> None:
         """Report a pair of geoms whose collision detection failed, the first time; row -1 is a ray."""

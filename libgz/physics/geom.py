@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.errors import ClosedError, ParameterError
+from libgz.files import is_file
 from libgz.geometry import (
     GzColor,
     GzCoordPoseAdd,
@@ -106,6 +107,10 @@ class Geom:
     def label(self) -> str:
         """Its kind and body, for messages."""
         return f"{type(self).__name__} of {self.body.label}"
+
+    def _of(self, what: str) -> str:
+        """The name of a property in messages: which geom of which body has it."""
+        return f"{what} of {type(self).__name__} {self.body.geoms.index(self) + 1} of body {self.body.label!r}"
 
     @property
     def id(self) -> int:
@@ -210,7 +215,7 @@ class Geom:
         """
         if self.volume_mass is None:
             return
-        if not_negative(kilograms, "mass [kg]") < MASSLESS:
+        if not_negative(kilograms, self._of("mass [kg]")) < MASSLESS:
             if "setMassZero" in self.body.engine.quirks:
                 return
             self._mass = None
@@ -258,18 +263,22 @@ class Geom:
             ParameterError: kp is not above zero, or kd is negative.
         """
         if not kp > 0.0:
-            raise ParameterError(f"hardness kp is {kp:g} N/m; it must be above zero")
+            raise ParameterError(f"{self._of('hardness kp')} is {kp:g} N/m; it must be above zero")
+        damper = not_negative(kd, self._of("hardness kd [N s/m]"))
         self.set_surface(Surface.KP, float(kp))
-        self.set_surface(Surface.KD, not_negative(kd, "hardness kd [N s/m]"))
+        self.set_surface(Surface.KD, damper)
 
     def SetFriction(self, mu1: float, mu2: float | None = None) -> None:
         """Coulomb coefficient; the smaller one of two geoms applies. `mu2` is used by the classic contact rule only."""
-        self.set_surface(Surface.MU, not_negative(mu1, "friction mu1"))
-        self.set_surface(Surface.MU2, not_negative(mu1 if mu2 is None else mu2, "friction mu2"))
+        first = not_negative(mu1, self._of("friction mu1"))
+        second = not_negative(mu1 if mu2 is None else mu2, self._of("friction mu2"))
+        self.set_surface(Surface.MU, first)
+        self.set_surface(Surface.MU2, second)
 
     def SetBounce(self, bounce: float) -> None:
         """Coefficient of restitution, 0 to 1; ignored with the quirk noBounce."""
-        value = finite(not_negative(bounce, "bounce"), "bounce")
+        what = self._of("bounce")
+        value = finite(not_negative(bounce, what), what)
         if "noBounce" not in self.body.engine.quirks:
             self.set_surface(Surface.BOUNCE, value)
 
@@ -439,4 +448,4 @@ class Geom:
 def _existing(path: str | Path | None) -> tuple[Path | None, bool]:
     """(path, whether it is None or a file)."""
     file = Path(path) if path is not None else None
-    return file, file is None or file.is_file()
+    return file, file is None or is_file(file)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
+from libgz.files import is_file
 
 __all__ = ["MeshPart", "read_mesh", "trimesh_parts"]
 
@@ -35,7 +36,7 @@ def read_mesh(path: Path) -> list[MeshPart]:
     Raises:
         GazeboError: it cannot be read, or holds no triangles.
     """
-    return _read(path.resolve(), path.stat().st_mtime_ns if path.is_file() else 0)
+    return _read(path.resolve(), path.stat().st_mtime_ns if is_file(path) else 0)
 
 
 @functools.lru_cache(maxsize=32)
@@ -143,7 +144,7 @@ def _read_obj(path: Path) -> Iterator[MeshPart]:
 
 def _read_mtl(path: Path) -> dict[str, tuple[float, ...]]:
     """Diffuse colours by material."""
-    if not path.is_file():
+    if not is_file(path):
         return {}
     name, found = "", {}
     for line in path.read_text(encoding="utf-8", errors="replace").splitlines():

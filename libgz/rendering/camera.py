@@ -14,10 +14,12 @@ from libgz.geometry import GzPose
 from libgz.rendering.scene import Scene, SceneWorld
 from libgz.rendering.shot import RenderOptions, Shot, View
 
-__all__ = ["Camera", "horizontal_view"]
+__all__ = ["LONGEST_SIDE", "MOST_PIXELS", "Camera", "horizontal_view"]
 
 LEAST_VIEW = 0.01  # [rad]
 LEAST_NEAR = 0.01  # [m]
+LONGEST_SIDE = 16384  # [px], as OpenGL has it at most
+MOST_PIXELS = 8192 * 8192
 
 
 class Camera:
@@ -50,6 +52,10 @@ class Camera:
     ) -> None:
         if width < 1 or height < 1:
             raise ParameterError(f"image has zero size: {width} x {height} px")
+        if max(width, height) > LONGEST_SIDE or width * height > MOST_PIXELS:
+            raise ParameterError(
+                f"image is {width} x {height} px; allowed are {LONGEST_SIDE} px a side and {MOST_PIXELS} px in all"
+            )
         if not near >= LEAST_NEAR:
             raise ParameterError(f"near clipping plane is {near:g} m; it must be at least {LEAST_NEAR} m")
         if not far > near:

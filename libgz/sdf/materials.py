@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from libgz.errors import NotFoundError
-from libgz.files import installed_worlds
+from libgz.files import installed_worlds, is_file, is_folder
 from libgz.sdf.paths import find_uri, resource_directories
 
 __all__ = ["NEUTRAL", "Material", "find_material", "own_texture"]
@@ -86,7 +86,7 @@ def _of_scripts(name: str, uris: Iterable[str], beside: Path | None) -> Material
 def own_texture(name: str) -> Path | None:
     """One of the textures that are installed with libgz's worlds; None if it is not."""
     file = installed_worlds() / name
-    return file if file.is_file() else None
+    return file if is_file(file) else None
 
 
 def _place(uri: str, beside: Path | None) -> list[Path]:
@@ -98,7 +98,7 @@ def _place(uri: str, beside: Path | None) -> list[Path]:
 
 def _scripts(places: Iterable[Path]) -> Iterator[Path]:
     for place in places:
-        if place.is_file():
+        if is_file(place):
             yield place
         else:
             yield from sorted(place.glob("*.material"))
@@ -116,7 +116,7 @@ def _read_script(path: Path, places: tuple[Path, ...]) -> dict[str, Material]:
         return {}
     text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
     folders = [path.parent / sub for sub in TEXTURES]
-    folders += [place if place.is_dir() else place.parent for place in places]
+    folders += [place if is_folder(place) else place.parent for place in places]
     found: dict[str, Material] = {}
     current, depth, header = "", 0, ""
     for line in re.split(r"([{}\n])", re.sub(r"//[^\n]*", "", text)):
@@ -141,7 +141,7 @@ def _with(material: Material, words: list[str], folders: list[Path]) -> Material
     if key == "texture" and values:
         name = values[0].strip('"')
         candidates = [folder / name for folder in (*folders, *resource_directories())]
-        return replace(material, texture=next((file for file in candidates if file.is_file()), material.texture))
+        return replace(material, texture=next((file for file in candidates if is_file(file)), material.texture))
     if key == "lighting" and values:
         return replace(material, lit=values[0] != "off")
     numbers = [_number(value) for value in values]

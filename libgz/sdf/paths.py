@@ -8,7 +8,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.errors import NotFoundError
-from libgz.files import xml_parser
+from libgz.files import exists, expand, is_file, xml_parser
 
 __all__ = ["find_model", "find_uri", "find_world", "model_directories", "resource_directories"]
 
@@ -21,12 +21,12 @@ MEDIA = ("", "models", "media/models", "Media/models")
 
 
 def _listed(variable: str) -> list[Path]:
-    return [Path(part).expanduser() for part in os.environ.get(variable, "").split(":") if part]
+    return [expand(part) for part in os.environ.get(variable, "").split(":") if part]
 
 
 def model_directories() -> list[Path]:
     """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz."""
-    return [Path("~/.gazebo/models").expanduser(), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
+    return [expand("~/.gazebo/models"), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
 
 
 def resource_directories() -> list[Path]:
@@ -55,7 +55,7 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
     folders = model_directories() if scheme == "model" else [*([beside] if beside else []), *resource_directories()]
     places = [Path(rest)] if Path(rest).is_absolute() else [folder / rest for folder in folders]
     for place in places:
-        if place.exists():
+        if exists(place):
             return place
     tried = ", ".join(dict.fromkeys(map(str, places)))
     advice = "; set GAZEBO_MODEL_PATH" if scheme == "model" else "; set GAZEBO_RESOURCE_PATH"
@@ -68,10 +68,10 @@ def find_world(name: str) -> Path:
     Raises:
         NotFoundError: it does not exist; the message lists the places tried.
     """
-    path = Path(name).expanduser()
+    path = expand(name)
     places = [path] if path.is_absolute() else [folder / path for folder in (*resource_directories(), BUILT_IN.parent)]
     for place in places:
-        if place.is_file():
+        if is_file(place):
             return place
     tried = ", ".join(dict.fromkeys(map(str, places)))
     raise NotFoundError(f"there is no world {name!r}; looked for {tried}; set GAZEBO_RESOURCE_PATH")
@@ -84,11 +84,11 @@ def find_model(uri: str, beside: Path | None = None) -> Path:
         NotFoundError: there is no such model, or its folder names no SDF file.
     """
     place = find_uri(uri, beside)
-    return place if place.is_file() else _named_in_config(place)
+    return place if is_file(place) else _named_in_config(place)
 
 
 def _named_in_config(folder: Path) -> Path:
-    config = next((folder / name for name in ("model.config", "manifest.xml") if (folder / name).is_file()), None)
+    config = next((folder / name for name in ("model.config", "manifest.xml") if is_file(folder / name)), None)
     if config is None:
         raise NotFoundError(f"{folder} has no model.config")
     try:

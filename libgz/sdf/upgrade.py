@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from libgz.files import is_file
 from libgz.sdf.element import Element
 
 __all__ = ["NEWEST", "upgraded"]
@@ -42,7 +43,7 @@ def _make_absolute(element: Element, folder: Path | None) -> None:
             if not text or "://" in text or not found.file or found.file.startswith("<"):
                 continue
             home = Path(found.file).parent.resolve()
-            if (folder is None or home != folder.resolve()) and (home / text).is_file():
+            if (folder is None or home != folder.resolve()) and is_file(home / text):
                 found.Set(str(home / text))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, ParameterError, nearest
+from libgz.errors import Diagnostics, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -97,8 +97,8 @@ class SdfModel(Entity):
         """Call `action`; what it raises becomes an error of the file, reported with all others."""
         try:
             action(*arguments)
-        except GazeboError as error:
-            self.diagnostics.error(element, str(error))
+        except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met; the others are still found
+            self.diagnostics.failure(element, error)
 
     # Links -------------------------------------------------------------------------------------------------------
 

@@ -40,7 +40,11 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     settings = SdfSettings(element, chosen, dict(reversed(profiles.items())))
     # Gravity and magnetic field moved out of <physics> in 1.6.
     outside = element.description is None or "gravity" in element.description.children
-    world.engine.gravity = tuple((element if outside else chosen).Get(GzVector, "gravity"))
+    holder = element if outside else chosen
+    try:
+        world.engine.gravity = tuple(holder.Get(GzVector, "gravity"))
+    except ParameterError as error:
+        diagnostics.failure(next(holder.named("gravity"), holder), error)
     for holder in (element, chosen):
         if holder.HasElement("magnetic_field"):
             settings.magnetic_field = holder.Get(GzVector, "magnetic_field")
@@ -51,7 +55,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     try:
         apply_physics(world, chosen, diagnostics)
     except ParameterError as error:
-        diagnostics.error(chosen, str(error))
+        diagnostics.failure(chosen, error)
     return settings
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.files import is_file
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.physics.check import positive
@@ -149,7 +150,7 @@ def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
 def _find(shape: Element) -> Path:
     folder = Path(shape.file).parent if shape.file and not shape.file.startswith("<") else None
     path = find_uri(shape.Get(str, "uri"), folder)
-    if not path.is_file():
+    if not is_file(path):
         raise NotFoundError(f"Unable to find uri[{shape.Get(str, 'uri')}]: {path} is not a file")
     return path
 

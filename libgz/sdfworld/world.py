@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterable
 
-from libgz.errors import Diagnostics, GazeboError, NotFoundError, WorldFileError, nearest
+from libgz.errors import Diagnostics, NotFoundError, WorldFileError, nearest
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
@@ -50,6 +50,7 @@ class SdfWorld(Era):
         world = self.world
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
+        world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
         self.file = file
         named = next(file.root.named("world"), None)
@@ -66,11 +67,12 @@ class SdfWorld(Era):
         if not any(child.name in ("world", "model", "light") for child in root.children):
             diagnostics.raise_errors()
             raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
+        element = next(root.named("world"), None) or _world_around(root)
         try:
-            self._build(next(root.named("world"), None) or _world_around(root), diagnostics)
-        except GazeboError as error:
+            self._build(element, diagnostics)
+        except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
             if not diagnostics.errors:  # else it follows from what the reader has found
-                raise WorldFileError(str(error)) from error
+                diagnostics.failure(element, error)
         for warning in diagnostics.warnings:
             log.warning("%s", warning)
         diagnostics.raise_errors()
@@ -117,16 +119,22 @@ class SdfWorld(Era):
         before = len(world.entities)
         models = []
         for element in elements:
-            if element.name == "model":
-                model = SdfModel(world, element, diagnostics)
-                model.build(model_pose(element))
-                models.append(model)
-                for member in model.nested_family():
-                    self._register(member)
-            elif element.name == "light":
-                self._register(SdfLight(world, element, diagnostics))
+            try:
+                if element.name == "model":
+                    model = SdfModel(world, element, diagnostics)
+                    model.build(model_pose(element))
+                    models.append(model)
+                    for member in model.nested_family():
+                        self._register(member)
+                elif element.name == "light":
+                    self._register(SdfLight(world, element, diagnostics))
+            except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
+                diagnostics.failure(element, error)
         for model in models:
-            model.build_joints()
+            try:
+                model.build_joints()
+            except Exception as error:  # noqa: BLE001 - as above
+                diagnostics.failure(model.sdf, error)
         return world.entities[before:]
 
     def _register(self, entity: Entity) -> None:
@@ -147,6 +155,7 @@ class SdfWorld(Era):
             if entity.parent is None:
                 entity.restore()
         world.engine.sort_geoms()
+        world.engine.forget_motion()
         world.engine.wake()
         for companion in world.companions:
             companion.reset()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.errors import Diagnostics, GazeboError
+from libgz.errors import Diagnostics
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
@@ -35,8 +35,8 @@ class WorldJoints(Entity):
             try:
                 plan = read_joint(element, self.find_link, GzPose())
                 self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
-            except GazeboError as error:
-                diagnostics.error(element, str(error))
+            except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
+                diagnostics.failure(element, error)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from libgz.errors import GazeboError
+from libgz.errors import USER_ERRORS, GazeboError, pass_interrupt
 from libgz.physics.lock import WorldLock
 from libgz.simulation.event import Owner, owner, report_failure
 
@@ -66,5 +66,6 @@ class Agenda:
                     action()
                 except GazeboError as error:
                     log.error("%s%s", f"{by}: " if by is not None else "", error)
-                except Exception as error:  # noqa: BLE001 - a plugin may ask for anything
+                except USER_ERRORS as error:
+                    pass_interrupt(error)
                     report_failure(by, "a deferred change", error)

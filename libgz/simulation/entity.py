@@ -6,7 +6,7 @@ import itertools
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, nearest, pass_interrupt
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
 from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
@@ -100,7 +100,8 @@ class Entity:
     def _call_fini(self, level: int) -> None:
         try:
             self.Fini()
-        except Exception as error:  # noqa: BLE001 - a plugin's; the others must still end
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             if level >= logging.ERROR:
                 note(f"model {self.GetId()!r}", "its Fini", error)
             log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)

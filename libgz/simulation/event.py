@@ -10,7 +10,7 @@ from contextvars import ContextVar
 from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
 
-from libgz.errors import ParameterError
+from libgz.errors import USER_ERRORS, ParameterError, pass_interrupt
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 
@@ -94,7 +94,8 @@ class Callback:
         try:
             result = self._function(*values)
             return self._read(result) if self._read is not None else result
-        except Exception as error:  # noqa: BLE001 - a plugin's
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             self.connected = False
             report_failure(self._owner, self._what, error)
             return otherwise
@@ -102,7 +103,7 @@ class Callback:
             owner.reset(token)
 
 
-def report_failure(by: Owner | None, what: str, error: Exception) -> None:
+def report_failure(by: Owner | None, what: str, error: BaseException) -> None:
     """Report what a callback raised, and stop the plugin that gave it; the caller must not call it again.
 
     Args:
@@ -230,14 +231,15 @@ class Event:
                 owner.set(current)
             try:
                 entry.callback(*values[: entry.parameters])
-            except Exception as error:  # noqa: BLE001 - a plugin's
+            except USER_ERRORS as error:
+                pass_interrupt(error)
                 self._failed(entry, error)
         if current is not before:
             owner.set(before)
 
     __call__ = Signal
 
-    def _failed(self, entry: _Entry, error: Exception) -> None:
+    def _failed(self, entry: _Entry, error: BaseException) -> None:
         report_failure(entry.owner, f"a callback of event {self.name}", error)
         self.remove(entry)
         if self._above is not None:

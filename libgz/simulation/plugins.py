@@ -13,9 +13,12 @@ from importlib.abc import SourceLoader
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import PluginError
+from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
+from libgz.files import exists, expand, is_file, is_folder
 
-__all__ = ["Plugin", "collect", "load_plugin", "own_traceback", "search"]
+__all__ = ["Plugin", "collect", "load_plugin", "own_place", "own_traceback", "search"]
+
+CPP_SUFFIXES = (".cc", ".cpp", ".cxx", ".c", ".hh", ".hpp", ".h")
 
 _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
 _loaded: dict[Path, Plugin] = {}
@@ -50,10 +53,10 @@ def _file_names(name: str) -> list[str]:
 def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
     """Files in a folder that have one of the names; the case may differ, as old files often differ in it."""
     for name in names:
-        if (folder / name).is_file():
+        if is_file(folder / name):
             yield folder / name
     wanted = {name.lower() for name in names if "/" not in name}
-    with_other_case = sorted(folder.iterdir()) if folder.is_dir() else []
+    with_other_case = sorted(folder.iterdir()) if is_folder(folder) else []
     yield from (path for path in with_other_case if path.name.lower() in wanted)
 
 
@@ -64,22 +67,36 @@ def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path 
     """
     names = _file_names(name)
     if name[0] in "/~":
-        path = Path(name).expanduser()
+        path = expand(name)
         places, names = [("the absolute path", path.parent)], _file_names(path.name)
     for why, folder in places:
         found = next(_matches(folder, names), None)
         if found is not None:
             return found.resolve()
-        if not folder.is_dir():
+        if not exists(folder):
             tried.append(f"  {folder}/ ({why}): there is no such directory")
-        elif name.endswith(".so") and (folder / Path(name).name).is_file():
+        elif name.endswith(".so") and is_file(folder / Path(name).name):
             tried.append(
                 f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
                 f"port it to Python as {names[0]}"
             )
         else:
-            tried.append(f"  {folder}/ ({why}): has no {names[0]}")
+            tried.append(f"  {folder}/ ({why}): {_absent(folder, names)}")
     return None
+
+
+def _absent(folder: Path, names: list[str]) -> str:
+    """Why a folder has no plugin of one of the names: there is only its C++ source, or a similar name, or nothing."""
+    stems = {Path(name).stem.lower() for name in names if "/" not in name}
+    files = sorted(path.name for path in folder.iterdir())
+    source = next((f for f in files if Path(f).stem.lower() in stems and Path(f).suffix.lower() in CPP_SUFFIXES), None)
+    if source is not None:
+        port = Path(source).with_suffix(".py")
+        return (
+            f"{source} is C++ source, which cannot be loaded; port it to Python as {port} beside it (docs/plugins.md)"
+        )
+    near = nearest(names[0], [f for f in files if f.endswith(".py")])
+    return f"has no {names[0]}{near}"
 
 
 def load_plugin(path: Path) -> Plugin:
@@ -111,7 +128,8 @@ def load_plugin(path: Path) -> Plugin:
         code = spec.loader.source_to_code(path.read_bytes(), str(path))
         exec(code, plugin.module.__dict__)
         initialised = getattr(plugin.module, "gazebo_plugin_init", int)()
-    except Exception as error:
+    except USER_ERRORS as error:
+        pass_interrupt(error)
         del sys.modules[name]
         raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}") from error
     finally:
@@ -134,6 +152,17 @@ def _edited(path: Path) -> tuple[int, int]:
     except OSError as error:
         raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
     return status.st_mtime_ns, status.st_size
+
+
+def own_place(error: BaseException) -> str:
+    """The end of a message about an error that user code caused, `` (file.py:12)``; empty for libgz's own models."""
+    place, trace = "", error.__traceback__
+    while trace is not None:
+        module = str(trace.tb_frame.f_globals.get("__name__"))
+        if module != "libgz" and not module.startswith("libgz."):
+            place = f" ({trace.tb_frame.f_code.co_filename}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return place
 
 
 def own_traceback(error: BaseException, path: Path | None = None) -> str:

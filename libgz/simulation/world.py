@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from libgz.errors import ClosedError, GazeboError, InterfaceError, NotFoundError, nearest
+from libgz.errors import USER_ERRORS, ClosedError, GazeboError, InterfaceError, NotFoundError, nearest, pass_interrupt
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
@@ -32,6 +32,7 @@ from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
+from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
@@ -109,6 +110,7 @@ class World:
         self.entities: list[Entity] = []
         self.models: list[Any] = []
         self.sim = Sim()
+        self._guard = Guard("sim.default")
         self.physics_enabled = True
         self.starts_paused = False
         self.facade: Any = None
@@ -516,9 +518,14 @@ class World:
         """Act on the sim interface's reset and save; whether the world is paused."""
         if not self.sim.lock():
             return self._paused
-        data = self.sim.data
-        self._paused, reset, save = bool(data.pause), data.reset, data.save
-        if reset or save:
+        data, reset, save = self.sim.data, False, False
+        switch = self._guard.switch
+        pause = data.pause
+        paused = self._paused = switch("pause", pause, self._paused)
+        if pause != paused:  # then the buttons beside it mean nothing, either
+            data.pause, data.reset, data.save = int(paused), 0, 0
+        elif data.reset or data.save:
+            reset, save = switch("reset", data.reset, False), switch("save", data.save, False)
             data.reset = data.save = 0
         self.sim.unlock()
         if reset:
@@ -533,7 +540,8 @@ class World:
         for entity in self._updating:
             try:
                 entity.MasterUpdate(step)
-            except Exception as error:  # noqa: BLE001 - a plugin may raise anything
+            except USER_ERRORS as error:
+                pass_interrupt(error)
                 failed = True
                 entity.failed = error
                 note(f"model {entity.GetId()!r}", "its Update", error)
@@ -564,7 +572,8 @@ class World:
     @property
     def paused(self) -> bool:
         """Whether time stands still."""
-        return bool(self.sim.data.pause)
+        pause = self.sim.data.pause
+        return bool(pause) if pause in (0, 1) else self._paused  # as the next step will find it
 
     @paused.setter
     @exclusive

@@ -11,7 +11,7 @@ from pathlib import Path
 from lxml import etree
 
 from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
-from libgz.files import read_limited, write_whole, xml_parser
+from libgz.files import expand, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
 from libgz.worldfile.source import splice
@@ -163,11 +163,11 @@ class WorldFile:
 
     def ResolveFilename(self, name: str) -> str:
         """A file name made absolute: `~` is expanded, relative names lie in the worldfile's directory."""
-        path = Path(name).expanduser()
+        path = expand(name)
         if path.is_absolute():
             return str(path)
         folder = Path(self.filename).parent if self.filename else Path()
-        return str((Path.cwd() / folder / path).resolve())
+        return os.path.realpath(folder / path)
 
     def WarnUnused(self) -> bool:
         """Log a warning for each element that no getter read, with its line; whether there was one."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Protocol, TypeVar
 
 from libgz.errors import Diagnostics, Place, nearest
+from libgz.files import expand, is_file
 from libgz.geometry import (
     DTOR,
     RTOD,
@@ -308,6 +309,7 @@ class WorldFileNode:
         for value in values:
             if math.isinf(value):
                 found[0].error("infinite numbers are not allowed here")
+        values = [0.0 if math.isinf(value) else value for value in values]
         return (values + [0.0] * count)[:count]
 
     def token_count(self, key: str) -> int:
@@ -362,16 +364,26 @@ class WorldFileNode:
             return self._absent(key, require, default) if not found else default
         name = found[1].strip()
         if name[0] in "/~":
-            places = [Path(name).expanduser()]
+            places = [expand(name)]
         else:
             places = [Path.cwd() / name, Path(self.ResolveFilename(name))]
             places += [Path(path) / name] if path else []
         for place in places:
-            if place.is_file():
+            if is_file(place):
+                if len(places) > 2 and place is places[-1]:
+                    self._warn_of_stand_in(found[0], key, places[1], place)
                 return str(place)
         tried = ", ".join(dict.fromkeys(str(place) for place in places))
         found[0].warn(f"file {name!r} was not found; looked for {tried}")
         return default
+
+    def _warn_of_stand_in(self, node: WorldFileNode, key: str, missing: Path, found: Path) -> None:
+        """Warn of a file that is not beside the worldfile, and is replaced by one that is installed with libgz.
+
+        The worlds that are installed with libgz name their files so, and get no warning.
+        """
+        if found.parent != missing.parent:
+            node.warn(f"file {str(missing)!r} does not exist; {str(found)!r} is used for <{key}> instead")
 
     # Setters -----------------------------------------------------------------------------------------------------
 

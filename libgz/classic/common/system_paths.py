@@ -7,13 +7,14 @@ from pathlib import Path
 
 from libgz.classic.common.console import gzwarn
 from libgz.errors import NotFoundError
+from libgz.files import exists, expand
 from libgz.sdf import paths
 
 __all__ = ["SystemPaths"]
 
 
 def _parts(text: str) -> list[Path]:
-    return [Path(part).expanduser() for part in text.split(":") if part]
+    return [expand(part) for part in text.split(":") if part]
 
 
 def _append(added: list[Path], text: str) -> None:
@@ -98,7 +99,7 @@ class SystemPaths:
             if searchLocalPath or "://" in filename or Path(filename).is_absolute():
                 return str(paths.find_uri(filename)) if filename else ""
             places = (folder / filename for folder in paths.resource_directories()[1:])
-            found = next((place for place in places if place.exists()), None)
+            found = next((place for place in places if exists(place)), None)
         except NotFoundError as error:
             gzwarn(error)
             return ""

@@ -16,6 +16,7 @@ from libgz.classic.sensors.noise import Noise
 from libgz.classic.sensors.read import clip, count, first, known_children, number, wrong
 from libgz.errors import ParameterError
 from libgz.geometry import GzPose
+from libgz.rendering.camera import LONGEST_SIDE, MOST_PIXELS
 
 if TYPE_CHECKING:
     from libgz.classic.physics import World
@@ -67,7 +68,10 @@ class CameraPlan:
         self.pose = element.Get(GzPose, "pose")  # in the sensor [m]
         self.hfov = number(element, "horizontal_fov", NARROWEST, WIDEST, "rad")
         image = element.child("image")
-        self.width, self.height = count(image, "width"), count(image, "height")
+        self.width, self.height = (count(image, key, most=LONGEST_SIDE) for key in ("width", "height"))
+        if self.width * self.height > MOST_PIXELS:
+            size = f"{self.width} x {self.height}"
+            raise wrong(image, "width", f"the image has {size} px; {MOST_PIXELS} px in all are allowed")
         try:
             self.format = check_format(image.Get(str, "format"))
         except ParameterError as error:

@@ -9,7 +9,7 @@ import importlib
 
 from libgz.classic.sensors.sensor import Sensor
 
-__all__ = ["ABSENT", "CLASSES", "KINDS", "sensor_class"]
+__all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "sensor_class"]
 
 # Type -> module:class.
 KINDS = {
@@ -28,6 +28,7 @@ KINDS = {
     "sonar": "libgz.classic.sensors.sonar:SonarSensor",
 }
 CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
+ON_JOINTS = ("force_torque",)  # all others are carried by links
 # Known to Gazebo, and not simulated here.
 ABSENT = ("rfid", "rfidtag", "wideanglecamera", "wireless_receiver", "wireless_transmitter")
 

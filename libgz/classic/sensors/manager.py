@@ -7,10 +7,10 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from libgz.classic.sensors.kinds import ABSENT, KINDS, sensor_class
+from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import GazeboError, ParameterError, WorldFileError, nearest
+from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -39,7 +39,7 @@ class WorldSensors:
         self._idle: list[tuple[Topic, Sensor]] = []  # inactive until their topics have subscribers
         self._now = 0.0  # [s] of the last iteration
         self._next = -math.inf  # [s] sim time of the next measurement
-        self._diagnostics: list[str] = []
+        self._diagnostics = Diagnostics()
         self._started = False
         self._node: Node | None = None
 
@@ -61,11 +61,16 @@ class WorldSensors:
                 raise ParameterError(
                     f"{element.where}: <sensor>: type is {kind!r}; allowed are {', '.join(KINDS)}{nearest(kind, KINDS)}"
                 )
+            if kind not in ON_JOINTS and not hasattr(parent, "pose"):
+                raise ParameterError(
+                    f"{element.where}: <sensor>: type is {kind!r}, which stands in a <link>; in a <joint>, "
+                    f"{' and '.join(ON_JOINTS)} is allowed"
+                )
             sensor = sensor_class(kind)(self, parent, element)
             if sensor.ScopedName() in self.sensors:
                 raise ParameterError(f"{element.where}: <sensor>: there is a {sensor.ScopedName()!r} already")
-        except ParameterError as error:
-            self._diagnostics.append(str(error))
+        except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
+            self._diagnostics.failure(element, error)
             return None
         self.sensors[sensor.ScopedName()] = sensor
         self._new.append(sensor)
@@ -77,11 +82,11 @@ class WorldSensors:
         Raises:
             WorldFileError: a sensor of the world's own file has an error; later such sensors are logged and left out.
         """
-        diagnostics, self._diagnostics = self._diagnostics, []
-        if diagnostics and not self._started:
-            raise WorldFileError("\n".join(diagnostics))
+        diagnostics, self._diagnostics = self._diagnostics, Diagnostics()
+        if not self._started:
+            diagnostics.raise_errors()
         later, self._started = self._started, True
-        for error in diagnostics:
+        for error in diagnostics.errors:
             log.error("%s", error)
         added, self._new = self._new, []
         for sensor in added:
@@ -94,10 +99,14 @@ class WorldSensors:
     def _init(self, sensor: Sensor, later: bool) -> None:
         try:
             sensor.Init()
-        except GazeboError as error:
+        except Exception as error:
+            found = Diagnostics()
+            found.failure(sensor.sdf, error)
             if not later:
-                raise
-            log.error("%s: <sensor>: %s", sensor.sdf.where, error)
+                if isinstance(error, LibraryError):  # of this computer, not of the file
+                    raise
+                found.raise_errors()
+            log.error("%s", found.errors[0])
             self.remove(sensor)
         self.reschedule(sensor)
 

@@ -196,11 +196,12 @@ class RaySensor(LinkSensor):
 
 def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
     """(rays, readings, (first, last) angle [rad]) of `<horizontal>` or `<vertical>`."""
-    samples = count(element, "samples")
+    samples = count(element, "samples", most=MOST_RAYS)
     resolution = number(element, "resolution")
+    if not 1.0 <= samples * resolution <= MOST_RAYS:
+        allowed = f"samples times resolution must be 1 to {MOST_RAYS}"
+        raise wrong(element, "resolution", f"is {resolution:g}; {allowed}")
     readings = int(samples * resolution)
-    if readings < 1:
-        raise wrong(element, "resolution", f"is {resolution:g}; samples times resolution must be at least 1")
     low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))
     if high < low:
         raise wrong(element, "max_angle", f"is {high:g} rad; it must be at least <min_angle>, {low:g} rad")

@@ -57,15 +57,16 @@ def clip(element: Element, low: str, high: str) -> tuple[float, float]:
     return near, far
 
 
-def count(element: Element, key: str, least: int = 1) -> int:
-    """A whole number with a lower bound.
+def count(element: Element, key: str, least: int = 1, most: int | None = None) -> int:
+    """A whole number within bounds.
 
     Raises:
-        ParameterError: it is below.
+        ParameterError: it is outside of them.
     """
     value = element.Get(int, key)
-    if value < least:
-        raise wrong(element, key, f"is {value}; it must be at least {least}")
+    if value < least or (most is not None and value > most):
+        allowed = f"at least {least}" if most is None else f"{least} to {most}"
+        raise wrong(element, key, f"is {value}; it must be {allowed}")
     return value
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
+from libgz.errors import USER_ERRORS, pass_interrupt
 from libgz.simulation.event import checked, owner, report_failure
 
 __all__ = ["Subscriber"]
@@ -80,7 +81,8 @@ class Subscriber:
         token = owner.set(self._owner)
         try:
             callback(message)
-        except Exception as error:  # noqa: BLE001 - of a plugin; the simulation continues
+        except USER_ERRORS as error:
+            pass_interrupt(error)
             self.Unsubscribe()
             report_failure(self._owner, f"the callback {self._what} of topic {self._topic.name}", error)
         finally:

@@ -11,6 +11,7 @@ from libgz.errors import (
     PluginError as PluginError,
     ServerError as ServerError,
     ServerGoneError as ServerGoneError,
+    StrictError as StrictError,
     WorldFileError as WorldFileError,
 )
 from libgz.front import World as World

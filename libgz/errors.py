@@ -28,6 +28,7 @@ __all__ = [
     "ServerError",
     "ServerGoneError",
     "Severity",
+    "StrictError",
     "WorldFileError",
     "explain",
     "nearest",
@@ -61,6 +62,10 @@ class WorldFileError(GazeboError):
 
 class PluginError(GazeboError):
     """A plugin file was not found, could not be loaded, or failed."""
+
+
+class StrictError(GazeboError):
+    """A strict world had its first error in a model or plugin, or its first warning; the message has the traceback."""
 
 
 class ServerError(GazeboError):

@@ -36,12 +36,16 @@ class World(world.World):
             world.step(1000)
             print(world.model("robot1").GetPose())
 
+    Every call is safe in every thread; `libgz.simulation.world.World` says how.
+
     Args:
         server_id: serve the models' interfaces to other programs under this id; None keeps them in this process.
         force: take over a server id whose owner may still be alive.
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
+            of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
     Raises:
         LibraryError: ODE is absent or unfit.
@@ -107,6 +111,7 @@ class World(world.World):
         self.extension(SdfWorld).load(file)
         if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
             self.attach_era()
+        self.problems.check()
         return 0
 
     @exclusive
@@ -134,6 +139,7 @@ class World(world.World):
             WorldFileError: there are errors; the message lists them all, one a line.
         """
         self.legacy.load(file)
+        self.problems.check()
         return 0
 
     @exclusive
@@ -150,7 +156,9 @@ class World(world.World):
             PluginError: an Init failed; nothing was added.
             GazeboError: a step is running; use `after_step`.
         """
-        return self.legacy.insert(text, label)
+        added = self.legacy.insert(text, label)
+        self.problems.check()
+        return added
 
     @property
     def file(self) -> WorldFile | None:

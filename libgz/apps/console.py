@@ -19,6 +19,8 @@ from libgz.errors import GazeboError, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
+    "STRICT",
+    "STRICT_HELP",
     "USAGE_ERROR",
     "Hints",
     "LogFile",
@@ -33,6 +35,8 @@ __all__ = [
 ]
 
 USAGE_ERROR = 2
+STRICT = 3  # exit code of a run that --strict has ended
+STRICT_HELP = "end with exit code 3 at the first error of a model or plugin, or warning about the world"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # the exit codes of shells
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}

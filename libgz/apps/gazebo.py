@@ -11,14 +11,24 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from libgz._version import __version__
-from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero, set_up_messages, whole_number
+from libgz.apps.console import (
+    STRICT,
+    STRICT_HELP,
+    USAGE_ERROR,
+    Parser,
+    as_command,
+    number_from_zero,
+    set_up_messages,
+    whole_number,
+)
 from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
-from libgz.errors import GazeboError, ParameterError, ServerError
+from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.front import World
 from libgz.ode.step import check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
+from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
 
@@ -135,6 +145,7 @@ def make_parser() -> argparse.ArgumentParser:
         default="world",
         help="ODE's solver: world, the exact one (default), or quick, the iterative one, which holds stacks",
     )
+    add("--strict", action="store_true", help=STRICT_HELP)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
 
@@ -152,8 +163,8 @@ class Run:
         self.recorders: list[Recorder] = []
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
-    def stop(self, number: int, _frame: object) -> None:
-        """Signal handler: stop after the present step."""
+    def stop(self, number: int) -> None:
+        """Stop after the present step, because of a signal."""
         self.stopped = True
         log.info("ending: %s", signal.Signals(number).name)
 
@@ -189,7 +200,10 @@ class Run:
 
 @as_command("gazebo", interrupted=0)
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong."""
+    """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong, 3 ended by --strict.
+
+    After a second SIGINT or SIGTERM, 130 or 143.
+    """
     options = make_parser().parse_args(arguments)
     path = Path(options.worldfile)
     try:
@@ -205,7 +219,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         check_serving()
         return _run(path, options)
     except GazeboError as error:
-        return _report(str(error), 1)
+        strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)
+        return _report(str(error), STRICT if strict else 1)
 
 
 def _run(path: Path, options: argparse.Namespace) -> int:
@@ -229,28 +244,31 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
         seed=options.seed,
         wire_version=options.wire_version,
         solver=options.solver,
+        strict=options.strict,
     )
     world.backdrop.threaded = options.render_thread
-    run = None
     try:
         world.LoadFile(path)
-        run = Run(world, options)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, run.stop)
-        world.Initialize()
-        run.recorders += [Recorder(world, request) for request in options.record]
-        if options.server_id is None:
-            print(f"server id {server_id}", flush=True)
-        run.loop()
-        if sys.stdout.isatty():
-            run.print_status()
-            print()
-    finally:
+    except BaseException:
+        world.close()
+        raise
+    run = Run(world, options)
+    with Watchdog(run.stop, world):
         try:
-            for recorder in run.recorders if run is not None else ():
-                recorder.close()
+            world.Initialize()
+            run.recorders += [Recorder(world, request) for request in options.record]
+            if options.server_id is None:
+                print(f"server id {server_id}", flush=True)
+            run.loop()
+            if sys.stdout.isatty():
+                run.print_status()
+                print()
         finally:
-            world.close()
+            try:
+                for recorder in run.recorders:
+                    recorder.close()
+            finally:
+                world.close()
     return 0
 
 

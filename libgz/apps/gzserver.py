@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import logging
 import os
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,7 +20,7 @@ from libgz.apps.classic_command import (
     parse_known,
     set_up_console,
 )
-from libgz.apps.console import as_command, whole_number
+from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.view_options import GL_HELP
 from libgz.classic.common import gzlog
@@ -29,12 +28,14 @@ from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
-from libgz.errors import GazeboError, NotFoundError
+from libgz.errors import GazeboError, NotFoundError, PluginError, StrictError, WorldFileError
 from libgz.front import World
 from libgz.ode.step import check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
+from libgz.simulation.problems import Problems
+from libgz.simulation.watchdog import Watchdog
 
 __all__ = ["main"]
 
@@ -67,6 +68,7 @@ def make_parser() -> Parser:
     iters = "number of iterations to run (default: until interrupted)"
     add("--iters", "--steps", type=whole_number("number"), metavar="N", help=iters)
     add("--server-id", type=whole_number("number"), help="serve the interfaces of legacy models under this server id")
+    add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
@@ -95,20 +97,26 @@ class Server:
 
     def run(self) -> int:
         """Run the world, with classic's order of events; return the exit code."""
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self._interrupted)
         check_serving()
+        with Watchdog(self._interrupted) as self._watchdog:
+            self._run()
+        return 0
+
+    def _run(self) -> None:
+        # Of System plugins, which belong to no world.
+        problems = Problems(lambda: True, self.options.strict, warnings=False)
         with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
             open_log("server", link.address.port)
             plugins.load(self.words)
             log.info("Waiting for master.")
             log_link(link)
             plugins.init()
+            problems.check()
+            del problems
             with self._open_world() as core, keep_log(self.options, core, self._play) as control:
                 self._loop(core, control)
-        return 0
 
-    def _interrupted(self, _number: int, _frame: object) -> None:
+    def _interrupted(self, _number: int) -> None:
         self._stopped = True
 
     def _open_world(self) -> World:
@@ -122,7 +130,7 @@ class Server:
             log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
         seed = os.getpid() if options.seed is None else options.seed
         gzlog(f"Loading world file [{path}]")
-        core = World(options.server_id, seed=seed)
+        core = self._watchdog.world = World(options.server_id, seed=seed, strict=options.strict)
         try:
             core.LoadFile(path)
             if options.pause:
@@ -136,7 +144,7 @@ class Server:
         return core
 
     def _open_log(self, path: str) -> World:
-        core = World(self.options.server_id)
+        core = self._watchdog.world = World(self.options.server_id, strict=self.options.strict)
         self._play = LogPlay(path, core)
         log.info("playing [%s], recorded by %s", path, self._play.reader.header.gazebo_version)
         core.paused = self.options.pause
@@ -190,7 +198,7 @@ def _find_world(name: str) -> Path:
 
 @as_command("gzserver", interrupted=0, failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 255 failed."""
+    """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 3 ended by --strict; 255 failed."""
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
     set_up_console(verbose="--verbose" in words)
@@ -205,7 +213,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return Server(options, words).run()
     except GazeboError as error:
         log.error("%s", error)
-        return FAILED
+        strict = options.strict and isinstance(error, StrictError | PluginError | WorldFileError)
+        return STRICT if strict else FAILED
 
 
 if __name__ == "__main__":

@@ -12,8 +12,11 @@ from weakref import WeakSet
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
 from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
+from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
+from libgz.simulation.problems import NOTED, note
+from libgz.simulation.running_code import names
 
 __all__ = ["LoadedPlugin", "find_plugin", "new_plugin"]
 
@@ -30,13 +33,21 @@ class LoadedPlugin:
         plugin_class: the class that its file registered.
         filename, name: as the world gives them.
         events: those of the world that it belongs to; None: those of all worlds.
+        entity: the model that it is a plugin of; its `error` is then what the plugin raises.
 
     Attributes:
         plugin: the instance; None once it has failed or was dropped.
     """
 
-    def __init__(self, plugin_class: type[PluginT], filename: str, name: str, events: WorldEvents | None) -> None:
-        self.plugin_class = plugin_class
+    def __init__(
+        self,
+        plugin_class: type[PluginT],
+        filename: str,
+        name: str,
+        events: WorldEvents | None,
+        entity: Entity | None = None,
+    ) -> None:
+        self.plugin_class, self.entity = plugin_class, entity
         self.filename, self.name, self.events = filename, name, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.plugin: PluginT | None = None
@@ -92,7 +103,10 @@ class LoadedPlugin:
         text, file = own_traceback(error), getattr(sys.modules.get(self.plugin_class.__module__), "__file__", None)
         if file is not None and file not in text:
             text = f'  File "{file}"\n{text}'
-        log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text)
+        note(str(self), where, error)
+        if self.entity is not None:
+            self.entity.plugin_error = error
+        log.error("Exception occured in %s of %s. This plugin will not run.\n%s", where, self, text, extra=NOTED)
         self.drop()
 
     def drop(self) -> None:
@@ -101,6 +115,10 @@ class LoadedPlugin:
             connection.disconnect()
         self.connections.clear()
         self.plugin = None
+
+
+names(LoadedPlugin._call, lambda values: f"{values['name']} of {values['self']}")
+names(LoadedPlugin._construct, lambda values: f"the constructor of {values['self']}")
 
 
 def find_plugin(filename: str, beside: str | None = None) -> Path:
@@ -128,7 +146,13 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
 
 
 def new_plugin(
-    kind: str, filename: str, name: str, holder: str, events: WorldEvents | None, beside: str | None = None
+    kind: str,
+    filename: str,
+    name: str,
+    holder: str,
+    events: WorldEvents | None,
+    beside: str | None = None,
+    entity: Entity | None = None,
 ) -> LoadedPlugin | None:
     """Find a plugin, run its file, and construct its class; None if that fails, which is logged.
 
@@ -138,6 +162,7 @@ def new_plugin(
         holder: the loading object, for messages, such as ``World[default]``.
         events: those of the world that it belongs to; None: those of all worlds.
         beside: the world's file.
+        entity: the model that it is a plugin of.
     """
     try:
         path = find_plugin(filename, beside)
@@ -168,7 +193,7 @@ def new_plugin(
             plugin_class.kind,
         )
         return None
-    loaded = LoadedPlugin(plugin_class, filename, name, events)
+    loaded = LoadedPlugin(plugin_class, filename, name, events, entity)
     return loaded if loaded.plugin is not None else None
 
 

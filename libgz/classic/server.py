@@ -189,15 +189,17 @@ class WorldServer:
     def load_model_plugin(self, model: Model, filename: str, name: str, sdf: Element | None) -> bool:
         """Load a Model plugin; returns whether it runs."""
         with self.core.hold():
-            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]")
+            plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]", model.core)
             if plugin is not None and plugin.start(model, sdf or Element("plugin")):
                 self._model_plugins.setdefault(model, []).append(plugin)
                 return True
         return False
 
-    def new_plugin(self, kind: str, filename: str, name: str, holder: str) -> LoadedPlugin | None:
+    def new_plugin(
+        self, kind: str, filename: str, name: str, holder: str, entity: CoreModel | None = None
+    ) -> LoadedPlugin | None:
         """A plugin of this world, constructed; None if that fails, which is logged."""
-        return new_plugin(kind, filename, name, holder, self.core.events, self.filename)
+        return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity)
 
     def remove_world_plugin(self, name: str) -> None:
         """Remove a World plugin; of several with one name the first.

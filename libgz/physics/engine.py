@@ -383,15 +383,14 @@ class Engine:
             GazeboError: ODE ran out of memory.
             ClosedError: the world was closed.
         """
-        lock = self.lock
-        if not lock.try_acquire():
-            lock.wait()
-        try:
-            if get_ident() != self._thread:
-                self._enter_thread()
-            self._finish(self._step())
-        finally:
-            lock.release()
+        with self.lock:
+            self.advance()
+
+    def advance(self) -> None:
+        """`step`, for a caller that holds the lock."""
+        if get_ident() != self._thread:
+            self._enter_thread()
+        self._finish(self._step())
 
     def _enter_thread(self) -> None:
         self._ode.ensure_thread()

@@ -10,6 +10,7 @@ from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, nearest, pa
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
 from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, note
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -26,6 +27,19 @@ STILL = (0.0, 0.0, 0.0)
 _numbers = itertools.count(1)
 
 
+class _Error:
+    """What an entity's update or plugin raised, which stopped it; None while it runs.
+
+    Models of users may keep something else in an attribute of this name.
+    """
+
+    def __get__(self, entity: Entity | None, kind: type[Entity]) -> BaseException | None:
+        for error in () if entity is None else (entity.failed, entity.plugin_error):
+            if isinstance(error, BaseException):
+                return error
+        return None
+
+
 class Entity:
     """Base of what stands in a world: bodies in a space of their own, a name, a place, perhaps a parent.
 
@@ -36,6 +50,7 @@ class Entity:
         world: the World.
     """
 
+    error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
 
     def __init__(self, world: World) -> None:
@@ -47,6 +62,7 @@ class Entity:
         self.relPose = GzPose()  # in the parent body
         self.fixed = False
         self.failed: BaseException | None = None  # what its update raised; it is not updated any more
+        self.plugin_error: BaseException | None = None  # what a plugin of it raised
         self.facade: Any = None  # by which the API of a layer above presents it; set by that layer
         self._children: list[Entity] = []
         self._bodies: list[Body] = []
@@ -86,7 +102,9 @@ class Entity:
             self.Fini()
         except USER_ERRORS as error:
             pass_interrupt(error)
-            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error))
+            if level >= logging.ERROR:
+                note(f"model {self.GetId()!r}", "its Fini", error)
+            log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)
 
     def close(self) -> None:
         """Destroy bodies, joints and space."""

@@ -12,6 +12,7 @@ from weakref import WeakSet
 
 from libgz.errors import USER_ERRORS, ParameterError, pass_interrupt
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, note
 
 __all__ = [
     "Callback",
@@ -113,7 +114,8 @@ def report_failure(by: Owner | None, what: str, error: BaseException) -> None:
     if by is not None:
         by.stop(what, error)
     else:
-        log.error("%s failed and is not called any more:\n%s", what, own_traceback(error))
+        note(what, "it", error)
+        log.error("%s failed and is not called any more:\n%s", what, own_traceback(error), extra=NOTED)
 
 
 def checked(callback: Any, what: str) -> Callable[..., Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
@@ -28,7 +29,9 @@ from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.plugins import own_traceback
+from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.running import add_running, remove_running, running_worlds
+from libgz.simulation.running_code import names, report_wait
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -39,6 +42,10 @@ __all__ = ["World"]
 log = logging.getLogger("libgz.simulation")
 
 E = TypeVar("E")
+
+LOWEST = -1000.0  # [m]; a body that falls further is reported
+FALL_PERIOD = 256  # steps between two looks
+NAMED = 5  # bodies in one such message
 
 
 class World:
@@ -53,6 +60,8 @@ class World:
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
+            of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
     Attributes:
         engine: the ODE world.
@@ -62,6 +71,7 @@ class World:
         agenda: changes deferred until a step is over.
         events: Gazebo's events of this world.
         entities: everything in the world, in order of the file; `models` and `lights` are those of them.
+        problems: its errors and warnings.
         companions: what runs beside the world, notified of its events.
         era: how time is counted, and what a reset does.
         facade: the object by which the API of a layer above presents this world; set by that layer.
@@ -79,6 +89,7 @@ class World:
         seed: int = 0,
         solver: str = "world",
         wire_version: int = LIBGAZEBO_VERSION,
+        strict: bool = False,
     ) -> None:
         self.server_id = server_id
         self.gz_server: LocalServer = (
@@ -90,6 +101,8 @@ class World:
         self.name = "default"
         self.clock = Clock()
         self.lock = self.engine.lock
+        self.lock.report = report_wait
+        self.problems = Problems(self.lock.owned, strict)
         self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
         self.era = Era()
@@ -104,6 +117,7 @@ class World:
         self._updating: list[Entity] = []
         self._followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
+        self._fallen: set[int] = set()  # numbers of bodies that were reported
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
         self._begin, self._contact, self._end = (
@@ -249,6 +263,16 @@ class World:
     def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
 
+    @property
+    def errors(self) -> list[Problem]:
+        """The errors of models and plugins, and others that were logged for this world, in order; 1000 at most."""
+        return list(self.problems.errors)
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """The warnings about this world and its files, in order; 1000 at most."""
+        return list(self.problems.warnings)
+
     # Start and end ---------------------------------------------------------------------------------------------------
 
     @property
@@ -282,6 +306,7 @@ class World:
         for companion in self.companions:
             companion.start()
         self.gz_server.post()
+        self.problems.check()
         return 0
 
     @exclusive
@@ -317,6 +342,7 @@ class World:
 
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
+            StrictError: a strict world had an error or warning that was not raised yet, such as one of a Fini.
         """
         if self._closed:
             return
@@ -326,6 +352,8 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
+            self.problems.check(again=False)
 
     # Time ------------------------------------------------------------------------------------------------------------
 
@@ -391,6 +419,7 @@ class World:
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
+            StrictError: a strict world had an error or warning.
         """
         lock = self.lock
         if lock.waiting:
@@ -405,9 +434,16 @@ class World:
                 self._step()
             finally:
                 self._inside = self.agenda.stepping = False
+            if self.problems.failure is not None:
+                self.problems.check()
         finally:
             lock.release()
         return 0
+
+    @property
+    def present_step(self) -> tuple[int, float] | None:
+        """What distinguishes the step that runs now from others: (number, pause time [s]); None between steps."""
+        return (self.clock.iterations, self.clock.pause_time) if self._inside else None
 
     def _check_ready(self) -> None:
         if not self.clock.running:
@@ -446,6 +482,8 @@ class World:
         """Advance everything by one step of sim time, and signal the events of a step."""
         engine, clock, step = self.engine, self.clock, self.engine.step_time
         clock.iterations += 1
+        if not clock.iterations % FALL_PERIOD:
+            self._report_fallen()
         at_start = self.era.counts_at_start
         clock.sim_time += step if at_start else 0.0
         if self._begin:
@@ -459,11 +497,22 @@ class World:
             self._contact(self._update_info())
             engine.solve()
         elif self.physics_enabled:
-            engine.step()
+            engine.advance()
         for entity in self._followers:
             entity.follow()
         if self._end:
             self._end()
+
+    def _report_fallen(self) -> None:
+        """Warn once of each body that has fallen out of the world."""
+        below = np.flatnonzero(self.engine.states[:, 2] < LOWEST)
+        fallen = [self.engine.bodies[row] for row in below.tolist() if row in self.engine.bodies]
+        new = [body for body in fallen if body.number not in self._fallen and body.GetLinearVel().z < 0.0]
+        self._fallen = {body.number for body in (*new, *fallen) if body in new or body.number in self._fallen}
+        if new:
+            names = ", ".join(body.label for body in new[:NAMED])
+            more = f" and {len(new) - NAMED} more bodies" if len(new) > NAMED else ""
+            log.warning("%s%s fell below %g m: is there ground under it?", names, more, LOWEST)
 
     def _read_buttons(self) -> bool:
         """Act on the sim interface's reset and save; whether the world is paused."""
@@ -495,8 +544,12 @@ class World:
                 pass_interrupt(error)
                 failed = True
                 entity.failed = error
+                note(f"model {entity.GetId()!r}", "its Update", error)
                 log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s", entity.GetId(), own_traceback(error)
+                    "model %r stopped, its motors off: its Update failed with\n%s",
+                    entity.GetId(),
+                    own_traceback(error),
+                    extra=NOTED,
                 )
         if failed:
             for entity in self._updating:
@@ -573,3 +626,7 @@ class World:
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
         return self.era.save(self)
+
+
+names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")
+names(World.Step, lambda _: "", outermost=True)

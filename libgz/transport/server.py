@@ -83,6 +83,9 @@ class LocalServer:
     def post(self) -> None:
         """Nothing to do: there are no clients."""
 
+    def vanish(self) -> None:
+        """Nothing to do: other processes see nothing of it."""
+
     def stop(self) -> None:
         """Destroy the interfaces that models have not destroyed. Can be called twice."""
         for interface in list(self.interfaces.values()):
@@ -242,6 +245,13 @@ class Server(LocalServer):
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""
         super().stop()
+        self.vanish()
+
+    def vanish(self) -> None:
+        """Remove all files, the directory and the semaphores, but leave interfaces mapped, for code that uses them.
+
+        It waits for nothing and can be called from any thread, right before the process ends.
+        """
         atexit.unregister(self.stop)
         owned = self._directory.owned
         self._directory.remove()

@@ -387,3 +387,24 @@ def test_warnings_are_logged_once_each(caplog):
     with caplog.at_level(logging.WARNING):
         world_of(SOLID.format("a", "1 x 2", "")).close()
     assert caplog.text.count("'x' is not a number") == 1
+
+
+# Out of the world ------------------------------------------------------------------------------------------------
+
+
+def test_a_body_that_falls_out_of_the_world_is_reported_once(caplog):
+    solids = SOLID.format("falling", "0 0 -990", "") + SOLID.format("resting", "9 0 0.5", "<gravity>false</gravity>")
+    with caplog.at_level(logging.WARNING, "libgz"), world_of(solids) as world:
+        world.step(1000)
+        (line,) = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
+        assert line == "falling::canonical fell below -1000 m: is there ground under it?"
+        world.DeleteModel("falling")
+        world.step(512)
+
+
+def test_many_bodies_that_fall_are_one_message(caplog):
+    solids = "".join(SOLID.format(f"s{i}", f"{2 * i} 0 -1100", "") for i in range(8))
+    with caplog.at_level(logging.WARNING, "libgz"), world_of(solids) as world:
+        world.step(1000)
+        (line,) = [record.getMessage() for record in caplog.records if "fell" in record.getMessage()]
+        assert "s4::canonical and 3 more bodies fell below" in line

@@ -168,14 +168,24 @@ class TopicManager:
                 self.topics.pop(name, None)
 
     def refresh(self, topic: Topic) -> None:
-        """Announce a change of publishers or subscribers to other processes."""
+        """Announce a change of publishers or subscribers to other processes; forget a topic without any."""
+        if topic.used:
+            self.topics.setdefault(topic.name, topic)
+        else:
+            self._forget(topic)
         if self.remote is not None:
             self.remote.refresh(topic)
+
+    def _forget(self, topic: Topic) -> None:
+        if self.topics.get(topic.name) is topic:
+            self.topics.pop(topic.name, None)
 
     def refresh_later(self, topic: Topic) -> None:
         """Announce a change with the next delivery: safe while objects are collected."""
         if self.remote is not None:
             self.queue.append(functools.partial(self.refresh, topic))
+        elif not topic.used:
+            self._forget(topic)
 
     def latch(self, topic: Topic, subscriber: LocalSubscriber) -> None:
         """Queue the last message of each publisher for a new subscriber."""

@@ -176,6 +176,8 @@ class Network:
                 channel.listening = [self._token("sub", topic.name, "-"), self._declare_subscriber(topic)]
             elif channel.listening and not topic.subscribers:
                 _undeclare(channel.listening)
+            if not (channel.publishing or channel.listening):
+                self._channels.pop(topic.name, None)
 
     def _token(self, what: str, name: str, type_name: str) -> Any:
         return self._session.liveliness().declare_token(f"libgz/{what}/{_quote(name)}/{_quote(type_name)}/{self._who}")

@@ -110,6 +110,11 @@ class Topic:
         # Publishers of other processes: the number of the last message, and the number that it got here.
         self.heard: dict[str, tuple[int, int]] = {}
 
+    @property
+    def used(self) -> bool:
+        """Whether it has publishers or subscribers, or notes on messages of other processes."""
+        return bool(self.publishers or self.subscribers or self.heard or self.incoming)
+
     def live_publishers(self) -> list[LocalPublisher]:
         """Return the publishers that were not dropped, oldest first."""
         return [found for ref in list(self.publishers.values()) if (found := ref()) is not None]

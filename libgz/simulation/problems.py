@@ -1,0 +1,124 @@
+"""Problems: the errors and warnings of a world, which are logged and can be read, and end a strict world's run."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from weakref import WeakSet
+
+from libgz.errors import Severity, StrictError
+from libgz.simulation.plugins import own_traceback
+
+__all__ = ["NOTED", "Problem", "Problems", "note"]
+
+LARGEST = 1000  # entries of a list
+NOTED = {"noted": True}  # extra of log messages whose problem was noted by `note`
+NOT_THE_WORLDS = ("libgz.transport", "libgz.classic.transport", "libgz.gazebo")  # loggers
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An error or warning of a running world.
+
+    Attributes:
+        source: the model, plugin or callback; for other messages the logger, such as ``libgz.physics``.
+        message: what is wrong, in one line.
+        traceback: of the user's own code; empty if there is none.
+        severity: ``"error"`` or ``"warning"``.
+    """
+
+    source: str
+    message: str
+    traceback: str
+    severity: Severity
+
+    def __str__(self) -> str:
+        return f"{self.source}: {self.message}" + (f"\n{self.traceback}" if self.traceback else "")
+
+
+class Problems:
+    """What went wrong in a world.
+
+    Args:
+        owned: whether the calling thread works for the world: what it logs belongs to the world.
+        strict: whether the first error or warning ends the run.
+        warnings: whether warnings end it, too.
+
+    Attributes:
+        errors, warnings: the problems in order, 1000 each at most.
+        failure: the first one, if the world is strict.
+    """
+
+    def __init__(self, owned: Callable[[], bool], strict: bool, warnings: bool = True) -> None:
+        self.owned, self.strict = owned, strict
+        self.errors: list[Problem] = []
+        self.warnings: list[Problem] = []
+        self.failure: Problem | None = None
+        self._with_warnings = warnings
+        self._raised = False
+        _all.add(self)
+        root = logging.getLogger("libgz")
+        if _collector not in root.handlers:
+            root.addHandler(_collector)
+
+    def add(self, problem: Problem) -> None:
+        """Add a problem."""
+        kept = self.errors if problem.severity == "error" else self.warnings
+        if len(kept) < LARGEST:
+            kept.append(problem)
+        if self.strict and self.failure is None and (self._with_warnings or problem.severity == "error"):
+            self.failure = problem
+
+    def check(self, *, again: bool = True) -> None:
+        """Raise the first problem of a strict world.
+
+        Args:
+            again: also if it was raised before.
+
+        Raises:
+            StrictError: there is one.
+        """
+        if self.failure is not None and (again or not self._raised):
+            self._raised = True
+            raise StrictError(f"the run ended at its first problem (strict): {self.failure}")
+
+
+_all: WeakSet[Problems] = WeakSet()
+
+
+def _add(problem: Problem) -> None:
+    for problems in list(_all):
+        if problems.owned():
+            problems.add(problem)
+
+
+def note(source: str, what: str, error: BaseException) -> None:
+    """Note an error of a user's code in the world that this thread works for; the caller logs it, with `NOTED`."""
+    _add(Problem(source, f"{what} failed with {type(error).__name__}: {error}", own_traceback(error), "error"))
+
+
+class _Collector(logging.Handler):
+    """Notes what the package logs, in the world that the thread works for."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Note an error or warning."""
+        # A logger with a handler gets none of Python's last resort, which prints messages where nothing is set up.
+        if logging.lastResort is not None and not _has_other_handlers(record.name):
+            logging.lastResort.handle(record)
+        if getattr(record, "noted", False) or record.name.startswith(NOT_THE_WORLDS):
+            return
+        message, _, rest = record.getMessage().partition("\n")
+        _add(Problem(record.name, message, rest, "error" if record.levelno >= logging.ERROR else "warning"))
+
+
+def _has_other_handlers(name: str) -> bool:
+    logger: logging.Logger | None = logging.getLogger(name)
+    while logger is not None:
+        if any(handler is not _collector for handler in logger.handlers):
+            return True
+        logger = logger.parent if logger.propagate else None
+    return False
+
+
+_collector = _Collector(logging.WARNING)

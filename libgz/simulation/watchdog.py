@@ -1,0 +1,159 @@
+"""Watchdog: ends a process whose step does not return, and reports steps that take long."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import select
+import signal
+import threading
+import time
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import TYPE_CHECKING, Any
+
+from libgz.physics.lock import LONG
+from libgz.simulation.running_code import describe_thread
+
+if TYPE_CHECKING:
+    from libgz.simulation.world import World
+
+__all__ = ["Watchdog"]
+
+log = logging.getLogger("libgz.simulation")
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+PERIOD = 0.5  # [s] between two looks at the step
+PATIENCE = 1.0  # [s] after the first signal, until the user is reminded of the second
+GRACE = 0.3  # [s] that a run which is ending has after the second signal
+_CLOSE = b"\0"  # no signal has this number
+
+
+class Watchdog:
+    """Handles signals of a command that runs a world, in a thread of its own, from `__enter__` to `__exit__`.
+
+    The first signal asks the run to end after the present step. Python runs signal handlers between two bytecodes of
+    the main thread, so not while a native function runs: the second signal is handled by the watchdog's thread, which
+    removes the server's files and semaphores and ends the process, with exit code 128 plus the signal's number.
+
+    A step that takes more than 5 s is reported once, with what runs in it. Steps cost nothing: the thread looks at the
+    world twice a second. Code that keeps the interpreter lock, as some native functions do, stops the watchdog, too.
+
+    Args:
+        stop: called with the number of each signal, in the main thread.
+        world: the world that the process serves; None if there is none yet.
+
+    Attributes:
+        world: the world.
+    """
+
+    def __init__(self, stop: Callable[[int], object], world: World | None = None) -> None:
+        self.world = world
+        self._stop = stop
+        self._signals: list[int] = []
+        self._first = 0.0  # when the first signal came
+        self._step: object = None
+        self._since = 0.0
+        self._reported = False
+        self._described: set[str] = set()
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="watchdog", daemon=True)
+        self._reader = self._writer = -1
+        self._replaced: dict[int, Any] = {}
+        self._replaced_wakeup = -1
+
+    def __enter__(self) -> Watchdog:
+        self._reader, self._writer = os.pipe()
+        os.set_blocking(self._writer, False)
+        self._replaced_wakeup = signal.set_wakeup_fd(self._writer, warn_on_full_buffer=False)
+        self._replaced = {number: signal.signal(number, self._handle) for number in SIGNALS}
+        _active.add(self)
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for number, handler in self._replaced.items():
+            signal.signal(number, handler)
+        signal.set_wakeup_fd(self._replaced_wakeup)
+        _active.discard(self)
+        self._ended.set()
+        with contextlib.suppress(OSError):
+            os.write(self._writer, _CLOSE)
+        self._thread.join(1.0)
+        if not self._thread.is_alive():
+            os.close(self._reader)
+            os.close(self._writer)
+
+    def _handle(self, number: int, _frame: FrameType | None) -> None:
+        self._stop(number)
+
+    def leave(self) -> None:
+        """In a forked child: do not pass its signals to the parent's watchdog."""
+        signal.set_wakeup_fd(-1)
+
+    # The thread ------------------------------------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        poll = select.poll()
+        poll.register(self._reader, select.POLLIN)
+        while not self._ended.is_set():
+            received = os.read(self._reader, 64) if poll.poll(PERIOD * 1000.0) else b""
+            for number in received:
+                if number in SIGNALS:
+                    self._signals.append(number)
+                    self._first = self._first or time.monotonic()
+            if len(self._signals) > 1 and not self._ended.wait(GRACE):
+                self._end_process(self._signals[1])
+            self._remind()
+            self._look()
+
+    def _end_process(self, number: int) -> None:
+        """Remove what other processes see of the server, and end without waiting for any other thread."""
+        # In a thread, for messages may wait for a stream that nobody reads.
+        last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name,), daemon=True)
+        last.start()
+        last.join(GRACE)
+        os._exit(128 + number)
+
+    def _clean_up(self, name: str) -> None:
+        if self.world is not None:
+            with contextlib.suppress(Exception):  # the process must end
+                self.world.gz_server.vanish()
+        log.error("ended at once: second signal, %s", name)
+
+    def _remind(self) -> None:
+        if len(self._signals) == 1 and time.monotonic() >= self._first + PATIENCE:
+            self._first = float("inf")
+            running = f", {self._running()}," if self._step is not None else ""
+            log.warning(
+                "still waiting for the present step%s to end; a second signal ends the process at once", running
+            )
+
+    def _look(self) -> None:
+        """Report the present step if it takes long, once."""
+        step, now = None if self.world is None else self.world.present_step, time.monotonic()
+        if step is None or step != self._step:
+            self._step, self._since, self._reported = step, now, False
+        elif not self._reported and now - self._since >= LONG:
+            self._reported = True
+            running = self._running()
+            if running not in self._described:
+                self._described.add(running)
+                log.warning("step %d takes more than %g s; running is %s", step[0], LONG, running)
+
+    def _running(self) -> str:
+        return describe_thread(self.world.lock.holder) if self.world is not None else ""
+
+
+_active: set[Watchdog] = set()
+
+
+def _leave_all() -> None:
+    for watchdog in _active:
+        watchdog.leave()
+
+
+os.register_at_fork(after_in_child=_leave_all)

@@ -1,0 +1,187 @@
+"""A step that does not return: it is reported, and a second signal ends the process and leaves nothing behind."""
+
+import os
+import select
+import signal
+import subprocess
+import textwrap
+import time
+
+import pytest
+from gzserver_process import SERVER, new_environment
+
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
+LOOP = """
+import time
+from libgz import GZ_REGISTER_PLUGIN, Body, Model
+
+class Loop(Model):
+    def Load(self, file, node):
+        self.AddBody(Body(self.world), True)
+    def Init(self, file, node):
+        {init}
+    def Update(self, step):
+        print("looping", flush=True)
+        {update}
+
+GZ_REGISTER_PLUGIN("Loop", Loop)
+"""
+CLASSIC = """
+from libgz.classic import *
+from libgz.classic.event import Events
+
+class Loop(WorldPlugin):
+    def Load(self, world, sdf):
+        {load}
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+    def OnUpdate(self, info):
+        print("looping", flush=True)
+        while True:
+            pass
+
+GZ_REGISTER_WORLD_PLUGIN(Loop)
+"""
+SOLIDS = "".join(
+    f"<model:SimpleSolid><id>s{i}</id><xyz>0 0 {0.5 + 0.001 * i}</xyz></model:SimpleSolid>" for i in range(90)
+)
+CODES = {signal.SIGINT: 130, signal.SIGTERM: 143}
+
+
+def loop_world(folder, update="while True: pass", init="pass"):
+    (folder / "Loop.py").write_text(LOOP.format(update=update, init=init))
+    path = folder / "loop.world"
+    path.write_text(f"{HEAD}<model:Loop><id>looping1</id><plugin>Loop.py</plugin></model:Loop></gz:world>")
+    return path
+
+
+def read_until(stream, text, limit=30.0):
+    """What a process prints, up to some text."""
+    end, found = time.monotonic() + limit, b""
+    while text.encode() not in found:
+        assert time.monotonic() < end, f"no {text!r} in {found!r}"
+        if select.select([stream], [], [], 0.1)[0]:
+            got = os.read(stream.fileno(), 4096)
+            assert got, f"no {text!r} in {found!r}"
+            found += got
+    return found.decode()
+
+
+def end_by_two(process, first, second):
+    """Send two signals; the second one must end the process soon. Returns the exit code."""
+    process.send_signal(first)
+    time.sleep(0.5)
+    assert process.poll() is None, process.communicate()
+    begin = time.monotonic()
+    process.send_signal(second)
+    process.wait(20)
+    assert time.monotonic() - begin < 5.0  # 1 s is promised where the machine is not busy
+    return process.returncode
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [(signal.SIGINT, signal.SIGINT), (signal.SIGTERM, signal.SIGTERM), (signal.SIGINT, signal.SIGTERM)],
+)
+def test_a_second_signal_ends_an_endless_update(gazebo, tmp_path, first, second):
+    server = gazebo(loop_world(tmp_path), "-n")  # the fixture `wire` finds what is not removed
+    read_until(server.process.stdout, "looping")
+    assert end_by_two(server.process, first, second) == CODES[second]
+    assert "ended at once: second signal, " + second.name in server.stop()[1:][1]
+    assert not server.directory.exists()
+
+
+def test_a_second_signal_ends_an_endless_start(gazebo, tmp_path):
+    path = loop_world(tmp_path, init="print('starting', flush=True)\n        while True: pass")
+    server = gazebo(path, "-n", ready=False)
+    read_until(server.process.stdout, "starting")
+    assert end_by_two(server.process, signal.SIGTERM, signal.SIGTERM) == 143
+    assert not server.directory.exists()
+
+
+def test_a_second_signal_ends_a_long_physics_step(gazebo, tmp_path):
+    path = tmp_path / "solids.world"
+    path.write_text(f"{HEAD}<model:GroundPlane/>{SOLIDS}</gz:world>")
+    server = gazebo(path, "-n")
+    time.sleep(2.0)  # it is in the first step, which takes far longer
+    assert end_by_two(server.process, signal.SIGINT, signal.SIGINT) == 130
+    assert not server.directory.exists()
+
+
+@pytest.mark.parametrize(
+    "load", ["pass", "print('looping', flush=True)\n        while True: pass"], ids=["callback", "Load"]
+)
+def test_a_second_signal_ends_an_endless_callback(tmp_path, load):
+    (tmp_path / "Loop.py").write_text(CLASSIC.format(load=load))
+    world = tmp_path / "w.world"
+    world.write_text("<sdf version='1.6'><world name='default'><plugin name='l' filename='libLoop.so'/></world></sdf>")
+    process = subprocess.Popen(
+        [*SERVER, world], env=new_environment(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    read_until(process.stdout, "looping")
+    assert end_by_two(process, signal.SIGINT, signal.SIGINT) == 130
+    process.communicate()
+
+
+def test_a_first_signal_ends_a_step_that_returns(gazebo, tmp_path):
+    server = gazebo(loop_world(tmp_path, update="time.sleep(0.5)"), "-n")
+    code, _, text = server.stop(signal.SIGINT)
+    assert code == 0
+    assert "ending: SIGINT" in text
+
+
+def test_a_run_that_ends_after_the_second_signal_ends_as_usual(gazebo, tmp_path):
+    server = gazebo(loop_world(tmp_path, update="time.sleep(0.01)"), "-n")
+    server.process.send_signal(signal.SIGTERM)
+    assert server.stop(signal.SIGINT)[0] == 0
+
+
+def test_a_long_step_is_reported_once_by_name(gazebo, tmp_path):
+    server = gazebo(loop_world(tmp_path, update="time.sleep(6.5)"), "-n")
+    text = read_until(server.process.stderr, "running is", 30)
+    time.sleep(1.0)
+    code, _, rest = server.stop(signal.SIGTERM)
+    assert code == 0
+    line = next(line for line in (text + rest).splitlines() if "running is" in line)
+    place = f"{tmp_path / 'Loop.py'}:12"
+    assert line.endswith(f"takes more than 5 s; running is Update of model 'looping1' ({place})")
+    assert (text + rest).count("running is") == 1
+
+
+def test_a_long_callback_is_reported_by_plugin(tmp_path):
+    (tmp_path / "Loop.py").write_text(CLASSIC.format(load="pass"))
+    world = tmp_path / "w.world"
+    world.write_text(
+        "<sdf version='1.6'><world name='default'><plugin name='looper' filename='libLoop.so'/></world></sdf>"
+    )
+    process = subprocess.Popen(
+        [*SERVER, world], env=new_environment(tmp_path), stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    name = "running is a callback of event WorldUpdateBegin of plugin with name[looper] and filename[libLoop.so]"
+    read_until(process.stderr, f"{name} ({tmp_path / 'Loop.py'}:1")
+    assert end_by_two(process, signal.SIGINT, signal.SIGTERM) == 143
+    process.communicate()
+
+
+def test_signals_of_a_forked_child_are_its_own(gazebo, tmp_path):
+    fork = textwrap.indent(
+        textwrap.dedent("""
+        import os, signal
+        if not hasattr(self, "child"):
+            self.child = os.fork()
+            if self.child == 0:
+                while True: time.sleep(0.01)
+            time.sleep(0.2)
+            for _ in range(3):
+                os.kill(self.child, signal.SIGTERM)
+                time.sleep(0.1)
+            os.kill(self.child, signal.SIGKILL)
+            os.waitpid(self.child, 0)
+            print("forked", flush=True)
+        """),
+        8 * " ",
+    ).strip()
+    server = gazebo(loop_world(tmp_path, update=fork), "-n")
+    read_until(server.process.stdout, "forked")
+    with pytest.raises(subprocess.TimeoutExpired):
+        server.process.wait(1.0)
+    assert server.stop()[0] == 0

@@ -1,0 +1,191 @@
+"""Threads: every call is safe while another thread steps, and no thread waits without end."""
+
+import logging
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+
+import pytest
+
+import libgz
+from libgz.errors import ClosedError
+from libgz.geometry import GzPose, GzQuatern, GzVector
+from libgz.physics import lock as lock_module
+from libgz.physics.lock import WorldLock
+
+LEGACY = (
+    "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
+    "<model:Pioneer2AT><id>one</id></model:Pioneer2AT><model:Pioneer2AT><id>two</id><xyz>3 0 0</xyz></model:Pioneer2AT>"
+    "</gz:world>"
+)
+BOX = (
+    "<model name='{}'><pose>{} 0 0.5 0 0 0</pose><link name='link'><collision name='c'><geometry>"
+    "<box><size>1 1 1</size></box></geometry></collision></link></model>"
+)
+CLASSIC = f"<sdf version='1.6'><world name='default'>{BOX.format('one', 0)}{BOX.format('two', 3)}</world></sdf>"
+
+# Each line runs again and again in a thread of its own, while two threads step. ODE aborts the process at a race.
+CALLS = """
+one.SetPose(GzPose(GzVector(0, 0, 1), GzQuatern(1, 0, 0, 0)))
+world.SetModelPose(two, GzPose(GzVector(3, 0, 1), GzQuatern(1, 0, 0, 0)))
+one.GetBody().AddForce(1, 0, 0); one.GetBody().SetLinearVel((0, 0, 0.1))
+world.InsertModel("<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"); world.DeleteModel("new")
+h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1, 0, 0)); h.close()
+libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
+world.Reset(); world.engine.gravity = (0, 0, -9.8)
+one.GetPose(); one.joints; world.model("two"); two.GetBody().GetLinearVel(); world.engine.states.sum()
+"""
+PROGRAM = """
+import sys, threading, time
+import libgz
+from libgz import GzPose, GzQuatern, GzVector, World
+
+world = World.from_string({text!r})
+one, two = world.model("one"), world.model("two")
+end, failed, counts = threading.Event(), [], {{}}
+
+def again(line):
+    code, counts[line] = compile(line, line, "exec"), 0
+    try:
+        while not end.is_set():
+            exec(code, globals())
+            counts[line] += 1
+    except BaseException as error:
+        failed.append((line, error))
+
+lines = {lines!r}
+threads = [threading.Thread(target=again, args=(line,)) for line in [*lines, "world.Step()", "world.step(2)"]]
+for thread in threads: thread.start()
+while min(counts.values(), default=0) < 20 and not failed and time.process_time() < 60: time.sleep(0.05)
+end.set()
+for thread in threads: thread.join()
+world.close()
+print(failed, min(counts.values()))
+"""
+
+
+@pytest.mark.parametrize("text", [LEGACY, CLASSIC], ids=["legacy", "classic"])
+def test_calls_from_other_threads_are_safe(text):
+    program = PROGRAM.format(text=text, lines=CALLS.strip().splitlines())
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert (done.returncode, done.stdout.split()[0]) == (0, "[]"), done.stdout + done.stderr[-2000:]
+    assert int(done.stdout.split()[-1]) >= 20, done.stdout
+
+
+def test_a_call_waits_for_the_end_of_the_step(monkeypatch):
+    """And then acts before the next one, however fast the world is stepped."""
+    with libgz.World.from_string(LEGACY) as world:
+        entered, waited = threading.Event(), []
+        model = world.model("one")
+
+        def update(step):
+            first, end = not entered.is_set(), time.monotonic() + 20
+            entered.set()
+            while first and not world.lock.waiting and time.monotonic() < end:
+                time.sleep(0.01)
+            waited.append(bool(world.lock.waiting))
+
+        monkeypatch.setattr(model, "Update", update)
+        thread = threading.Thread(
+            target=lambda: (entered.wait(), model.SetPose(GzPose(GzVector(9, 9, 9), GzQuatern(1, 0, 0, 0))))
+        )
+        thread.start()
+        world.step(3)
+        assert waited == [True, False, False]
+        assert model.GetPose().pos.x == pytest.approx(9, abs=0.1)
+        thread.join()
+
+
+def test_several_changes_are_one():
+    with libgz.World.from_string(LEGACY) as world:
+        end, seen = threading.Event(), set()
+
+        def stepper():
+            while not end.is_set():
+                world.Step()
+                seen.add(world.engine.gravity)
+
+        thread = threading.Thread(target=stepper)
+        thread.start()
+        for _ in range(20):
+            with world.lock:
+                before = world.iterations
+                world.engine.gravity = (0, 0, -1)
+                time.sleep(0.001)
+                world.engine.gravity = (0, 0, -9.8)
+                assert world.iterations == before
+        end.set()
+        thread.join()
+        assert seen <= {(0.0, 0.0, -9.8)}
+
+
+def test_close_waits_for_the_step_of_another_thread():
+    world = libgz.World.from_string(LEGACY)
+    failed = []
+
+    def stepper():
+        try:
+            while True:
+                world.Step()
+        except ClosedError as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=stepper)
+    thread.start()
+    time.sleep(0.05)
+    world.close()
+    thread.join(10)
+    assert "the world is closed" in str(failed[0])
+
+
+def test_a_callback_that_waits_for_a_waiting_thread_is_reported(monkeypatch, tmp_path, caplog):
+    monkeypatch.setattr(lock_module, "LONG", 0.3)
+    path = tmp_path / "net.py"
+    path.write_text(
+        textwrap.dedent("""
+        import threading
+        from libgz import GZ_REGISTER_PLUGIN, Body, GzPose, GzVector, GzQuatern, Model
+
+        class Net(Model):
+            def Load(self, file, node):
+                self.AddBody(Body(self.world), True)
+            def Update(self, step):
+                thread = threading.Thread(target=self.work, name="network")
+                thread.start()
+                thread.join(1.5)
+            def work(self):
+                self.SetPose(GzPose(GzVector(1, 2, 3), GzQuatern(1, 0, 0, 0)))
+
+        GZ_REGISTER_PLUGIN("Net", Net)
+        """)
+    )
+    text = f"<model:Net><id>net1</id><plugin>{path}</plugin></model:Net>"
+    text = f"<gz:world xmlns:gz='g' xmlns:model='m'>{text}</gz:world>"
+    with caplog.at_level(logging.ERROR, "libgz"), libgz.World.from_string(text) as world:
+        world.Step()
+    (line,) = [record.getMessage() for record in caplog.records if "has waited" in record.getMessage()]
+    assert line.startswith("thread 'network' has waited")
+    assert f" for the world, in {path}:13; " in line
+    assert f"holds it, in Update of model 'net1' ({path}:11): if that waits for thread 'network'" in line
+
+
+def test_the_lock_names_its_holder():
+    lock = WorldLock()
+    assert (lock.holder, lock.owned()) == (0, False)
+    with lock:
+        assert (lock.holder, lock.owned()) == (threading.get_ident(), True)
+
+
+def test_worlds_in_threads_are_independent():
+    """A world whose step does not end does not keep another one from stepping."""
+    with libgz.World.from_string(LEGACY) as slow, libgz.World.from_string(LEGACY) as quick:
+        release = threading.Event()
+        slow.model("one").Update = lambda step: release.wait(20)
+        thread = threading.Thread(target=slow.Step)
+        thread.start()
+        quick.step(10)
+        release.set()
+        thread.join()
+        assert (slow.iterations, quick.iterations) == (1, 10)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from libgz._version import __version__
 from libgz.apps.console import USAGE_ERROR, Parser, as_command, number_from_zero, set_up_messages, whole_number
+from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, ServerError
@@ -219,7 +220,8 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     world.backdrop.threaded = options.render_thread
     run = None
     try:
-        world.LoadFile(path)
+        with show_loading(path, world):
+            world.LoadFile(path)
         run = Run(world, options)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(number, run.stop)

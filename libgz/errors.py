@@ -6,7 +6,7 @@ import difflib
 import dis
 import logging
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal, NamedTuple, Protocol, TypeAlias
@@ -113,6 +113,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return "; did you mean " + " or ".join(repr(lower[match]) for match in found) + "?"
 
 
+MOST_LISTED = 100  # elements without effect that are listed, of each file
 UNFORESEEN = "libgz cannot handle it"
 
 
@@ -201,6 +202,9 @@ class Diagnostics:
     """
 
     found: dict[Diagnostic, None] = field(default_factory=dict)
+    listed: int = 0  # elements without effect among them
+    unlisted: int = 0  # further ones, which are only counted
+    _first_unlisted: Located | None = None
 
     def error(self, where: Located, message: str) -> None:
         """Add an error: the world does not load."""
@@ -209,6 +213,27 @@ class Diagnostics:
     def warn(self, where: Located, message: str) -> None:
         """Add a warning: the world loads all the same."""
         self.add(Diagnostic.at(where, message, "warning"))
+
+    def no_effect(self, where: Located, describe: Callable[[], str]) -> None:
+        """Add a warning about an element that has no effect; beyond the first hundred, they are only counted.
+
+        Args:
+            where: the element.
+            describe: gives the message; it is not called for what is only counted.
+        """
+        if self.listed < MOST_LISTED:
+            self.listed += 1
+            self.warn(where, describe())
+        else:
+            self._first_unlisted = self._first_unlisted or where
+            self.unlisted += 1
+
+    def include(self, other: Diagnostics) -> None:
+        """Add those of an included file."""
+        self.add(*other.found)
+        self.listed += other.listed
+        self.unlisted += other.unlisted
+        self._first_unlisted = self._first_unlisted or other._first_unlisted
 
     def failure(self, where: Located, error: BaseException) -> None:
         """Add what the loading of an element raised as an error; a message that names a place itself keeps it."""
@@ -233,7 +258,11 @@ class Diagnostics:
     @property
     def warnings(self) -> list[Diagnostic]:
         """Those with which the world still loads."""
-        return [diagnostic for diagnostic in self.found if diagnostic.severity == "warning"]
+        found = [diagnostic for diagnostic in self.found if diagnostic.severity == "warning"]
+        if self._first_unlisted is not None:
+            rest = f"this and {self.unlisted - 1} more elements have no effect, either" if self.unlisted > 1 else ""
+            found.append(Diagnostic.at(self._first_unlisted, rest or "has no effect, either", "warning"))
+        return found
 
     def raise_errors(self) -> None:
         """Raise all errors together, one line each; warnings alone raise nothing.

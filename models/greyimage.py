@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.errors import ParameterError
+from libgz.errors import GazeboError, ParameterError
+from libgz.physics.image_files import open_image
 
 __all__ = ["read_grey"]
 
@@ -25,18 +26,12 @@ def read_grey(path: Path) -> NDArray[np.float64]:
     from PIL import Image  # here, because most worlds read no image
 
     try:
-        with Image.open(path) as image:
-            if image.width * image.height > MOST_PIXELS:
-                raise ParameterError(
-                    f"image {str(path)!r} has {image.width} x {image.height} pixels; {MOST_PIXELS} are allowed"
-                )
+        with open_image(path, MOST_PIXELS) as image:
             if image.mode.startswith("I"):
                 return np.asarray(image, dtype=np.float64) / 257.0
             if image.has_transparency_data:
                 on_white = Image.new("RGBA", image.size, "white")
                 return np.asarray(Image.alpha_composite(on_white, image.convert("RGBA")).convert("L"), dtype=np.float64)
             return np.asarray(image.convert("L"), dtype=np.float64)
-    except (OSError, SyntaxError, ValueError) as error:
-        if isinstance(error, ParameterError):
-            raise
-        raise ParameterError(f"cannot read image {str(path)!r}: {error}") from None
+    except GazeboError as error:
+        raise ParameterError(str(error)) from None

@@ -21,6 +21,7 @@ from libgz.apps.console import (
     set_up_messages,
     whole_number,
 )
+from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
@@ -248,7 +249,8 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
     )
     world.backdrop.threaded = options.render_thread
     try:
-        world.LoadFile(path)
+        with show_loading(path, world):
+            world.LoadFile(path)
     except BaseException:
         world.close()
         raise

@@ -21,6 +21,7 @@ from libgz.apps.classic_command import (
     set_up_console,
 )
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
+from libgz.apps.progress import show_loading
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.view_options import GL_HELP
 from libgz.classic.common import gzlog
@@ -93,6 +94,7 @@ class Server:
     def __init__(self, options: argparse.Namespace, words: Sequence[str]) -> None:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
+        self._loading = False  # a signal ends it at once
         self._play: LogPlay | None = None
 
     def run(self) -> int:
@@ -118,6 +120,8 @@ class Server:
 
     def _interrupted(self, _number: int) -> None:
         self._stopped = True
+        if self._loading:
+            raise KeyboardInterrupt  # loading is not asked whether to stop
 
     def _open_world(self) -> World:
         options = self.options
@@ -132,13 +136,17 @@ class Server:
         gzlog(f"Loading world file [{path}]")
         core = self._watchdog.world = World(options.server_id, seed=seed, strict=options.strict)
         try:
-            core.LoadFile(path)
+            self._loading = True
+            with show_loading(Path(path), core):
+                core.LoadFile(path)
+            self._loading = False
             if options.pause:
                 core.starts_paused = True
             if core.sdf is not None:
                 self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:
+            self._loading = False
             core.close()
             raise
         return core

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> int:
     except WorldFileError as unreadable:
         print(f"error   : {unreadable}", file=sys.stderr)
         return 1
-    for error in file.diagnostics.found:
+    for error in [*file.diagnostics.errors, *file.diagnostics.warnings]:
         print(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}", file=sys.stderr)
     if options.print:
         print("<?xml version='1.0'?>")

@@ -32,6 +32,7 @@ __all__ = ["SOLVERS", "Engine", "HasEngine"]
 log = logging.getLogger("libgz.physics")
 
 MAX_ITERATIONS = 100_000
+MOST_COMPARED = 5_000  # geoms, when a crowd is searched for
 SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
 SOLVERS = ("world", "quick")
 
@@ -415,8 +416,24 @@ class Engine:
         if done == 1:
             return
         if not done:
-            raise GazeboError("ODE ran out of memory in a step: the world is too large")
+            raise GazeboError(self._out_of_memory())
         self._recover(self._context)
+
+    def _out_of_memory(self) -> str:
+        """What ODE could not solve: bodies in many contacts with each other, most of them where geoms crowd."""
+        geoms = [geom for geom in self.geoms.values() if not geom.body.dummy][:MOST_COMPARED]
+        boxes = np.array([geom.bounds() for geom in geoms]).reshape(-1, 2, 3)
+        low, high = boxes[:, 0], boxes[:, 1]
+        crowds = [int(((low <= high[i]) & (high >= low[i])).all(axis=1).sum()) - 1 for i in range(len(geoms))]
+        most = max(crowds, default=0)
+        if not most:
+            return "ODE ran out of memory in a step: the world is too large"
+        geom = geoms[crowds.index(most)]
+        where = getattr(geom.body.model, "place", "")
+        return (
+            f"{where}ODE ran out of memory in a step: too many contacts at once; {geom.label} is where {most} other "
+            "shapes are, too"
+        )
 
     def _recover(self, context: StepContext) -> None:
         """After a step in which bodies diverged or ODE failed: report it, and bring bodies to finite states."""

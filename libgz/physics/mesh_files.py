@@ -19,6 +19,9 @@ __all__ = ["MeshPart", "read_mesh", "trimesh_parts"]
 
 Array = NDArray[np.float64]
 
+MOST_TRIANGLES = 20_000_000
+MOST_NODES = 100_000  # of a COLLADA scene, with all that is instantiated
+
 
 @dataclass
 class MeshPart:
@@ -44,17 +47,36 @@ def _read(path: Path, _changed: int) -> list[MeshPart]:
     readers = {".stl": _read_stl, ".obj": _read_obj, ".dae": _read_dae}
     reader = readers.get(path.suffix.lower(), _read_by_trimesh)
     try:
-        parts = [part for part in reader(path) if len(part.triangles)]
+        with np.errstate(all="ignore"):  # what is not finite is found below
+            parts = [part for part in _bounded(reader(path), path) if len(part.triangles)]
     except OSError as error:
         raise GazeboError(f"mesh {path} cannot be read: {error.strerror}") from None
-    except (ValueError, IndexError, KeyError, struct.error) as error:
-        raise GazeboError(f"mesh {path} cannot be read: it is damaged ({error})") from None
+    except GazeboError:
+        raise
+    except MemoryError:
+        raise GazeboError(f"mesh {path} cannot be read: there is not enough memory for it") from None
+    except RecursionError:
+        raise GazeboError(f"mesh {path} cannot be read: it is nested too deeply") from None
+    except Exception as error:  # noqa: BLE001 - damaged files have wrong things in any place
+        reason = str(error) or type(error).__name__
+        raise GazeboError(f"mesh {path} cannot be read: it is damaged ({reason})") from None
     if not parts:
         raise GazeboError(f"mesh {path} holds no triangles")
     for part in parts:
-        if not np.isfinite(part.vertices).all() or part.triangles.max() >= len(part.vertices):
+        outside = part.triangles.min() < 0 or part.triangles.max() >= len(part.vertices)
+        if outside or not np.isfinite(part.vertices).all():
             raise GazeboError(f"mesh {path} cannot be read: a vertex is not finite, or a triangle names none")
     return parts
+
+
+def _bounded(parts: Iterable[MeshPart], path: Path) -> Iterator[MeshPart]:
+    """The parts, as long as they are not too many: a file may refer to its parts again and again."""
+    total = 0
+    for part in parts:
+        total += len(part.triangles)
+        if total > MOST_TRIANGLES:
+            raise GazeboError(f"mesh {path} has more than {MOST_TRIANGLES} triangles")
+        yield part
 
 
 def _read_by_trimesh(path: Path) -> Iterator[MeshPart]:
@@ -158,6 +180,8 @@ def _read_mtl(path: Path) -> dict[str, tuple[float, ...]]:
 
 def _used(name: str, points: Array, triangles: NDArray[np.int64], color: tuple[float, ...] | None) -> MeshPart:
     """A part with only the vertices that its triangles name."""
+    if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(points):
+        raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
     kept, index = np.unique(triangles, return_inverse=True)
     return MeshPart(name, points[kept], np.array(index, dtype=np.int64).reshape(-1, 3), color)
 
@@ -176,6 +200,7 @@ class _Collada:
             self.root = etree.parse(str(path), parser).getroot()
         except etree.XMLSyntaxError as error:
             raise ValueError(error.msg) from None
+        self.nodes = 0  # visited
         self.ids = {element.get("id"): element for element in self.root.iter() if element.get("id")}
 
     @staticmethod
@@ -188,8 +213,27 @@ class _Collada:
     def deep(self, element: Any, name: str) -> Iterator[Any]:
         return (child for child in element.iter() if self.tag(child) == name)
 
-    def target(self, url: str) -> Any:
-        return self.ids[url.removeprefix("#")]
+    def target(self, url: str | None) -> Any:
+        """The element that a reference names.
+
+        Raises:
+            ValueError: there is none.
+        """
+        name = (url or "").removeprefix("#")
+        if name not in self.ids:
+            raise ValueError(f"it refers to {url!r}, which does not exist" if url else "a reference is missing")
+        return self.ids[name]
+
+    def first(self, elements: Iterable[Any], what: str) -> Any:
+        """The first of several elements.
+
+        Raises:
+            ValueError: there is none.
+        """
+        found = next(iter(elements), None)
+        if found is None:
+            raise ValueError(f"{what} is missing")
+        return found
 
     def parts(self) -> Iterator[MeshPart]:
         unit = next(self.deep(self.root, "unit"), None)
@@ -202,6 +246,9 @@ class _Collada:
             yield from self.node(node, np.diag([scale, scale, scale, 1.0]))
 
     def node(self, node: Any, frame: Array) -> Iterator[MeshPart]:
+        self.nodes += 1
+        if self.nodes > MOST_NODES:
+            raise ValueError(f"its scene has more than {MOST_NODES} nodes")
         frame = frame @ self.transform(node)
         name = node.get("name") or node.get("id") or ""
         for instance in self.all(node, "instance_geometry"):
@@ -244,13 +291,12 @@ class _Collada:
     def primitive(self, group: Any, kind: str) -> tuple[Array, NDArray[np.int64]]:
         """(positions, triangles) of one group of faces."""
         inputs = self.all(group, "input")
+        vertex = self.first((i for i in inputs if i.get("semantic") == "VERTEX"), "an <input> of vertices")
         stride = 1 + max(int(i.get("offset", "0")) for i in inputs)
-        vertex = next(i for i in inputs if i.get("semantic") == "VERTEX")
-        positions = next(
-            i for i in self.all(self.target(vertex.get("source")), "input") if i.get("semantic") == "POSITION"
-        )
+        given = self.all(self.target(vertex.get("source")), "input")
+        positions = self.first((i for i in given if i.get("semantic") == "POSITION"), "an <input> of positions")
         source = self.target(positions.get("source"))
-        array = next(self.deep(source, "float_array"))
+        array = self.first(self.deep(source, "float_array"), "<float_array>")
         points = np.array((array.text or "").split(), dtype=np.float64).reshape(-1, 3)
         offset = int(vertex.get("offset", "0"))
         runs = [np.array((p.text or "").split(), dtype=np.int64)[offset::stride] for p in self.all(group, "p")]
@@ -258,7 +304,7 @@ class _Collada:
             return points, np.concatenate(runs).reshape(-1, 3) if runs else np.zeros((0, 3), dtype=np.int64)
         if kind == "polygons":
             return points, _fans(run.tolist() for run in runs)
-        counts = np.array((next(self.deep(group, "vcount")).text or "").split(), dtype=np.int64)
+        counts = np.array((self.first(self.deep(group, "vcount"), "<vcount>").text or "").split(), dtype=np.int64)
         corners = np.split(np.concatenate(runs), np.cumsum(counts)[:-1])
         return points, _fans(corner.tolist() for corner in corners)
 

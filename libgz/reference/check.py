@@ -57,7 +57,9 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     known = {str(diagnostic) for diagnostic in file.diagnostics.found}
     logged = dict.fromkeys(record.getMessage() for record in handler.records)
     others = (Diagnostic(name, 0, "", text, "warning") for text in logged if text not in known)
-    return sorted([*file.diagnostics.found, *others], key=lambda diagnostic: diagnostic.line)
+    return sorted(
+        [*file.diagnostics.errors, *file.diagnostics.warnings, *others], key=lambda diagnostic: diagnostic.line
+    )
 
 
 def _from_text(name: str, line: str) -> Diagnostic:

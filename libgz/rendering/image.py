@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
+from libgz.physics.image_files import open_image
 
 __all__ = ["pyramid", "read_image", "write_image", "write_pnm"]
 
@@ -18,13 +19,8 @@ def read_image(path: Path) -> NDArray[np.uint8]:
     Raises:
         GazeboError: the file cannot be read, or is damaged.
     """
-    from PIL import Image
-
-    try:
-        with Image.open(path) as file:
-            return np.asarray(file.convert("RGB"))
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
-        raise GazeboError(f"image {path} cannot be read: {error}") from None
+    with open_image(path) as file:
+        return np.asarray(file.convert("RGB"))
 
 
 def pyramid(pixels: NDArray[np.uint8]) -> list[NDArray[np.uint8]]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import functools
+import itertools
 import logging
+import re
 import struct
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -25,6 +28,11 @@ log = logging.getLogger("libgz.rendering")
 MAIN, EDITOR, OBJECT, TRIMESH = 0x4D4D, 0x3D3D, 0x4000, 0x4100
 VERTICES, FACES, FACE_MATERIAL = 0x4110, 0x4120, 0x4130
 MATERIAL, MATERIAL_NAME, DIFFUSE, SPECULAR, SHININESS = 0xAFFF, 0xA000, 0xA020, 0xA030, 0xA040
+# An object's head: its chunk's length, its name, and the chunk inside that says what it is.
+OBJECT_HEAD = re.compile(rb"(?=\x00\x40(.{4})[^\0]{0,63}\0\x00[\x41\x46\x47].{4})", re.DOTALL)
+VERTICES_HEAD = re.compile(rb"\x10\x41.{4}", re.DOTALL)
+FACES_HEAD = re.compile(rb"\x20\x41.{4}", re.DOTALL)
+LEAST_SHARE = 0.5  # of its faces that a damaged file must still give
 FLOAT_COLORS, BYTE_COLORS, PERCENTS = (0x0010, 0x0013), (0x0011, 0x0012), (0x0030,)
 
 
@@ -107,6 +115,10 @@ class _Reader3DS:
             count = fitting
         return np.frombuffer(self.data, kind, columns * count, start + 2).reshape(count, columns)
 
+    def shown(self) -> int:
+        """How many of the triangles that were read have valid corners."""
+        return sum(int((item.faces < len(item.vertices)).all(axis=1).sum()) for item in self.objects)
+
     def note(self, damage: object) -> None:
         """Remember the first damage."""
         self.damage = self.damage or str(damage)
@@ -128,6 +140,62 @@ class _Reader3DS:
                         self.attempt(part, first, last)
         if length > len(self.data):
             raise _Damaged(f"{length - len(self.data)} bytes are missing at its end")
+
+    # Damaged files ---------------------------------------------------------------------------------------------------
+
+    def recover(self) -> None:
+        """Read the objects again, each from its head to the next one's, wherever that is.
+
+        Where bytes are missing, nothing behind them lies where lengths say. An object without its own bytes is kept
+        if its triangles are whole, and left out if not.
+        """
+        self.objects = []
+        heads = [match.start() for match in OBJECT_HEAD.finditer(self.data)]
+        for start, following in itertools.pairwise([*heads, len(self.data)]):
+            end = start + int(struct.unpack_from("<I", self.data, start + 2)[0])
+            before = len(self.objects)
+            if end <= following or following == len(self.data):
+                self.attempt(self.object, start + 6, min(end, following))
+            if len(self.objects) == before or end > following:
+                del self.objects[before:]
+                self._recover_object(start + 6, following)
+
+    def _recover_object(self, start: int, end: int) -> None:
+        """Take an object from which bytes are missing, if its vertices and triangles are whole."""
+        for vertices, _ in self._tables(VERTICES_HEAD, "<f4", 3, start, end):
+            sizes = np.abs(vertices.astype(np.float64))
+            if not (np.isfinite(vertices).all() and (sizes < 1e9).all()):
+                continue
+            for rows, place in self._tables(FACES_HEAD, "<u2", 4, start, end):
+                if len(rows) and rows[:, :3].max() < len(vertices):
+                    found = _Object(vertices, rows[:, :3])
+                    self.objects.append(found)
+                    self.attempt(functools.partial(self.face_materials, found), place, end)
+                    return
+
+    def _tables(
+        self, head: re.Pattern[bytes], kind: str, columns: int, start: int, end: int
+    ) -> Iterator[tuple[NDArray[Any], int]]:
+        """(rows, where they end) of what looks like a chunk of rows."""
+        for match in head.finditer(self.data, start, max(start, end - 2)):
+            length, count = struct.unpack_from("<IH", self.data, match.start() + 2)
+            size = np.dtype(kind).itemsize * columns * count
+            first = match.start() + 8
+            if size and length >= 8 + size and first + size <= end:
+                yield np.frombuffer(self.data, kind, columns * count, first).reshape(count, columns), first + size
+
+    def face_count(self) -> int:
+        """How many faces the file has, as far as the heads of its faces can be found."""
+        heads = (match.start() for match in OBJECT_HEAD.finditer(self.data))
+        total = 0
+        places = [*heads, len(self.data)]
+        for start, end in itertools.pairwise(places):
+            for match in FACES_HEAD.finditer(self.data, start, max(start, end - 2)):
+                length, count = struct.unpack_from("<IH", self.data, match.start() + 2)
+                if 8 + 8 * count <= length <= len(self.data):
+                    total += int(count)
+                    break
+        return total
 
     def attempt(self, part: Callable[[int, int], None], start: int, end: int) -> None:
         """Read one part; if it is damaged, note that and continue."""
@@ -178,7 +246,11 @@ class _Reader3DS:
         """Read the triangles of an object and their materials."""
         rows = self.array("<u2", start, end, 4)
         found.faces = rows[:, :3]
-        for kind, first, last in self.chunks(start + 2 + rows.nbytes, end):
+        self.face_materials(found, start + 2 + rows.nbytes, end)
+
+    def face_materials(self, found: _Object, start: int, end: int) -> None:
+        """Read which triangles have which material."""
+        for kind, first, last in self.chunks(start, end):
             if kind == FACE_MATERIAL:
                 name, members = self.text(first, last)
                 found.groups.append((name, self.array("<u2", members, last, 1).ravel()))
@@ -193,11 +265,19 @@ def _read_3ds(path: Path) -> list[Mesh]:
         reader.read()
     except _Damaged as error:
         reader.note(error)
+    before, shown = reader.objects, reader.shown()
+    if reader.damage:
+        reader.recover()
+        if reader.shown() < shown:
+            reader.objects = before
+    count, shown = reader.face_count() if reader.damage else 0, reader.shown()
+    if 0 < shown < LEAST_SHARE * count:
+        raise GazeboError(f"skin {path} is damaged ({reader.damage}): only {shown} of its {count} faces can be read")
     found = [part for item in reader.objects for part in _parts(item, reader.materials)]
     if not found:
         raise GazeboError(f"skin {path} cannot be read: {reader.damage or 'it holds no triangles'}")
     if reader.damage:
-        log.warning("skin %s is damaged (%s); what could be read is shown", path, reader.damage)
+        log.warning("skin %s is damaged (%s); %d of %d faces are shown", path, reader.damage, shown, max(count, shown))
     return found
 
 

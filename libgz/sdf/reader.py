@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from io import BytesIO
 from pathlib import Path
@@ -127,8 +128,7 @@ class SdfFile:
             if name in LATER:
                 self._error(xml, f"{name} is part of SDF 1.7 and later, which libgz does not read")
             elif description is not None and not description.open and name not in element.attributes:
-                known = nearest(name, element.attributes)
-                self._warn(xml, f"attribute {name!r} is not part of SDF {self.version} and is ignored{known}")
+                self.diagnostics.no_effect(self._place(xml), functools.partial(self._unknown_attribute, name, element))
                 continue
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
@@ -138,6 +138,10 @@ class SdfFile:
         for about in description.all_attributes.values() if description is not None else ():
             if about.required and about.default == UNSET and not element.attributes[about.name].given:
                 self._error(xml, f"attribute {about.name!r} is missing and must be given")
+
+    def _unknown_attribute(self, name: str, element: Element) -> str:
+        known = nearest(name, element.attributes)
+        return f"attribute {name!r} is not part of SDF {self.version} and is ignored{known}"
 
     def _read_value(self, xml: etree._Element, element: Element) -> None:
         pieces = [xml.text or "", *(child.tail or "" for child in xml)]
@@ -163,10 +167,14 @@ class SdfFile:
             self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return
         if known is not None and known.count in ("0", "1") and parent.HasElement(name):
-            self._warn(xml, f"occurs more than once in <{parent.name}>; only the first one has an effect")
+            again = f"occurs more than once in <{parent.name}>; only the first one has an effect"
+            self.diagnostics.no_effect(self._place(xml), lambda: again)
         elif known is None and description is not None and not description.open and description.children:
-            hint = nearest(name, description.children)
-            self._warn(xml, f"is not part of SDF {self.version} in <{parent.name}> and has no effect{hint}")
+            names = description.children
+            self.diagnostics.no_effect(
+                self._place(xml),
+                lambda: f"is not part of SDF {self.version} in <{parent.name}> and has no effect{nearest(name, names)}",
+            )
         parent.InsertElement(self._element(xml, known))
 
     def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
@@ -216,7 +224,7 @@ class SdfFile:
         except (NotFoundError, WorldFileError) as error:
             self._error(xml, str(error))
             return
-        self.diagnostics.add(*included.diagnostics.found)
+        self.diagnostics.include(included.diagnostics)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
         if entity is None:
             self._error(xml, f"{path} has no model, light or actor")

@@ -16,6 +16,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import positive
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import MeshPart, read_mesh
 from libgz.physics.meshes import grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
@@ -185,22 +186,19 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
     """Ground from an image: black is the bottom, the brightest pixel is size z above it; the top row lies at +y."""
-    from PIL import Image, UnidentifiedImageError
-
     if not shape.HasElement("uri") or not shape.Get(str, "uri"):
         raise ParameterError("<heightmap> needs the <uri> of an image")
     path = _find(shape)
     size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
     for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
         positive(value, what)
-    try:
-        with Image.open(path) as image:
-            if image.width * image.height > MOST_PIXELS or min(image.size) < 2:
-                raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
-            grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
-            pixels = np.array(grey, dtype=np.float64)
-    except (UnidentifiedImageError, OSError) as error:
-        raise GazeboError(f"{path} is not a readable image: {error}") from None
+    with open_image(path, MOST_PIXELS) as image:
+        if min(image.size) < 2:
+            raise GazeboError(f"{path} is {image.width} x {image.height} pixels; 2 x 2 to 4097 x 4097 are allowed")
+        grey = image if image.mode in ("I", "I;16", "F", "L") else image.convert("L")
+        pixels = np.array(grey, dtype=np.float64)
+    if not np.isfinite(pixels).all():
+        raise GazeboError(f"{path} has pixels that are not finite numbers")
     brightest = float(pixels.max())
     heights = pixels * (size.z / brightest) if brightest > 0.0 else pixels
     rows, columns = heights.shape

@@ -257,8 +257,17 @@ def read(declaration: type[T], node: WorldFileNode) -> T:
         if attribute.check is not None and not attribute.check(value):
             _report(node, name, attribute, value)
             value = default
+        elif _infinite(value) and not _infinite(default):
+            (node.GetChild(name) or node).error(f"{name} must be finite")
+            value = default
         values[name] = value
     return declaration(**values)
+
+
+def _infinite(value: Any) -> bool:
+    """Whether a number, or one of several, is infinite."""
+    values = value if isinstance(value, tuple) else (value,)
+    return any(isinstance(v, float) and math.isinf(v) for v in values)
 
 
 def written(attribute: Attribute, value: Any) -> str:

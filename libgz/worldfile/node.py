@@ -5,6 +5,7 @@ Degrees become radians here and nowhere else: files are in degrees, the API is i
 
 from __future__ import annotations
 
+import functools
 import logging
 import math
 from collections.abc import Iterator
@@ -34,6 +35,7 @@ log = logging.getLogger("libgz.worldfile")
 
 T = TypeVar("T")
 _BLANK = " \t\r\n"
+MANY = 64  # children, from which on they are looked up by an index
 
 
 class Document(Protocol):
@@ -98,6 +100,8 @@ class WorldFileNode:
         self.attributes = attributes
         self.children: list[WorldFileNode] = []
         self.pieces: list[str | WorldFileNode] = []  # text and children in order
+        self._index: dict[str, WorldFileNode] = {}  # the first child of each name, where there are many
+        self._indexed = 0
         self.used = False
         self.asked: dict[str, None] = {}  # keys that getters looked for
 
@@ -196,7 +200,12 @@ class WorldFileNode:
 
     def _attribute_child(self, key: str) -> WorldFileNode | None:
         """The child that holds an attribute; a model of that name does not count."""
-        return next((child for child in self.children if child.name == key and child.prefix != "model"), None)
+        if len(self.children) < MANY:
+            return next((child for child in self.children if child.name == key and child.prefix != "model"), None)
+        if self._indexed != len(self.children):
+            self._indexed = len(self.children)
+            self._index = {child.name: child for child in reversed(self.children) if child.prefix != "model"}
+        return self._index.get(key)
 
     def _find_old(self, key: str) -> tuple[WorldFileNode, str] | None:
         """The same under an older spelling."""
@@ -231,6 +240,14 @@ class WorldFileNode:
             return 0.0
         return value
 
+    def _finite(self, node: WorldFileNode, text: str) -> float:
+        """A number that must not be infinite."""
+        value = self._number(node, text)
+        if math.isinf(value):
+            node.error("infinite numbers are not allowed here")
+            return 0.0
+        return value
+
     # Getters -----------------------------------------------------------------------------------------------------
 
     def GetString(self, key: str, default: str | None = None, require: int = 0) -> str | None:
@@ -262,7 +279,7 @@ class WorldFileNode:
     def GetAngle(self, key: str, default: float = 0.0, require: int = 0) -> float:
         """An angle: degrees in the file, [rad] here and in `default`."""
         found = self._find(key)
-        return DTOR(self._number(*found)) if found else self._absent(key, require, default)
+        return DTOR(self._finite(*found)) if found else self._absent(key, require, default)
 
     def GetBool(self, key: str, default: bool = False, require: int = 0) -> bool:
         """`true` or `false` in any case, or a number; anything else is false, with a warning."""
@@ -342,7 +359,9 @@ class WorldFileNode:
 
     def GetTupleAngle(self, key: str, index: int, default: float = 0.0) -> float:
         """An angle of a tuple: degrees in the file, [rad] here and in `default`."""
-        return DTOR(self.GetTupleDouble(key, index)) if self.token_count(key) > index else default
+        found = self._find(key)
+        tokens = found[1].split() if found else []
+        return DTOR(self._finite(found[0], tokens[index])) if found and index < len(tokens) else default
 
     # Files -------------------------------------------------------------------------------------------------------
 
@@ -433,7 +452,7 @@ class WorldFileNode:
 
     def note_unused(self) -> bool:
         """Add a warning for each element below this one that no getter read; whether there was one."""
-        for path in ignored_tags(self.name):
+        for path in ignored_tags(self.name) if self.children else ():
             node = self.at(path)
             if node is not None and not node.used:
                 node.used = True
@@ -443,7 +462,7 @@ class WorldFileNode:
             if not child.used:
                 found = True
                 if self.used or self.parent is None:  # else this element's own warning covers it
-                    child.warn(self._unused(child))
+                    self.file.diagnostics.no_effect(child.place, functools.partial(self._unused, child))
             found = child.note_unused() or found
         return found
 

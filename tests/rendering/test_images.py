@@ -5,7 +5,7 @@ To write new golden images, then check them:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pyte
 
 import math
 import os
-import struct
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from sample_files import model_3ds
 
 import libgz
+from libgz.errors import GazeboError
 from libgz.files import installed_worlds
 from libgz.geometry import GzColor, GzPose, GzPosePointAt, GzQuaternFromEuler, GzVector
 from libgz.physics.space import Space
@@ -391,26 +393,6 @@ def test_a_damaged_image_is_one_warning(tmp_path, caplog):
     assert caplog.text.count(f"image {path} cannot be read") == 1
 
 
-def chunk(kind, *parts):
-    data = b"".join(parts)
-    return struct.pack("<HI", kind, 6 + len(data)) + data
-
-
-def model_3ds():
-    """Two squares facing -x, one red, one without a material."""
-
-    def square(name, y, *more):
-        points = np.array([(0, y - 0.4, -0.4), (0, y - 0.4, 0.4), (0, y + 0.4, 0.4), (0, y + 0.4, -0.4)], "<f4")
-        faces = np.array([(0, 1, 2, 0), (0, 2, 3, 0)], "<u2")
-        vertices = chunk(0x4110, struct.pack("<H", 4), points.tobytes())
-        triangles = chunk(0x4120, struct.pack("<H", 2), faces.tobytes(), *more)
-        return chunk(0x4000, name + b"\0", chunk(0x4100, vertices, triangles))
-
-    red = chunk(0xAFFF, chunk(0xA000, b"red\0"), chunk(0xA020, chunk(0x0011, bytes((255, 0, 0)))))
-    group = chunk(0x4130, b"red\0", struct.pack("<HHH", 2, 0, 1))
-    return chunk(0x4D4D, chunk(0x3D3D, red, square(b"left", 0.5, group), square(b"right", -0.5)))
-
-
 def test_skins_replace_shapes_with_their_own_materials(tmp_path):
     path = tmp_path / "s.3ds"
     path.write_bytes(model_3ds())
@@ -427,6 +409,29 @@ def test_skins_replace_shapes_with_their_own_materials(tmp_path):
         assert camera.Update()[120, 160].min() > 30  # the white box
         assert camera.Update()[110, 100].tolist() == camera.image[0, 0].tolist()  # and nothing beside it
         camera.close()
+
+
+def test_a_skin_with_missing_bytes_is_read_from_the_next_object_on(tmp_path, caplog):
+    path = tmp_path / "s.3ds"
+    whole = model_3ds(12)
+    path.write_bytes(whole)
+    count = sum(len(mesh.vertices) for mesh in read_skin(path))
+    for place in (200, 300, 400):  # a byte less, as a conversion of line ends leaves it
+        path.write_bytes(whole[:place] + whole[place + 1 :])
+        assert sum(len(mesh.vertices) for mesh in read_skin(path)) >= count * 10 // 14
+    assert "faces are shown" in caplog.text
+
+
+def test_a_skin_of_which_little_can_be_read_is_not_shown(tmp_path):
+    path = tmp_path / "s.3ds"
+    whole = model_3ds(12)
+    damaged = bytearray(whole)
+    for match in list(re.finditer(rb"\x10\x41", whole))[4:]:  # the vertices of most objects
+        damaged[match.start() + 2 : match.start() + 6] = b"\xff" * 4
+        damaged[match.start() + 6 : match.start() + 8] = b"\0\0"
+    path.write_bytes(damaged)
+    with pytest.raises(GazeboError, match="faces can be read"):
+        read_skin(path)
 
 
 def test_a_damaged_skin_keeps_what_came_before(tmp_path, caplog):

@@ -1,0 +1,51 @@
+"""Image files, opened safely: textures, height maps and floor plans."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from libgz.errors import GazeboError
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+__all__ = ["open_image"]
+
+MOST_PIXELS = 8192 * 8192
+# Formats of pillow that are plain image files: no others, such as EPS, which runs another program.
+FORMATS = ("BMP", "DDS", "GIF", "ICO", "JPEG", "JPEG2000", "PCX", "PNG", "PPM", "SGI", "TGA", "TIFF", "WEBP", "XPM")
+
+
+class _TooLarge(GazeboError):
+    pass
+
+
+@contextlib.contextmanager
+def open_image(path: Path, most_pixels: int = MOST_PIXELS) -> Iterator[Image.Image]:
+    """An image file, whole and in memory, for a `with` block.
+
+    Args:
+        path: of the file.
+        most_pixels: how many pixels it may have.
+
+    Raises:
+        GazeboError: it cannot be read, is damaged, or has too many pixels. What the block raises is reported so, too.
+    """
+    from PIL import Image  # here, because most worlds read no image
+
+    try:
+        with Image.open(path, formats=FORMATS) as image:
+            if image.width * image.height > most_pixels:
+                raise _TooLarge(f"image {path} has {image.width} x {image.height} pixels; {most_pixels} are allowed")
+            image.load()
+            yield image
+    except GazeboError:
+        raise
+    except MemoryError:
+        raise GazeboError(f"image {path} cannot be read: there is not enough memory for it") from None
+    except Exception as error:  # noqa: BLE001 - pillow's readers raise whatever their formats suggest
+        reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+        raise GazeboError(f"image {path} cannot be read: {reason}") from None

@@ -1,0 +1,109 @@
+"""Many trials of a function in processes that are forked from this one, each with a limit of memory and time."""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import signal
+import sys
+import tempfile
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+__all__ = ["Failure", "run_trials"]
+
+MEMORY = 3 << 30  # bytes of address space, beyond what the process has when it is forked
+SECONDS = 20.0  # of processor time for one trial
+BATCH = 200  # trials of one process
+Trial = Callable[[int], str]  # takes a number; returns a failure's description, or an empty string
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A trial that failed."""
+
+    number: int
+    what: str
+
+
+def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure]:
+    """Run trials, several processes at a time; their failures.
+
+    A trial that fails among others is repeated in a process of its own, and counts if it fails there.
+    """
+    waiting = [range(start, min(start + BATCH, numbers.stop)) for start in range(numbers.start, numbers.stop, BATCH)]
+    running: dict[int, tuple[int, range]] = {}  # pid -> file of results, trials
+    while waiting or running:
+        while waiting and len(running) < processes:
+            batch = waiting.pop()
+            pid, file = _start(trial, batch)
+            running[pid] = file, batch
+        pid, status = os.wait()
+        if pid not in running:
+            continue
+        file, batch = running.pop(pid)
+        done, failed = _read(file)
+        for number in failed:
+            yield from _alone(trial, number)
+        if done < len(batch):  # it died in the one after those
+            yield from _alone(trial, batch[done], os.waitstatus_to_exitcode(status) if len(batch) == 1 else None)
+            if len(batch) > done + 1:
+                waiting.append(batch[done + 1 :])
+
+
+def _alone(trial: Trial, number: int, code: int | None = None) -> Iterator[Failure]:
+    pid, file = _start(trial, range(number, number + 1))
+    _, status = os.waitpid(pid, 0)
+    done, failed = _read(file)
+    code = os.waitstatus_to_exitcode(status)
+    if not done:
+        name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+        what = f"longer than {SECONDS:g} s" if code == -signal.SIGPROF else name
+        yield Failure(number, f"the process ended: {what}")
+    for what in failed.values():
+        yield Failure(number, what)
+
+
+def _start(trial: Trial, batch: range) -> tuple[int, int]:
+    file, name = tempfile.mkstemp(prefix="trials")
+    os.unlink(name)  # noqa: PTH108
+    sys.stdout.flush()
+    pid = os.fork()
+    if pid:
+        return pid, file
+    code = 1
+    try:
+        _work(trial, batch, file)
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def _work(trial: Trial, batch: range, file: int) -> None:
+    size = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()  # noqa: SIM115, PTH123
+    resource.setrlimit(resource.RLIMIT_AS, (size + MEMORY, size + MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)
+    warnings.simplefilter("ignore")
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, 1)
+    os.dup2(null, 2)
+    for number in batch:
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)
+        try:
+            what = trial(number)
+        except BaseException:  # noqa: BLE001 - what the trial is about
+            what = "".join(traceback.format_exc().splitlines(keepends=True)[-4:])
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        os.write(file, (json.dumps([number, what] if what else None) + "\n").encode())
+
+
+def _read(file: int) -> tuple[int, dict[int, str]]:
+    """(trials done, failures) of a process that ended."""
+    with os.fdopen(file, "rb") as results:
+        results.seek(0)
+        lines = [json.loads(line) for line in results]
+    return len(lines), {number: what for number, what in filter(None, lines)}

@@ -1,0 +1,135 @@
+"""Valid files of each kind of asset, small, for tests that damage them."""
+
+from __future__ import annotations
+
+import io
+import struct
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from libgz.files import installed_worlds
+
+__all__ = ["chunk", "model_3ds", "sample"]
+
+
+def chunk(kind, *parts):
+    data = b"".join(parts)
+    return struct.pack("<HI", kind, 6 + len(data)) + data
+
+
+def model_3ds(more: int = 0) -> bytes:
+    """Two squares facing -x, one red, one without a material."""
+
+    def square(name, y, *more):
+        points = np.array([(0, y - 0.4, -0.4), (0, y - 0.4, 0.4), (0, y + 0.4, 0.4), (0, y + 0.4, -0.4)], "<f4")
+        faces = np.array([(0, 1, 2, 0), (0, 2, 3, 0)], "<u2")
+        vertices = chunk(0x4110, struct.pack("<H", 4), points.tobytes())
+        triangles = chunk(0x4120, struct.pack("<H", 2), faces.tobytes(), *more)
+        return chunk(0x4000, name + b"\0", chunk(0x4100, vertices, triangles))
+
+    red = chunk(0xAFFF, chunk(0xA000, b"red\0"), chunk(0xA020, chunk(0x0011, bytes((255, 0, 0)))))
+    group = chunk(0x4130, b"red\0", struct.pack("<HHH", 2, 0, 1))
+    return chunk(
+        0x4D4D,
+        chunk(
+            0x3D3D,
+            red,
+            square(b"left", 0.5, group),
+            square(b"right", -0.5),
+            *(square(b"more%d" % i, i) for i in range(more)),
+        ),
+    )
+
+
+def _image(kind: str) -> bytes:
+    rows, columns = np.mgrid[0:12, 0:17]
+    pixels = np.stack([rows * 20, columns * 14, (rows * columns) % 256], axis=2).astype(np.uint8)
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, kind)
+    return stream.getvalue()
+
+
+CORNERS = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype="<f4")
+TRIANGLES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+
+
+def _stl() -> bytes:
+    rows = b"".join(struct.pack("<3f", 0, 0, 0) + CORNERS[list(t)].tobytes() + b"\0\0" for t in TRIANGLES)
+    return b"sample".ljust(80) + struct.pack("<I", len(TRIANGLES)) + rows
+
+
+def _stl_text() -> bytes:
+    lines = ["solid sample"]
+    for triangle in TRIANGLES:
+        corners = ["vertex {:g} {:g} {:g}".format(*CORNERS[i]) for i in triangle]
+        lines += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
+    return "\n".join([*lines, "endsolid sample"]).encode()
+
+
+def _obj() -> bytes:
+    vertices = ["v {:g} {:g} {:g}".format(*corner) for corner in CORNERS]
+    faces = ["f {} {} {}".format(*(i + 1 for i in triangle)) for triangle in TRIANGLES]
+    lines = ["mtllib sample.mtl", "o sample", *vertices, "vn 0 0 1", "vt 0 0", "usemtl red", *faces]
+    return "\n".join([*lines, "g more", "f 1//1 2/1/1 3 4", "f -1 -2 -3"]).encode()
+
+
+def _dae() -> bytes:
+    numbers = " ".join(f"{v:g}" for v in CORNERS.ravel())
+    corners = " ".join(f"{i} 0" for triangle in TRIANGLES for i in triangle)
+    return f"""<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+ <asset><unit name="meter" meter="0.5"/><up_axis>Z_UP</up_axis></asset>
+ <library_effects><effect id="e"><profile_COMMON><technique sid="t"><phong>
+  <diffuse><color>1 0 0 1</color></diffuse></phong></technique></profile_COMMON></effect></library_effects>
+ <library_materials><material id="m"><instance_effect url="#e"/></material></library_materials>
+ <library_geometries><geometry id="g" name="g"><mesh>
+  <source id="p"><float_array id="pa" count="12">{numbers}</float_array><technique_common>
+   <accessor source="#pa" count="4" stride="3"/></technique_common></source>
+  <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+  <triangles count="4" material="s"><input semantic="VERTEX" source="#v" offset="0"/>
+   <input semantic="NORMAL" source="#p" offset="1"/><p>{corners}</p></triangles>
+  <polylist count="1" material="s"><input semantic="VERTEX" source="#v" offset="0"/>
+   <vcount>4</vcount><p>0 1 2 3</p></polylist>
+  <polygons count="1"><input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></polygons>
+ </mesh></geometry></library_geometries>
+ <library_nodes><node id="n"><translate>0 0 1</translate><instance_geometry url="#g"/></node></library_nodes>
+ <library_visual_scenes><visual_scene id="scene"><node id="top" name="top">
+  <matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix><rotate>0 0 1 90</rotate><scale>1 2 3</scale>
+  <instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="s" target="#m"/>
+   </technique_common></bind_material></instance_geometry>
+  <node><instance_node url="#n"/></node></node></visual_scene></library_visual_scenes>
+ <scene><instance_visual_scene url="#scene"/></scene>
+</COLLADA>""".encode()
+
+
+def _gzb() -> bytes:
+    numbers = [500, 0, 0, 0, 0, 0, 0, 4, 4, 6]
+    for x, y in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        numbers += [1000 * x, 1000 * y, 700, 700, 700, 1000, 0, 0, 1000, 1000 * x, 1000 * y, 100 * x * y]
+    numbers += [0, 1, 2, 3, 0, 1, 2, 1, 3, 2]
+    return np.array(numbers, dtype=">i4").tobytes()
+
+
+def _road() -> bytes:
+    lines = (installed_worlds() / "road.txt").read_text().splitlines()
+    return "\n".join([line for line in lines if line.startswith("waypoint")][:3] + lines[:20]).encode()
+
+
+def sample(kind: str, number: int = 0) -> bytes:
+    """A valid file of a kind: 3ds, gzb, road, ppm, png, jpeg, stl, obj, dae. STL alternates between its two forms."""
+    makers = {
+        "3ds": model_3ds,
+        "gzb": _gzb,
+        "road": _road,
+        "stl": (_stl, _stl_text)[number % 2],
+        "obj": _obj,
+        "dae": _dae,
+    }
+    return makers[kind]() if kind in makers else _image(kind.upper())
+
+
+def worlds(folder: Path, root: bytes) -> list[Path]:
+    """The worlds of a folder and of its folders whose text contains a root's tag."""
+    return sorted(path for path in folder.rglob("*.world") if root in path.read_bytes())

@@ -50,7 +50,7 @@ def libgz_frame(width: int, height: int) -> Render:
 
     def render() -> object:
         server.rate.last = -math.inf
-        server.update(pose, math.radians(60.0))
+        server.Update(pose, math.radians(60.0))
         return world
 
     return render

@@ -75,6 +75,21 @@ def time_engine(form: str, robots: int, steps: int) -> tuple[float, float]:
     return taken, end
 
 
+def build_reference(compiler: str, folder: str) -> Path:
+    """Compile step_reference.c."""
+    program = Path(folder) / "step_reference"
+    source = HERE / "step_reference.c"
+    subprocess.run([compiler, "-O2", source, "-o", program, "-l:libode.so.8", "-lm"], check=True)
+    return program
+
+
+def time_c(program: Path, robots: int, steps: int) -> tuple[float, float]:
+    """(microseconds a step, final position of the first robot [m]) of the C program."""
+    done = subprocess.run([program, str(robots), str(steps)], check=True, capture_output=True, text=True)
+    microseconds, end = done.stdout.split()[:2]
+    return float(microseconds), float(end)
+
+
 def engine_table() -> None:
     """Ratios to bare C for the native and the Python step."""
     compiler = shutil.which("cc") or shutil.which("gcc")
@@ -84,16 +99,13 @@ def engine_table() -> None:
     print("engine step: world of n robots and n boxes, 10 ms, states copied out; medians of", ROUNDS)
     print(f"{'n':>5}{'C [us]':>10}{'native/C':>10}{'python/C':>10}   end of the first robot equal to C's")
     with tempfile.TemporaryDirectory() as folder:
-        program = Path(folder) / "step_reference"
-        source = HERE / "step_reference.c"
-        subprocess.run([compiler, "-O2", source, "-o", program, "-l:libode.so.8", "-lm"], check=True)
+        program = build_reference(compiler, folder)
         for robots, steps in ((1, 20000), (10, 2000), (100, 200)):
             taken: dict[str, list[float]] = {"c": [], "native": [], "python": []}
             ends = {}
             for _ in range(ROUNDS):
-                words = subprocess.run([program, str(robots), str(steps)], check=True, capture_output=True, text=True)
-                taken["c"].append(float(words.stdout.split()[0]))
-                ends["c"] = float(words.stdout.split()[1])
+                microseconds, ends["c"] = time_c(program, robots, steps)
+                taken["c"].append(microseconds)
                 for form in ("native", "python"):
                     microseconds, ends[form] = time_engine(form, robots, steps)
                     taken[form].append(microseconds)
@@ -104,22 +116,35 @@ def engine_table() -> None:
 
 
 ROBOT = "<model:Pioneer2AT><id>r{0}</id><xyz>{1} {2} 0</xyz></model:Pioneer2AT>"
-OLD_SERVER = {1: 12, 10: 107, 50: 571}  # [us] a step on average: the C++ server of 2006 on today's ODE
+NUMBERS = (1, 10, 50)
+SERVER_ROUNDS = 3
 
 
 def gazebo_table() -> None:
-    """Microseconds a step of the whole command, as its clients see it."""
-    print("\ngazebo -n: n driving Pioneer2ATs with sonars, 20 ms steps, no camera")
-    print(f"{'n':>5}{'step [us]':>12}{'old C++ server':>16}{'ratio':>8}")
+    """Microseconds a step of the whole command, as its clients see it, beside bare ODE calls in C."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        print("no C compiler here: the reference cannot be built")
+        return
+    print(
+        "\ngazebo -n: n driving Pioneer2ATs with sonars, 20 ms steps, no camera; C: ODE alone with n robots and boxes"
+    )
+    print(f"{'n':>5}{'C [us]':>10}{'step [us]':>12}{'step/C':>10}   medians of {SERVER_ROUNDS}")
     with tempfile.TemporaryDirectory() as folder:
+        program = build_reference(compiler, folder)
         env = {**os.environ, "TMP": folder, "USER": "bench", "LIBGZ_STEP": "auto"}
         os.environ.update(env)
-        for number, old in OLD_SERVER.items():
+        for number in NUMBERS:
             robots = "".join(ROBOT.format(i, 3 * (i % 10), 3 * (i // 10)) for i in range(number))
             world = Path(folder) / "bench.world"
             world.write_text(f"<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>{robots}</gz:world>")
-            measured = statistics.median(time_gazebo(world, number, env) for _ in range(3))
-            print(f"{number:5}{measured:12.1f}{old:16}{measured / old:8.2f}")
+            pairs = [
+                (time_c(program, number, 20000 // number)[0], time_gazebo(world, number, env))
+                for _ in range(SERVER_ROUNDS)
+            ]
+            bare, measured = (statistics.median(column) for column in zip(*pairs, strict=True))
+            ratio = statistics.median(step / c for c, step in pairs)
+            print(f"{number:5}{bare:10.1f}{measured:12.1f}{ratio:10.2f}")
 
 
 def time_gazebo(world: Path, robots: int, env: dict[str, str]) -> float:

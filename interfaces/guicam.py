@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.interfaces.views import image
+from libgz.physics.check import finite_tuple
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import BOTH, CLIENT, SERVER, Array, Data, byte, double, int32, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
@@ -52,7 +53,7 @@ class GuicamData(Data):
     display_textures: int = int32(BOTH, "", "1: render textures")
     polygon_fill: int = int32(BOTH, "", "1: fill polygons; 0: render their edges only")
     shade_smooth: int = int32(BOTH, "", "1: smooth shading; 0: flat shading")
-    save_frames: int = int32(BOTH, "", "1: save every image")
+    save_frames: int = int32(BOTH, "", "1: save every image, at a client's request at most 1000")
     width: int = uint32(SERVER, "px", "width of the image")
     height: int = uint32(SERVER, "px", "height of the image")
     image: Array[int] = byte(SERVER, "", "red, green, blue; top row first", GAZEBO_GUICAM_MAX_IMAGE_SIZE)
@@ -86,10 +87,14 @@ class Guicam(Interface[GuicamData]):
             mode: 0 translates, 1 zooms, 2 rotates.
             start: where the drag began: x, y [px].
             now: where the drag is: x, y [px].
+
+        Raises:
+            ParameterError: a number is NaN or infinite.
         """
+        first, last = finite_tuple(start, 2, "start [px]"), finite_tuple(now, 2, "now [px]")
         with self.locked() as data:
             data.cmd_spot_mode = mode
-            data.cmd_spot_a[:], data.cmd_spot_b[:] = start, now
+            data.cmd_spot_a[:], data.cmd_spot_b[:] = first, last
             data.cmd_spot_state = 1
 
     def release(self) -> None:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.interfaces.views import filled
+from libgz.physics.check import finite
 from libgz.transport.interface import View
 from libgz.transport.layout import CLIENT, SERVER, Array, Element, double, elements, int32, layout
 from libgz.transport.legacy import LegacyFunctions
@@ -79,9 +80,11 @@ class Joints(SampleInterface[JointsData]):
 
         Raises:
             IndexError: the index is not below 20.
+            ParameterError: an angle is NaN or infinite.
         """
+        angles = finite(angle, "angle [rad]"), finite(angle2, "angle2 [rad]")
         with self.locked() as data:
-            data.joints[index].cmd_angle, data.joints[index].cmd_angle2 = angle, angle2
+            data.joints[index].cmd_angle, data.joints[index].cmd_angle2 = angles
 
 
 _functions = LegacyFunctions(Joints)

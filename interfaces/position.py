@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.physics.check import finite
 from libgz.transport.interface import View
 from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
@@ -64,10 +65,15 @@ class Position(SampleInterface[PositionData]):
             vyaw: yaw rate [rad/s], left positive.
             vy: left [m/s].
             vz: up [m/s].
+
+        Raises:
+            ParameterError: a velocity is NaN or infinite.
         """
+        linear = finite(vx, "vx [m/s]"), finite(vy, "vy [m/s]"), finite(vz, "vz [m/s]")
+        yaw = finite(vyaw, "vyaw [rad/s]")
         with self.locked() as data:
-            data.cmd_vel_pos[:] = (vx, vy, vz)
-            data.cmd_vel_rot[2] = vyaw
+            data.cmd_vel_pos[:] = linear
+            data.cmd_vel_rot[2] = yaw
 
     def enable_motors(self, enable: bool = True) -> None:
         """Switch the motors on or off."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.physics.check import finite
 from libgz.transport.layout import CLIENT, SERVER, double, layout
 from libgz.transport.legacy import LegacyFunctions
 
@@ -64,11 +65,15 @@ class Ptz(SampleInterface[PtzData]):
             pan: [rad], left positive.
             tilt: [rad], down positive.
             zoom: horizontal field of view [rad].
+
+        Raises:
+            ParameterError: a command is NaN or infinite.
         """
+        commands = {"cmd_pan": pan, "cmd_tilt": tilt, "cmd_zoom": zoom}
+        given = {name: finite(value, f"{name} [rad]") for name, value in commands.items() if value is not None}
         with self.locked() as data:
-            data.cmd_pan = data.cmd_pan if pan is None else pan
-            data.cmd_tilt = data.cmd_tilt if tilt is None else tilt
-            data.cmd_zoom = data.cmd_zoom if zoom is None else zoom
+            for name, value in given.items():
+                setattr(data, name, value)
 
 
 _functions = LegacyFunctions(Ptz)

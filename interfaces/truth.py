@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.interfaces.sample import SampleData, SampleInterface
+from libgz.physics.check import finite_tuple, rotation_tuple
 from libgz.transport.interface import View
 from libgz.transport.layout import CLIENT, SERVER, Array, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
@@ -70,9 +71,15 @@ class Truth(SampleInterface[TruthData]):
             return GzPose(GzVector(*data.pos), _quaternion(data.rot))
 
     def move(self, pose: GzPose) -> None:
-        """Request that the server moves the model to a global pose [m], at rest."""
+        """Request that the server moves the model to a global pose [m], at rest.
+
+        Raises:
+            ParameterError: a number of the pose is NaN or infinite, or its rotation is zero.
+        """
+        position = finite_tuple(pose.pos, 3, "position [m]")
+        rotation = GzQuatern(*rotation_tuple(pose.rot, "rotation"))
         with self.locked() as data:
-            data.cmd_pos[:], data.cmd_rot[:] = tuple(pose.pos), self._rotation(pose)
+            data.cmd_pos[:], data.cmd_rot[:] = position, self._rotation(GzPose(GzVector(*position), rotation))
             data.cmd_new = 1
 
     def publish(self, time: float, pose: GzPose) -> None:

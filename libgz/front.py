@@ -12,6 +12,7 @@ from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
 from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
+from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
@@ -96,6 +97,7 @@ class World(world.World):
         """
         return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
 
+    @exclusive
     def load_sdf(self, file: SdfFile) -> int:
         """Build what an SDF document describes, and load Gazebo classic's part of it if it has any; 0.
 
@@ -107,6 +109,7 @@ class World(world.World):
             self.attach_era()
         return 0
 
+    @exclusive
     def attach_era(self) -> None:
         """Attach Gazebo classic's plugins, sensors, views and topics to an SDF world. Can be called twice."""
         if self.sdf is not None:
@@ -121,6 +124,7 @@ class World(world.World):
 
     # Legacy ----------------------------------------------------------------------------------------------------------
 
+    @exclusive
     def Load(self, file: WorldFile) -> int:
         """Build all models of a worldfile; 0.
 
@@ -132,10 +136,12 @@ class World(world.World):
         self.legacy.load(file)
         return 0
 
+    @exclusive
     def LoadModel(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
         """Build the model of an element, and those inside it; None if there is none to build."""
         return self.legacy.loader.load_model(node, parent)
 
+    @exclusive
     def InsertModel(self, text: str, label: str = "<string>") -> list[Model]:
         """Add the models of a text, one `<model:...>` element or a worldfile's; they take part from the next step.
 

@@ -81,6 +81,7 @@ class Bandit(Model):
     Dimensions and layout chosen for libgz.
     """
 
+    behaviour = "motors that move and hold its joints (arms and head hang down)"
     example = """
     <model:Bandit>
       <id>robot1</id>
@@ -163,7 +164,7 @@ class Bandit(Model):
         if not self.interface.lock():
             return
         data = self.interface.data
-        data.time = now
+        data.time, data.joint_count = now, len(self.servos)
         wishes = []
         for servo, joint in zip(self.servos, data.joints, strict=False):
             servo.publish(joint)

@@ -174,8 +174,10 @@ class CameraServer:
         image = eye.Finish()
         if self.interface.lock():  # rendered before, so that clients wait for the copy only
             self.interface.array("image")[: image.size] = image.reshape(-1)
-            self.interface.data.image_size = image.size
-            self.interface.data.time = taken
+            data = self.interface.data
+            data.width, data.height = eye.GetImageSize()  # a client may have overwritten it
+            data.image_size = image.size
+            data.time = taken
             self.interface.unlock()
             self.interface.post()
         if self.values.saveFrames:

@@ -44,6 +44,7 @@ class CarChassis(MobileRobot):
     Dimensions and layout chosen for libgz.
     """
 
+    behaviour = "motors that drive and steer its wheels, and hold the steering straight; odometry"
     attributes: ClassVar[type[RobotAttributes]] = CarChassisAttributes
     values: CarChassisAttributes
 

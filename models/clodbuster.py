@@ -44,6 +44,7 @@ class ClodBuster(DifferentialRobot):
     Dimensions as published for the real machine; layout chosen for libgz.
     """
 
+    behaviour = "motors that drive its wheels and steer both axles; odometry"
     attributes: ClassVar[type[RobotAttributes]] = ClodBusterAttributes
     values: ClodBusterAttributes
     wheelSep, wheelDiam = TRACK, 2.0 * RADIUS

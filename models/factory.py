@@ -12,6 +12,7 @@ from libgz.legacy.model import Model
 from libgz.legacy.world import LegacyWorld
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
+from libgz.transport.tally import Tally
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -28,6 +29,7 @@ class Factory(Model):
     is cleared. An invalid text is reported as a warning and leaves the world unchanged.
     """
 
+    behaviour = "adding and removing models on request"
     interfaces = ("factory",)
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
@@ -38,6 +40,7 @@ class Factory(Model):
         serve(self, self.interface)
         self._string = self.interface.string
         self._seen = b""
+        self._tally = Tally(first=20)  # failed requests
 
     def Fini(self) -> None:  # noqa: D102
         self.interface.destroy()
@@ -65,6 +68,8 @@ class Factory(Model):
         try:
             if not end:
                 raise GazeboError(f"the text has no terminating zero within {len(content)} bytes")
+            if not request.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(b"<"):
+                raise GazeboError("the text is not XML: it does not begin with '<'")
             deletion = DELETE.fullmatch(text)
             if deletion:
                 self.world.DeleteModel(unescape(deletion[1]).strip())
@@ -72,4 +77,5 @@ class Factory(Model):
                 for model in self.world.extension(LegacyWorld).insert(text, f"factory.{self.GetId()}"):
                     log.info("factory %r added %r", self.GetId(), model)
         except GazeboError as error:
-            log.warning("factory %r: a client's request failed: %s", self.GetId(), error)
+            if self._tally.due(""):
+                log.warning("factory %r: a client's request failed: %s%s", self.GetId(), error, self._tally.times(""))

@@ -5,6 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from libgz.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
@@ -61,6 +64,7 @@ SWITCHES = {
     "shade_smooth": "shadeSmooth",
 }
 TRANSLATE, ZOOM, ROTATE = range(3)
+MOST_FRAMES = 1000  # images that a camera saves at the request of clients
 
 
 @dataclass(frozen=True)
@@ -75,7 +79,8 @@ class Spot:
 class ObserverCam(Model):
     """The camera of user interfaces.
 
-    It has no shape; nested in another model, it moves with that model.
+    It has no shape; nested in another model, it moves with that model. With `saveFrames` it saves every image; at the
+    request of clients, `save_frames`, at most 1000.
     """
 
     attributes = ObserverCamAttributes
@@ -97,6 +102,7 @@ class ObserverCam(Model):
         self.rate = UpdateRate(self.values.updateRate)
         self.saver = FrameSaver(self.values.savePath)
         self.spot: Spot | None = None
+        self._requested = 0  # images saved at a client's request
         self._distance = 0.0  # to the point under the spot when the drag began [m]
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
@@ -105,9 +111,10 @@ class ObserverCam(Model):
         serve(self, self.guicam)
         data = self.guicam.data
         data.width, data.height = self.eye.GetImageSize()
-        for field, attribute in SWITCHES.items():
-            setattr(data, field, int(getattr(self.values, attribute)))
-        data.roll_lock, data.save_frames = int(self.values.rollLock), int(self.values.saveFrames)
+        named = {**SWITCHES, "roll_lock": "rollLock", "save_frames": "saveFrames"}
+        self.switches: dict[str, bool] = {field: getattr(self.values, name) for field, name in named.items()}
+        for field, value in self.switches.items():
+            setattr(data, field, int(value))
 
     def Fini(self) -> None:  # noqa: D102
         self.guicam.destroy()
@@ -122,15 +129,32 @@ class ObserverCam(Model):
             return
         data = self.guicam.data
         spot = self._read_spot(data)
-        level, save = bool(data.roll_lock), bool(data.save_frames)
-        for field, attribute in SWITCHES.items():
-            setattr(eye.options, attribute, bool(getattr(data, field)))
+        for field in self.switches:
+            self._read_switch(data, field)
         self.guicam.unlock()
-        self._drag(eye, spot, level)
+        for field, attribute in SWITCHES.items():
+            setattr(eye.options, attribute, self.switches[field])
+        self._drag(eye, spot, self.switches["roll_lock"])
         image = eye.Update()
         self._publish(eye)
-        if save:
-            self.saver.save(image)
+        if self.switches["save_frames"]:
+            self._save(image)
+
+    def _save(self, image: NDArray[np.uint8]) -> None:
+        """Save an image; at a client's request there is a limit, so that no client can fill the disk."""
+        if not self.values.saveFrames:
+            if self._requested == MOST_FRAMES:
+                self.guard.warn("save_frames", "is 1, but {} images were saved", "is ignored", MOST_FRAMES)
+                return
+            self._requested += 1
+        self.saver.save(image)
+
+    def _read_switch(self, data: GuicamData, field: str) -> None:
+        """Take a switch from the interface, or restore it there."""
+        value, old = getattr(data, field), self.switches[field]
+        if value != old:
+            new = self.switches[field] = self.guard.switch(field, value, old)
+            setattr(data, field, int(new))
 
     def _read_spot(self, data: GuicamData) -> Spot | None:
         """The drag in progress, or None."""
@@ -169,6 +193,7 @@ class ObserverCam(Model):
             return
         data, pose, image = self.guicam.data, eye.GetPose(), eye.image
         data.sim_time, data.pause_time = self.world.GetSimTime(), self.world.GetPauseTime()
+        data.width, data.height = eye.GetImageSize()  # a client may have overwritten it
         data.pos[:], data.rot[:] = tuple(pose.pos), tuple(GzQuaternToEuler(pose.rot))
         self.guicam.array("image")[: image.size] = image.reshape(-1)
         data.image_size = image.size

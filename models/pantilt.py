@@ -97,6 +97,7 @@ class PtzServer:
 class PanTiltCamera(Model):
     """Three bodies: a base, a middle part that pans on it, and a head that tilts on the middle part."""
 
+    behaviour = "motors that turn and hold its head (it tilts by its weight); zoom"
     attributes = PanTiltAttributes
     interfaces = ("ptz", "camera")
 

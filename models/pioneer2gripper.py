@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from libgz.geometry import GzColor, GzVector
@@ -26,7 +27,7 @@ SPEED = 0.5  # of lift and paddles [m/s]
 THICKNESS = 0.025  # of a paddle [m]
 BEAMS = (0.03, -0.02)  # x of the outer and the inner beam on the paddles [m]
 AT_END = 0.002  # [m]; tolerance of being at an end
-STOP_BEYOND = 0.001  # [m]; distance of the stops beyond the ends
+OLD_REACH = 0.02, 0.035  # [m]; how far the old beams began and ended from the middles of the paddles
 STILL, STILL_FOR = 0.01, 0.1  # [m/s], [s]: closing paddles that are slower than this for this long hold something
 
 # command -> (direction of the paddles, of the lift): 1 close or rise, -1 open or lower, 0 stop, None unchanged
@@ -53,11 +54,7 @@ class GripperAttributes:
 
 
 class _Slide:
-    """A driven slider that moves between 0 and the end of its travel [m].
-
-    It slows down before the ends, because ODE drives a motor off a stop with its whole force for one step: 10 N make a
-    paddle eight times as fast as its set speed.
-    """
+    """A driven slider that moves from 0 to the end of its travel [m], which is negative if it moves backwards."""
 
     def __init__(
         self,
@@ -69,23 +66,22 @@ class _Slide:
         travel: float,
         force: float,
     ) -> None:
-        self.travel = travel
+        self.travel, self._sign = abs(travel), math.copysign(1.0, travel)
         self.direction = 0  # 1 towards the end, -1 back, 0 stop
         self.rate = self._before = 0.0  # speed [m/s]; position in the previous step [m]
-        self._speed = 0.0  # of the motor as last set [m/s]
         self.joint = SliderJoint(world, name=name)
         self.joint.Attach(moving, carrier)
         self.joint.SetAxis(*axis)
-        self.joint.SetParam(dParamLoStop, -STOP_BEYOND)
-        self.joint.SetParam(dParamHiStop, travel + STOP_BEYOND)
+        self.joint.SetParam(dParamLoStop, min(0.0, travel))
+        self.joint.SetParam(dParamHiStop, max(0.0, travel))
         self.joint.SetParam(dParamBounce, 0.0)
         self.joint.SetParam(dParamVel, 0.0)
         self.joint.SetParam(dParamFMax, force)
 
     @property
     def position(self) -> float:
-        """Its position [m]."""
-        return self.joint.GetPosition()
+        """How far it is from 0, towards the end [m]."""
+        return self._sign * self.joint.GetPosition()
 
     def measure(self, step: float) -> None:
         """Update `rate` after a step [s].
@@ -105,16 +101,11 @@ class _Slide:
         """Whether it is at the end of its travel."""
         return self.position > self.travel - AT_END
 
-    def drive(self, step: float) -> None:
-        """Set the motor for a step [s]."""
-        speed = 0.0
-        if self.direction > 0:
-            speed = min(SPEED, (self.travel - self.position) / step)
-        elif self.direction < 0:
-            speed = max(-SPEED, -self.position / step)
-        if speed != self._speed:
-            self._speed = speed
-            self.joint.SetParam(dParamVel, speed)
+    def drive(self, direction: int) -> None:
+        """Run the motor towards the end (1) or back (-1), or hold (0); it runs on against a stop."""
+        if direction != self.direction:
+            self.direction = direction
+            self.joint.SetParam(dParamVel, self._sign * direction * SPEED)
 
 
 class Pioneer2Gripper(Model):
@@ -122,13 +113,18 @@ class Pioneer2Gripper(Model):
 
     It starts open and down. A command holds until the next one; invalid commands are ignored. The published state is
     measured: open and closed, up and down within 2 mm of the end; closed also if the paddles press on something. Two
-    beams, near the paddles' tips and deep between them, detect objects; they are at half the paddles' height, 7.5 cm
+    beams, near the paddles' tips and deep between them, detect objects; they are at half the paddles' height, 7 cm
     above the ground while the gripper of a Pioneer2DX is down.
 
+    Bar and paddles weigh 1 kg each and have moments of inertia of 1 kg m^2, as in the original server, which gave them
+    no mass, so that ODE's default remained.
+
     With the quirk gripperState the state is that of the original server: open, closed, up and down are set when the
-    command arrives, the inner beam detects nothing, and limits are never reached.
+    command arrives, and all are 1 before the first one; the inner beam detects nothing, the outer one detects the right
+    paddle when the paddles are shut and begins inside of what they hold, and limits are never reached.
     """
 
+    behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes
     interfaces = ("gripper",)
     example = """
@@ -143,21 +139,22 @@ class Pioneer2Gripper(Model):
     """
 
     def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        base = self._box(None, (0.05, 0.125, 0.13), (0.0, 0.0, 0.0), 0.1, 0.0)
-        # In the original, bar and paddles were almost massless, which made a grip unstable.
-        massless = "setMassZero" in self.world.engine.quirks
-        bar = self._box("bar", (0.07, 0.315, 0.065), (0.06, 0.0, -0.065), 0.0 if massless else 0.25, 0.5)
-        mass = 0.0 if massless else 0.05
+        base = self._box(None, (0.05, 0.125, 0.13), (0.0, 0.0, 0.0), 0.0)
+        base.geoms[0].SetMass(0.1)
+        bar = self._box("bar", (0.07, 0.315, 0.065), (0.06, 0.0, -0.065), 0.5)
         size = (0.095, THICKNESS, 0.04)
         # Left and right as in the original server: left is at -y.
-        left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), mass, 0.2)
-        right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), mass, 0.2)
+        left = self._box("left_paddle", size, (0.1425, -0.1175, -0.065), 0.2)
+        right = self._box("right_paddle", size, (0.1425, 0.1175, -0.065), 0.2)
+        for body in (bar, left, right):
+            body.SetMassMatrix(body.GetMass())  # which is ODE's default, 1 kg: nothing has set another one
         self.lift = _Slide(self.world, "lift", bar, base, (0.0, 0.0, 1.0), LIFT_TRAVEL, LIFT_FORCE)
+        self.right = _Slide(self.world, "right_paddle", right, bar, (0.0, 1.0, 0.0), -PADDLE_TRAVEL, PADDLE_FORCE)
         self.left = _Slide(self.world, "left_paddle", left, bar, (0.0, 1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
-        self.right = _Slide(self.world, "right_paddle", right, bar, (0.0, -1.0, 0.0), PADDLE_TRAVEL, PADDLE_FORCE)
         self.span = 0.235  # between the paddles' centres when they are open [m]
         self.beams = RayProximity(self.world, left, len(BEAMS))
-        self.commanded = (0, 0)  # last directions of paddles and lift other than stop
+        self._old = "gripperState" in self.world.engine.quirks
+        self.commanded = (0, 0)  # last directions of paddles and lift other than stop; 0 before the first
         self.slow_for = 0.0  # how long the paddles have been slow while closing [s]
         self.gripper = Gripper(read(GripperAttributes, node).laterInterface)
 
@@ -166,14 +163,11 @@ class Pioneer2Gripper(Model):
         name: str | None,
         size: tuple[float, float, float],
         position: tuple[float, float, float],
-        mass: float,
         grey: float,
     ) -> Body:
         """A body of one box; without a name it is the canonical one."""
         body = add_body(self, name)
         geom = BoxGeom(body, self.modelSpaceId, *size)
-        body.UpdateCoM()
-        geom.SetMass(mass)
         geom.SetColor(GzColor(grey, grey, grey))
         body.SetPosition(GzVector(*position))
         return body
@@ -192,18 +186,21 @@ class Pioneer2Gripper(Model):
             self._obey(command)
         if step > 0.0:
             self._watch_grip(step)
-            for slide in (self.lift, self.left, self.right):
-                slide.drive(step)
-        self._cast_beams()
+        if self._old:
+            self.beams.Update()
+            self._aim_old_beams()
+        else:
+            self._cast_beams()
         self._publish()
 
     def _obey(self, command: int) -> None:
         """Set the directions that a command requests."""
         paddles, lift = COMMANDS.get(command, (None, None))
         if paddles is not None:
-            self.left.direction = self.right.direction = paddles
+            self.left.drive(paddles)
+            self.right.drive(paddles)
         if lift is not None:
-            self.lift.direction = lift
+            self.lift.drive(lift)
         self.commanded = (self.left.direction or self.commanded[0], self.lift.direction or self.commanded[1])
 
     def _watch_grip(self, step: float) -> None:
@@ -225,6 +222,16 @@ class Pioneer2Gripper(Model):
         for i, x in enumerate(BEAMS):
             self.beams.SetRay(i, (x, 0.0, 0.0), (x, max(gap - THICKNESS / 2.0 - 0.001, 0.001), 0.0))
         self.beams.Update()
+
+    def _aim_old_beams(self) -> None:
+        """Aim the beams of the next step as the original server did, along the left paddle's y.
+
+        They point backwards, into the right paddle, when the paddles are nearly shut.
+        """
+        begin, short = OLD_REACH
+        end = self.span - self.left.position - self.right.position - short
+        for i, x in enumerate(BEAMS):
+            self.beams.SetRay(i, (x, begin, 0.0), (x, end if abs(end - begin) > 1e-6 else begin + 1e-6, 0.0))
 
     # State -------------------------------------------------------------------------------------------------------
 
@@ -256,24 +263,23 @@ class Pioneer2Gripper(Model):
         """The state as the original server published it."""
         state = self.state()
         paddles, lift = self.commanded
-        opened, closed, up, down = paddles < 0, paddles > 0, lift > 0, lift < 0
+        opened = paddles <= 0  # these flags are 1 before the first command, up and down at once
         state |= {"left_paddle_open": opened, "right_paddle_open": opened, "paddles_opened": opened}
-        state |= {"paddles_closed": closed, "paddles_moving": not (opened or closed)}
-        state |= {"lift_up": up, "lift_down": down, "lift_moving": not (up or down)}
+        state |= {"paddles_closed": not opened, "paddles_moving": False}
+        state |= {"lift_up": lift >= 0, "lift_down": lift <= 0, "lift_moving": False}
         state |= {"grip_limit_reach": False, "lift_limit_reach": False, "inner_beam_obstruct": False}
         return state
 
     def _code(self, state: dict[str, bool]) -> int:
         """The state of the paddles in the later struct: a value of the header, or that of the original server."""
-        old = "gripperState" in self.world.engine.quirks
         if state["paddles_opened"]:
-            return 0 if old else codes.GAZEBO_GRIPPER_STATE_OPEN
+            return 0 if self._old else codes.GAZEBO_GRIPPER_STATE_OPEN
         if state["paddles_closed"]:
-            return 1 if old else codes.GAZEBO_GRIPPER_STATE_CLOSED
-        return 4 if old else codes.GAZEBO_GRIPPER_STATE_MOVING
+            return 1 if self._old else codes.GAZEBO_GRIPPER_STATE_CLOSED
+        return 4 if self._old else codes.GAZEBO_GRIPPER_STATE_MOVING
 
     def _publish(self) -> None:
-        state = self._old_state() if "gripperState" in self.world.engine.quirks else self.state()
+        state = self._old_state() if self._old else self.state()
         if self.gripper.lock():
             data = self.gripper.data
             data.time = self.world.GetSimTime()

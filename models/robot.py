@@ -43,6 +43,7 @@ class MobileRobot(Model):
     publishes. A command holds until the next one.
     """
 
+    behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     interfaces: ClassVar[tuple[str, ...]] = ("position",)
     # The fields of the position interface that this robot obeys, in the order of `position.wanted`.

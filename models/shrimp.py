@@ -39,6 +39,7 @@ class Shrimp(DifferentialRobot):
     Dimensions as published for the real machine; layout chosen for libgz.
     """
 
+    behaviour = "motors that drive and steer its wheels; the spring of its fork; odometry"
     example = """
     <model:Shrimp>
       <id>robot1</id>

@@ -99,7 +99,9 @@ class SickLMS200(Model):
         self._share = place - self._first
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
-        if "updateTimes" in self.world.engine.quirks:
+        quirks = self.world.engine.quirks
+        self._bright_from = 1.0 if "wholeRetro" in quirks else 0.5
+        if "updateTimes" in quirks:
             self.rate = OldRate(self.rate.period, last=self.world.GetSimTime())
         self.guard = Guard(f"laser.{self.GetId()}")
         serve(self, self.laser)
@@ -127,9 +129,12 @@ class SickLMS200(Model):
             return
         data = self.laser.data
         wanted = None
-        if data.cmd_new_angle or data.cmd_new_length:
+        angle, length = data.cmd_new_angle, data.cmd_new_length
+        if angle or length:
             data.cmd_new_angle = data.cmd_new_length = 0
-            wanted = (data.cmd_min_angle, data.cmd_max_angle, data.cmd_max_range, data.cmd_range_count)
+            new = [self.guard.switch("cmd_new_angle", angle, False), self.guard.switch("cmd_new_length", length, False)]
+            if any(new):
+                wanted = (data.cmd_min_angle, data.cmd_max_angle, data.cmd_max_range, data.cmd_range_count)
         self.laser.unlock()
         if wanted is None:
             return
@@ -140,8 +145,9 @@ class SickLMS200(Model):
         if high < low or far <= self.rangeMin or wanted[3] < 1:
             self.guard.warn(
                 "cmd_min_angle, cmd_max_angle, cmd_max_range, cmd_range_count",
-                f"are {wanted}, not a valid scan",
+                "are {}, not a valid scan",
                 "are ignored",
+                wanted,
             )
             return
         self.minAngle, self.maxAngle, self.rangeMax = low, high, far
@@ -163,10 +169,8 @@ class SickLMS200(Model):
     def _publish_laser(self, now: float) -> None:
         if not self.laser.lock():
             return
-        geoms = self.world.engine.geoms
-        bright = np.array(
-            [row >= 0 and geoms[row].GetRetro() >= 0.5 for row in self.rays.rows.tolist()], dtype=np.int32
-        )
+        least = self._bright_from
+        bright = np.array([geom is not None and geom.GetRetro() >= least for geom in self.rays.hits()], dtype=np.int32)
         data = self.laser.data
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
@@ -192,8 +196,7 @@ class SickLMS200(Model):
         Neighbouring rays with the same number are one object, at the middle of its two ends. With three rays or more
         its yaw is normal to the line between the ends; with fewer, it faces the sensor.
         """
-        geoms = self.world.engine.geoms
-        seen = [geoms[row].GetFiducial() if row >= 0 else -1 for row in self.rays.rows.tolist()]
+        seen = [geom.GetFiducial() if geom is not None else -1 for geom in self.rays.hits()]
         found = []
         i = 0
         while i < len(seen):

@@ -49,7 +49,9 @@ class SimpleSolidAttributes:
     skinXyz: GzVector = vector((0.0, 0.0, 0.0), help="position of the mesh, relative to the solid's centre")
     skinRpy: GzPose = rotation(help="rotation of the mesh")
     skinScale: GzVector = vector((1.0, 1.0, 1.0), unit="", help="scale of the mesh")
-    retro: float = number(0.0, help="retro-reflectivity; from 0.5 on a laser reports intensity 1")
+    retro: float = number(
+        0.0, help="retro-reflectivity; from 0.5 on a laser reports intensity 1 (from 1 on with the quirk wholeRetro)"
+    )
     fiducial: int = integer(-1, help="number that fiducial finders report; -1: none")
     shadeModel: str = text("flat", help="without effect")
     polygonMode: str = text("fill", help="without effect")

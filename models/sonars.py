@@ -57,9 +57,10 @@ class SonarRing:
         sonar, count = self.interface, len(self.poses)
         self._places, self._yaws = sonar.sonar_pos[:count], sonar.sonar_rot[:count, 2]
         self._ranges = sonar.sonar_ranges[:count]
-        with sonar.locked() as data:
-            self._describe(data)
+        if sonar.lock():
+            self._describe(sonar.data)
             self._ranges[:] = MAX_RANGE
+            sonar.unlock()
 
     def _describe(self, data: SonarData) -> None:
         """Write the constant fields, under the lock."""

@@ -98,6 +98,7 @@ class StereoHead(Model):
         if not self.stereo.lock():
             return
         data = self.stereo.data
+        data.width, data.height = self.eyes["left"].GetImageSize()  # a client may have overwritten it
         for side, eye in self.eyes.items():
             if self.images[side]:
                 self.stereo.array(f"{side}_image")[: eye.image.size] = eye.image.reshape(-1)

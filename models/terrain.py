@@ -23,7 +23,9 @@ class TerrainAttributes:
     """Attributes of `<model:Terrain>`."""
 
     terrainFile: Path | None = file(help="terrain file (.gzb)")
-    dataFile: Path | None = file(help="height map image, instead of a terrain file; its first row is at +y")
+    dataFile: Path | None = file(
+        help="height map image, instead of a terrain file; its middle is the origin, its first row at +y"
+    )
     elevationScale: float = length(1.0, help="height of white pixels in a height map")
     vertexSpacing: float = length(1.0, above=0.0, help="distance between the pixels of a height map")
     textureRepeat: tuple[float, ...] = numbers(
@@ -38,7 +40,7 @@ class TerrainAttributes:
 class Terrain(Model):
     """Fixed ground from a terrain file or a height map.
 
-    The origin is that of the terrain file, or the corner at -x, -y of the height map.
+    The origin is that of the terrain file, which is usually a corner, or the middle of the height map.
     """
 
     attributes = TerrainAttributes
@@ -76,4 +78,4 @@ class Terrain(Model):
         elif values.dataFile is not None:
             heights = read_grey(values.dataFile)[::-1] * (values.elevationScale / 255.0)
             in_x, in_y = values.textureRepeat
-            self.ground.LoadGrid(heights, values.vertexSpacing, (in_x, in_y))
+            self.ground.LoadGrid(heights, values.vertexSpacing, (in_x, in_y), centred=True)

@@ -24,6 +24,7 @@ class TruthWidget(Model):
     and obeys in every step, also while the world is paused.
     """
 
+    behaviour = "moving its robot on request"
     interfaces = ("truth",)
     example = """
         <model:Pioneer2DX>
@@ -50,9 +51,10 @@ class TruthWidget(Model):
     def Update(self, step: float) -> None:  # noqa: D102
         if not self.truth.lock():
             return
+        new = self.truth.data.cmd_new
         wanted = self.truth.take_move()
         self.truth.unlock()
-        if wanted is not None:
+        if wanted is not None and self.guard.switch("cmd_new", new, False):
             self._move(wanted)
         self._publish()
 
@@ -71,7 +73,7 @@ class TruthWidget(Model):
         numbers = (*wanted.pos, *wanted.rot)
         length = math.sqrt(sum(q * q for q in wanted.rot)) if all(map(math.isfinite, numbers)) else 0.0
         if not 1e-6 < length < 1e6 or max(map(abs, wanted.pos)) > FARTHEST:
-            self.guard.warn("cmd_pos, cmd_rot", f"are {numbers}, not a valid pose", "are ignored")
+            self.guard.warn("cmd_pos, cmd_rot", "are {}, not a valid pose", "are ignored", numbers)
             return
         pose = GzPose(GzVector(*wanted.pos), GzQuaternNormal(GzQuatern(*wanted.rot)))
         subject = self._subject

@@ -6,6 +6,7 @@ cd "$(dirname "$0")/.."
 
 has_library() { python3 -c "import ctypes, sys; ctypes.CDLL(sys.argv[1])" "$1" 2>/dev/null; }
 has_venv() { python3 -c "import venv, ensurepip" 2>/dev/null; }
+has_compiler() { echo "#include <stdlib.h>" | ${CC:-gcc} -x c -fsyntax-only - 2>/dev/null; }
 
 command -v python3 >/dev/null || { echo "libgz needs python3: install Debian's package python3." >&2; exit 1; }
 
@@ -13,6 +14,8 @@ missing=
 has_library libode.so.8 || missing="$missing libode8"
 has_library libOSMesa.so.8 || missing="$missing libosmesa6"
 has_venv || missing="$missing python3-venv"
+# The parts in C are optional for those who ask for the step's Python form.
+[ "${LIBGZ_STEP:-}" = python ] || has_compiler || missing="$missing gcc libc6-dev"
 
 if [ -n "$missing" ]; then
     as_root=
@@ -39,8 +42,8 @@ fi
 
 .venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
-# Reinstall when a file was added or removed, or a build input changed; the installed tree links to this one.
-state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c; } | cksum)
+# Reinstall when a file was added or removed, a build input changed, or a compiler came; the installed tree links to this one.
+state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.cfg pyproject.toml libgz/ode/step.c libgz/rendering/pixels.c libgz/transport/truncation.c; has_compiler && echo compiler; } | cksum)
 if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build

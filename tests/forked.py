@@ -106,4 +106,4 @@ def _read(file: int) -> tuple[int, dict[int, str]]:
     with os.fdopen(file, "rb") as results:
         results.seek(0)
         lines = [json.loads(line) for line in results]
-    return len(lines), {number: what for number, what in filter(None, lines)}
+    return len(lines), dict(filter(None, lines))

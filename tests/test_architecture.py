@@ -46,12 +46,14 @@ CLASSIC_LAYERS = [
     ["plugin"],
     ["plugins"],
 ]
-# Modules that import by a name which is no literal: tables of "module" or "module:Class" that are imported lazily.
-# The rows of each table are checked like imports.
-FACADES = {
-    "libgz": ["libgz/__init__.pyi"],
-    "libgz.classic": [],
-    "libgz.apps.libgz": [],
+# Tables of "module" or "module:Class" whose rows are imported when they are first used: names that are no literals.
+TABLES = {
+    "libgz",
+    "libgz.apps.libgz",
+    "libgz.classic",
+    "libgz.classic.sensors.kinds",
+    "libgz.legacy.factory",
+    "libgz.reference.classic_pages",
 }
 # Circles inside a package are between a parent and its parts: without the parent there is none.
 PARENTS = {
@@ -136,7 +138,7 @@ def test_nothing_below_imports_the_facades():
 
 def test_names_that_are_no_literals_are_imported_by_tables_only():
     found = {module for module, path in modules().items() if None in set(named_imports(ast.parse(path.read_text())))}
-    assert found <= {*FACADES, "libgz.legacy.factory", "libgz.classic.sensors.kinds"}
+    assert found <= TABLES
 
 
 def circles(graph):

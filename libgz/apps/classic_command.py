@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from libgz._version import __version__
-from libgz.apps.console import LogFile
+from libgz.apps.console import Hints, LogFile
 from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import new_plugin
 from libgz.classic.server import system_plugins
@@ -31,48 +31,81 @@ __all__ = [
 log = logging.getLogger("libgz.classic")
 
 FAILED = 255
+WORLD_ENDINGS = (".world", ".sdf", ".xml")
 BANNER = f"""Gazebo multi-robot simulator, version {__version__} (libgz)
 Worlds and plugins of Gazebo classic, run from Python by libgz
 Released under the Apache 2 License
 """
 
 
-class _Help(argparse.Action):
-    def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
-        """Print the options on stderr, and exit with 255."""
-        parser.print_help(sys.stderr)
-        parser.exit(FAILED)
-
-
 class _Version(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_others: object) -> None:
-        """Print the banner on stdout, and exit with 255."""
+        """Print the banner on stdout, and exit with 0."""
         sys.stdout.write(BANNER + "\n")
-        parser.exit(FAILED)
+        parser.exit()
 
 
-class Parser(argparse.ArgumentParser):
-    """An argument parser with classic's exit codes, error message, and the options -v, --verbose and -h."""
+class Parser(Hints):
+    """An argument parser with classic's error message and exit code, and the options -v, --verbose and -h.
 
-    def __init__(self, prog: str, description: str) -> None:
-        super().__init__(prog=prog, description=description, add_help=False)
+    -h and -v exit with 0, as those of other programs do; classic's exited with 255.
+    """
+
+    def __init__(self, prog: str, description: str, usage: str | None = None) -> None:
+        super().__init__(prog=prog, description=description, usage=usage, add_help=False)
         self.add_argument("-v", "--version", action=_Version, nargs=0, help="print the version and exit")
         self.add_argument(
             "--verbose", action="store_true", help="print all messages; errors and warnings are always printed"
         )
-        self.add_argument("-h", "--help", action=_Help, nargs=0, help="print this help and exit")
+        self.add_argument("-h", "--help", action="help", help="print this help and exit")
 
     def error(self, message: str) -> NoReturn:
         """Report invalid arguments as classic does, with the reason, and exit with 255."""
         self.exit(FAILED, f"Error. Invalid arguments\n{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
 
 
-def parse_known(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
-    """Parse the command line; unknown options are passed on to System plugins."""
+def parse_known(parser: Parser, words: Sequence[str], *, plugins: str) -> argparse.Namespace:
+    """Parse the command line; unknown words are for System plugins, which get the whole command line.
+
+    Args:
+        parser: its options; it has no positional arguments.
+        words: the command line.
+        plugins: the option by which System plugins are loaded. Without any, unknown options are logged as warnings.
+
+    Returns:
+        The options; `rest` holds the words that are none, without unknown options and their values.
+    """
     options, unknown = parser.parse_known_args(list(words))
-    if unknown:
-        log.info("options for System plugins: %s", " ".join(unknown))
+    options.rest, others = _split(unknown)
+    if others and not getattr(options, plugins):
+        log.warning("%s; there is no System plugin to use them", parser.unknown(others))
+    elif others:
+        log.info("options for System plugins: %s", " ".join(others))
     return options
+
+
+def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """(words that stand for themselves, unknown options and their values).
+
+    The word after an unknown option is its value, unless it is the only one that names a world file.
+    """
+    free: list[str] = []
+    others: list[str] = []
+    after_option = False
+    values = []
+    for word in words:
+        option = word.startswith("-") and len(word) > 1
+        if option or after_option or ":=" in word:  # ROS adds words such as __name:=gazebo
+            others.append(word)
+            if after_option and not option:
+                values.append(word)
+        else:
+            free.append(word)
+        after_option = option and "=" not in word
+    if not free:
+        free = [word for word in values if word.endswith(WORLD_ENDINGS)][:1]
+        others = [word for word in others if word not in free]
+    return free, others
 
 
 def set_up_console(*, verbose: bool) -> None:

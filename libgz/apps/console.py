@@ -13,13 +13,14 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NoReturn, TextIO, TypeAlias, TypeVar
+from typing import Any, NoReturn, TextIO, TypeAlias, TypeVar
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.errors import GazeboError, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
     "USAGE_ERROR",
+    "Hints",
     "LogFile",
     "Parser",
     "as_command",
@@ -37,8 +38,47 @@ INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # the exit c
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 
-class Parser(argparse.ArgumentParser):
+class Hints(argparse.ArgumentParser):
+    """An argument parser that names the nearest choice or option for one that does not exist."""
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is None or value in action.choices:
+            return
+        choices = [str(choice) for choice in action.choices]
+        if isinstance(action, argparse._SubParsersAction):
+            message = f"{value!r} is not a command{nearest(str(value), choices) or f'; there are {_listed(choices)}'}"
+            raise argparse.ArgumentError(None, message)
+        message = f"{value!r} is not allowed; allowed are {_listed(choices)}{nearest(str(value), choices)}"
+        raise argparse.ArgumentError(action, message)
+
+    def option_names(self) -> list[str]:
+        """The options of this parser and of its subcommands."""
+        names = list(self._option_string_actions)
+        for action in self._actions:
+            if isinstance(action, argparse._SubParsersAction):
+                names += [name for parser in action.choices.values() for name in parser.option_names()]
+        return names
+
+    def unknown(self, words: Sequence[str]) -> str:
+        """The message about words that the parser does not know, each option with the nearest one."""
+        names = self.option_names()
+        hints = {word: nearest(word.partition("=")[0], names) if word.startswith("-") else "" for word in words}
+        return f"unrecognized arguments: {' '.join(words)}{next(filter(None, hints.values()), '')}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    return ", ".join(words)
+
+
+class Parser(Hints):
     """An argument parser whose errors are one sentence."""
+
+    def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse all arguments; unknown ones end the program with a message."""
+        options, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            self.error(self.unknown(unknown))
+        return options
 
     def error(self, message: str) -> NoReturn:
         """Report the error and exit with code 2."""

@@ -36,7 +36,7 @@ log = logging.getLogger("libgz.classic")
 DEPRECATED = "g/gui-plugin is really loading a SystemPlugin. To load a GUI plugin please use --gui-client-plugin"
 
 
-def make_parser() -> argparse.ArgumentParser:
+def make_parser() -> Parser:
     """The options of Gazebo 11's gzclient, and those for images."""
     parser = Parser("gzclient", "gzclient -- Run the Gazebo client.")
     add = parser.add_argument
@@ -118,7 +118,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
     set_up_console(verbose="--verbose" in words)
-    options = parse_known(parser, words)
+    options = parse_known(parser, words, plugins="gui_plugin")
+    if options.rest:
+        log.warning("%s has no effect: the server runs the world", " ".join(options.rest))
     if options.verbose:
         sys.stderr.write(BANNER + "\n")
     try:

@@ -24,6 +24,7 @@ from libgz.apps.classic_command import (
 from libgz.apps.console import as_command, whole_number
 from libgz.apps.progress import show_loading
 from libgz.apps.server_log import add_log_options, keep_log
+from libgz.apps.view_options import GL_HELP
 from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
@@ -31,12 +32,15 @@ from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError
 from libgz.front import World
+from libgz.rendering.context import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
 
 __all__ = ["main"]
 
 log = logging.getLogger("libgz.classic")
+
+EMPTY_WORLD = "worlds/empty.world"
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
 WITHOUT_EFFECT = {
@@ -50,18 +54,20 @@ FLAGS = ("--lockstep", "--record_resources", "--minimal_comms")
 SHORT = {"--gui-plugin": "-g"}
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """The options of Gazebo 11's gzserver, and --server-id."""
-    parser = Parser("gzserver", "gzserver -- Run the Gazebo server.")
+def make_parser() -> Parser:
+    """The options of Gazebo 11's gzserver, and --server-id, --gl and --steps."""
+    usage = "gzserver [options] [WORLD]"
+    parser = Parser("gzserver", f"gzserver -- Run the Gazebo server. WORLD is {EMPTY_WORLD} by default.", usage)
     add = parser.add_argument
-    add("world", nargs="?", default="worlds/empty.world", help="world to run (default worlds/empty.world)")
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; only ode is available")
     add("-o", "--profile", help="name of the <physics> element to use (default: the default one)")
     add("-s", "--server-plugin", action="append", default=[], help="load a System plugin; may be repeated")
     add("--seed", type=whole_number("number"), help="seed of all random numbers (default: the process id)")
-    add("--iters", type=whole_number("number"), help="number of iterations to run (default: until interrupted)")
+    iters = "number of iterations to run (default: until interrupted)"
+    add("--iters", "--steps", type=whole_number("number"), metavar="N", help=iters)
     add("--server-id", type=whole_number("number"), help="serve the interfaces of legacy models under this server id")
+    add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]
@@ -111,7 +117,9 @@ class Server:
         options = self.options
         if options.play is not None:
             return self._open_log(options.play)
-        path = _find_world(options.world)
+        if len(options.rest) > 1:
+            log.warning("only the first world is run: %s", options.rest[0])
+        path = _find_world(options.rest[0] if options.rest else EMPTY_WORLD)
         if options.physics != "ode":
             log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
         seed = os.getpid() if options.seed is None else options.seed
@@ -192,7 +200,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
     set_up_console(verbose="--verbose" in words)
-    options = parse_known(parser, words)
+    options = parse_known(parser, words, plugins="server_plugin")
+    if options.gl is not None:
+        prefer(options.gl)
     warn_without_effect(options)
     if options.verbose:
         with contextlib.suppress(OSError):

@@ -49,7 +49,13 @@ def make_parser(wanted: str | None) -> Parser:
         command = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
         if name == wanted:
             importlib.import_module(f"libgz.apps.{name}").configure(command)
+    commands.add_parser("help", help="describe a command, or list all", description="Describe a command.")
     return parser
+
+
+def _help_words(words: list[str]) -> list[str]:
+    """`libgz help` and `libgz help COMMAND` in the form that the parser knows."""
+    return [*words[1:2], "-h"] if words[:1] == ["help"] else words
 
 
 def _terminated(number: int, _frame: object) -> NoReturn:
@@ -60,7 +66,7 @@ def _terminated(number: int, _frame: object) -> NoReturn:
 @as_command("libgz")
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 failed, 2 the command line is wrong."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    words = _help_words(list(sys.argv[1:] if arguments is None else arguments))
     options = make_parser(words[0] if words else None).parse_args(words)
     set_up_messages(0, None)
     before = signal.getsignal(signal.SIGTERM)

@@ -11,10 +11,9 @@ from libgz.classic import msgs
 from libgz.classic.log import ENCODINGS, LogReader, LogState, NamePattern, read_states
 from libgz.errors import ParameterError
 from libgz.sdf.upgrade import NEWEST
+from libgz.simulation.rate import TIME_SLACK
 
 __all__ = ["configure", "run"]
-
-_SLACK = 1e-9  # [s]
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +68,7 @@ def _thinned(states: Iterator[LogState], rate: float | None) -> Iterator[LogStat
         state.insertions = omitted.insertions + state.insertions
         state.deletions = omitted.deletions + state.deletions
         omitted = state
-        if rate is None or state.sim_time >= due - _SLACK:
+        if rate is None or state.sim_time >= due - TIME_SLACK:
             due = state.sim_time + (1.0 / rate if rate else 0.0)
             yield state
             omitted = LogState(0.0)

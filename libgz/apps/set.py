@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import math
 from typing import Any
 
 from libgz.apps.target import add_target, connect, find_field, open_target
@@ -70,6 +71,8 @@ def _change(interface: Interface[Any], text: str, force: bool) -> tuple[Any, int
     if field.ctype is ctypes.c_uint8 and capacity > 1:
         return target, 0, list(_text_bytes(right, capacity, left))
     values = [_number(word, field.ctype, left) for word in right.split(",")]
+    if not force and not all(map(math.isfinite, values)):
+        raise ParameterError(f"{text}: {left} takes finite numbers (--force writes others nevertheless)")
     if len(values) > capacity:
         raise ParameterError(f"{left} takes {capacity} number{'s' if capacity > 1 else ''}; {len(values)} are given")
     return target, key, values

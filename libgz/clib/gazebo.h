@@ -353,7 +353,7 @@ typedef struct gz_guicam_data {
     int display_textures; /* [S/C] 1: render textures */
     int polygon_fill; /* [S/C] 1: fill polygons; 0: render their edges only */
     int shade_smooth; /* [S/C] 1: smooth shading; 0: flat shading */
-    int save_frames; /* [S/C] 1: save every image */
+    int save_frames; /* [S/C] 1: save every image, at a client's request at most 1000 */
     unsigned int width; /* [S] width of the image [px] */
     unsigned int height; /* [S] height of the image [px] */
     uint8_t image[2359296]; /* [S] red, green, blue; top row first */

@@ -20,9 +20,11 @@ from libgz.errors import ParameterError
 from libgz.front import World
 from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.legacy.model import Model
+from libgz.ode.types import dParamFMax, dParamFMax2, dParamHiStop, dParamLoStop
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
-from libgz.physics.joint import Joint
+from libgz.physics.joint import HingeJoint, Joint, SliderJoint
+from libgz.physics.two_axes import Hinge2Joint, UniversalJoint
 
 __all__ = ["RAY_TYPES", "Converted", "convert"]
 
@@ -135,6 +137,8 @@ class _Conversion:
             for member in members:
                 if member.GetName() not in (GUI_CAMERA, SKY):
                     self.notes.add(_owner(member), "is omitted: it has no bodies that could become links")
+                    self._note_interfaces(member, set())
+                    self._note_behaviour(member)
 
     def _solid(self, top: Model, members: list[Model], bodies: list[Body]) -> None:
         element = add(self.root, "model", name=name_of(top.GetId(), self.names))
@@ -152,6 +156,7 @@ class _Conversion:
         for member in members:
             served = add_sensors(member, links, self.rays, _owner(member), self.notes)
             self._note_interfaces(member, served)
+            self._note_behaviour(member)
         self._joints(element, top, members, links, taken)
         for member in members:
             if member.follows and not static and any(body in links for body in member.bodies):
@@ -232,8 +237,34 @@ class _Conversion:
         left = [name for name in model.interfaces if name not in served]
         if left:
             self.notes.add(_owner(model), f"interfaces without a counterpart: {', '.join(left)}; use a plugin instead")
+
+    def _note_behaviour(self, model: Model) -> None:
+        """Note what bodies, joints and sensors do not show: what the model's code does, and what ODE applies."""
+        owner, kind = _owner(model), type(model)
         if model.node is not None and model.node.GetChild("plugin") is not None:
-            self.notes.add(_owner(model), "its plugin is omitted: it is legacy Python")
+            self.notes.add(owner, "its plugin is omitted: it is legacy Python")
+        if kind.behaviour:
+            self.notes.add(owner, f"its behaviour is lost: {kind.behaviour}; use a plugin instead")
+        elif kind.Update is not Model.Update and not kind.__module__.startswith("libgz."):
+            self.notes.add(owner, f"what {kind.__name__}.Update does is lost; use a plugin instead")
+        bodies = [body for body in model.bodies if not body.dummy]
+        joints = {joint: None for body in bodies for joint in body.joints if ends_of(joint)[0] is body}
+        driven = [joint.name or "unnamed" for joint in joints if joint is not model.welded and _is_driven(joint)]
+        if driven:
+            self.notes.add(owner, f"motors of joints are lost, which turn freely: {', '.join(driven)}")
+        if any(body.damping != (0.0, 0.0) for body in bodies):
+            self.notes.add(owner, "the damping of its bodies is lost")
+        if bodies and not any(body.IsEnabled() for body in bodies):
+            self.notes.add(owner, "moves from the start: SDF has no <enable>false</enable>")
+
+
+def _is_driven(joint: Joint) -> bool:
+    """Whether a motor acts on a joint that can move."""
+    if isinstance(joint, HingeJoint | SliderJoint):
+        return joint.GetParam(dParamFMax) > 0.0 and joint.GetParam(dParamLoStop) < joint.GetParam(dParamHiStop)
+    if isinstance(joint, Hinge2Joint | UniversalJoint):
+        return joint.GetParam(dParamFMax) > 0.0 or joint.GetParam(dParamFMax2) > 0.0
+    return False
 
 
 def _owner(model: Model) -> str:

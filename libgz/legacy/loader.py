@@ -21,7 +21,7 @@ from libgz.legacy.plugin_search import find_plugin
 from libgz.legacy.settings import is_settings
 from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
-from libgz.simulation.plugins import load_plugin, own_traceback
+from libgz.simulation.plugins import load_plugin, own_place, own_traceback
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
 from libgz.worldfile.file import WorldFile
@@ -76,7 +76,7 @@ class ModelLoader:
             if model is not None:
                 self._load_model(model, node, parent)
         except GazeboError as error:
-            node.error(str(error))
+            node.error(f"{error}{own_place(error)}")
             model = None
         except USER_ERRORS as error:
             pass_interrupt(error)

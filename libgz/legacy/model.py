@@ -12,7 +12,7 @@ from libgz.geometry import GzCoordPoseSub, GzPose, GzVector, GzVectorMag, GzVect
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
-from libgz.simulation.plugins import own_traceback
+from libgz.simulation.plugins import own_place, own_traceback
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 from libgz.worldfile.file import WorldFile
 
@@ -22,6 +22,13 @@ if TYPE_CHECKING:
     from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["CommonAttributes", "Model"]
+
+
+def _named(bodies: list[Body]) -> str:
+    """Bodies in a message, in the order in which they were made."""
+    names = [repr(body.bodyName) if body.bodyName else "an unnamed body" for body in reversed(bodies)]
+    return f"body {names[0]}" if len(bodies) == 1 and bodies[0].bodyName else ", ".join(names)
+
 
 TRAIL_SPACING = 1.0  # [m] between logged poses
 
@@ -52,6 +59,7 @@ class Model(Entity):
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
+    behaviour: ClassVar[str] = ""  # what its Update does to itself and to others, interfaces apart
     example: ClassVar[str] = ""  # elements of a small world that shows it; by default itself with an id
 
     def __init__(self, world: World) -> None:
@@ -100,13 +108,24 @@ class Model(Entity):
         if result:
             raise GazeboError(f"Load of model {self._id!r} failed: it returned {result}")
         if self._canonical is None:
-            raise GazeboError(
-                f"model {self._id!r} has no canonical body; its Load must call AddBody(body, True) for one body"
-            )
+            raise GazeboError(f"model {self._id!r} has no canonical body: {self._missing_body()}")
         for body in self.bodies:
             self._switch(body)
         if self._unregistered:
-            node.warn("has a body that was not registered with AddBody: it stays where Load put it, outside the model")
+            node.warn(
+                f"has {_named(self._unregistered)} that {type(self).__name__}.Load made and did not register: it stays "
+                "where Load put it, outside the model; call self.AddBody(body) for each body"
+            )
+
+    def _missing_body(self) -> str:
+        """How to give the model a canonical body."""
+        load = f"{type(self).__name__}.Load"
+        if self.bodies:
+            return f"{load} must call self.AddBody(body, True) for one body; it called AddBody without True"
+        if self._unregistered:
+            bodies = _named(self._unregistered)
+            return f"{load} made {bodies}, but never called AddBody; it must call self.AddBody(body, True) for one body"
+        return f"{load} must make one, body = Body(self.world), and call self.AddBody(body, True)"
 
     def _unregistered_since(self, before: Body | None) -> list[Body]:
         """Bodies that were created after `before` and belong to no model."""
@@ -136,7 +155,8 @@ class Model(Entity):
         try:
             self.MasterInit(WorldFile.of(self.node), self.node)
         except GazeboError as error:
-            raise PluginError(f"{where}: Init of model {self.GetId()!r}: {error}") from error
+            reason = f"{error}{own_place(error)}"
+            raise PluginError(f"{where}: Init of model {self.GetId()!r}: {reason}") from error
         except USER_ERRORS as error:
             pass_interrupt(error)
             raise PluginError(f"{where}: Init of model {self.GetId()!r} failed with\n{own_traceback(error)}") from error

@@ -16,9 +16,11 @@ __all__ = ["QUIRKS", "GlobalAttributes", "find_global_nodes", "is_settings", "re
 QUIRKS = {
     "verticalHfov": "cameras take hfov as the vertical angle",
     "laserNoHitOffset": "a laser beam without a hit reads rangeMax + rangeMin",
+    "wholeRetro": "a laser reports intensity 1 from a retro of 1 on, because fractions are cut off",
     "setMassZero": "SetMass(0) leaves a geom the mass of its volume at 1 kg/m^3",
     "originInertia": "a body's inertia is taken about its frame's origin, not about its centre of mass",
-    "gripperState": "grippers report states by the old server's private numbers, at the time of the command",
+    "gripperState": "grippers report states by the old server's private numbers, at the time of the command; "
+    "their beams are the old ones",
     "noBounce": "SetBounce has no effect",
     "updateTimes": "some models update a step late, sometimes or always: times are compared without a tolerance",
 }

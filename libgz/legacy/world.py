@@ -6,6 +6,7 @@ import logging
 
 from libgz.errors import GazeboError, ParameterError, WorldFileError
 from libgz.geometry import GzVector
+from libgz.legacy.checks import warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
@@ -58,6 +59,7 @@ class LegacyWorld(Era):
             node = next(reversed(find_global_nodes(file)), file.GetRootNode())
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
+        warn_of_overlaps(model for model in self.world.models if isinstance(model, Model))
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -113,6 +115,7 @@ class LegacyWorld(Era):
             if not added:
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
+            warn_of_overlaps(added)
             world.initialize(added)
         except BaseException:
             world.remove(world.entities[count:])

@@ -77,7 +77,7 @@ class StepContext(ctypes.Structure):
         ("com", c_void_p),
         ("body_state", c_void_p),
         ("record_motion", c_int64),
-        ("body_start", c_void_p),
+        ("body_motion", c_void_p),
         ("joint_count", c_int64),
         ("joints", c_void_p),
         ("joint_types", c_void_p),
@@ -138,6 +138,9 @@ class Step(Protocol):
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""
 
     def forget(self, geom: int) -> None:
         """Drop what is cached of a geom, because it was destroyed or got another body."""

@@ -63,6 +63,8 @@ class NativeStep:
         library.gz_free_contacts.argtypes = [c_void_p]
         library.gz_free_contacts.restype = None
         library.gz_read.argtypes = [c_void_p]
+        library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
+        library.gz_overlap.restype = ctypes.c_double
         if library.gz_step_context_size() != ctypes.sizeof(StepContext):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
         names = []
@@ -98,6 +100,10 @@ class NativeStep:
     def read(self) -> None:
         """Copy all states out."""
         self._shared.gz_read(self._address)
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m]; -1 without any."""
+        return float(self._shared.gz_overlap(self._address, geom1, geom2))
 
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c caches no geoms."""

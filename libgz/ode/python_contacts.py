@@ -139,12 +139,7 @@ class FullContacts:
         classic = context.contact_rule == ContactRule.CLASSIC
         if classic and not self._may_touch(a, b, body1, body2):
             return
-        address, size = ctypes.addressof(points) + Contact.geom.offset, ctypes.sizeof(Contact)
-        if self.round_pair(geom1, geom2):
-            count = self._collide_cylinder(geom1, geom2, address)
-        else:
-            most = MOST_CONTACTS if classic else MAX_CONTACTS
-            count = ode_.dCollide(geom1, geom2, most, address, size)
+        count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
         surface, ghost = make_surface(context, a, b), False
@@ -164,6 +159,18 @@ class FullContacts:
                 self.count += 1
             if context.record_contacts:
                 self.log.add(data, point.geom, depth, joint, not body1)
+
+    def _find_points(self, geom1: int, geom2: int, most: int) -> int:
+        """find_points in step.c."""
+        address = ctypes.addressof(self._points) + Contact.geom.offset
+        if self.round_pair(geom1, geom2):
+            return self._collide_cylinder(geom1, geom2, address)
+        return int(self._ode.dCollide(geom1, geom2, most, address, ctypes.sizeof(Contact)))
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """gz_overlap in step.c."""
+        count = self._find_points(geom1, geom2, MAX_CONTACTS)
+        return max((float(self._points[i].geom.depth) for i in range(count)), default=-1.0)
 
     def _may_touch(self, a: list[float], b: list[float], body1: int, body2: int) -> bool:
         """may_touch in step.c."""
@@ -189,7 +196,8 @@ class FullContacts:
     def _refine(self, a: list[float], b: list[float], geom1: int, geom2: int, count: int, point: Any) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limit = max(a[Surface.MAX_VEL], b[Surface.MAX_VEL])
+        limit = self._of_bodies(a, b, geom1, geom2, Surface.MAX_VEL)
+        min_depth = self._of_bodies(a, b, geom1, geom2, Surface.MIN_DEPTH)
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
         if surface.slip1 > 0.0:
@@ -200,9 +208,15 @@ class FullContacts:
         if aimed or (self._context.cone and self._sliding_direction(geom1, geom2, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
-        point.geom.depth = max(0.0, point.geom.depth - max(a[Surface.MIN_DEPTH], b[Surface.MIN_DEPTH]))
+        point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
             surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+
+    def _of_bodies(self, a: list[float], b: list[float], geom1: int, geom2: int, column: int) -> float:
+        """of_bodies in step.c."""
+        if not self._ode.dGeomGetBody(geom1):
+            return b[column]
+        return min(a[column], b[column]) if self._ode.dGeomGetBody(geom2) else a[column]
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""

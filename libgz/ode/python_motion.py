@@ -11,7 +11,7 @@ from libgz.ode.lib import OdeLibrary
 from libgz.ode.tables import BodyTable, JointTable, unwound
 from libgz.ode.types import JointType
 
-__all__ = ["MotionLimits", "apply_spring", "record_body"]
+__all__ = ["MotionLimits", "apply_spring", "finish_motion", "record_motion"]
 
 # Bodies beyond these have diverged: [m/s], [rad/s]; [N], [N m], before a step; [m/s], [rad/s], after it.
 MAX_SPEED, MAX_EFFORT, DIVERGED_SPEED = 1e7, 1e12, 2e9
@@ -61,13 +61,21 @@ class MotionLimits:
         return False
 
 
-def record_body(ode_: OdeLibrary, table: BodyTable, row: int) -> None:
-    """Record velocities and applied efforts of a body as a step begins; record_bodies in step.c."""
-    body, state = int(table.ids[row]), table.start[row]
-    state[0:3] = ode_.dBodyGetLinearVel(body).contents[:3]
-    state[3:6] = ode_.dBodyGetAngularVel(body).contents[:3]
-    state[6:9] = ode_.dBodyGetForce(body).contents[:3]
-    state[9:12] = ode_.dBodyGetTorque(body).contents[:3]
+def record_motion(ode_: OdeLibrary, table: BodyTable, row: int) -> None:
+    """Record velocity and applied efforts of a body as a step begins; record_motion in step.c."""
+    body, motion = int(table.ids[row]), table.motion[row]
+    motion[0:3] = ode_.dBodyGetLinearVel(body).contents[:3]
+    motion[3:6] = ode_.dBodyGetAngularVel(body).contents[:3]
+    motion[6:9] = ode_.dBodyGetForce(body).contents[:3]
+    motion[9:12] = ode_.dBodyGetTorque(body).contents[:3]
+    motion[12] = ode_.dBodyGetGravityMode(body) and not ode_.dBodyIsKinematic(body)
+
+
+def finish_motion(ode_: OdeLibrary, table: BodyTable, row: int, step: float) -> None:
+    """Make accelerations of the velocities that `record_motion` recorded; finish_motion in step.c."""
+    body, motion = int(table.ids[row]), table.motion[row]
+    after = (*ode_.dBodyGetLinearVel(body).contents[:3], *ode_.dBodyGetAngularVel(body).contents[:3])
+    motion[0:6] = [(v - before) / step for v, before in zip(after, motion[0:6].tolist(), strict=True)]
 
 
 def apply_spring(ode_: OdeLibrary, table: JointTable, row: int, *, unwind: bool) -> None:

@@ -15,7 +15,7 @@ from libgz.geometry import rotate
 from libgz.ode.context import MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_contacts import FullContacts, make_surface
-from libgz.ode.python_motion import MotionLimits, apply_spring, record_body
+from libgz.ode.python_motion import MotionLimits, apply_spring, finish_motion, record_motion
 from libgz.ode.tables import Tables
 from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
 
@@ -67,6 +67,10 @@ class PythonStep:
     @staticmethod
     def release() -> None:
         """Nothing to do: all memory is Python's."""
+
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms [m]; -1 without any."""
+        return self._full.overlap(geom1, geom2)
 
     def forget(self, geom: int) -> None:
         """Drop what is cached of a geom, because it was destroyed or got another body."""
@@ -185,7 +189,7 @@ class PythonStep:
                     context.reset_row = row + 1
         if context.record_motion:
             for row, _ in moving:
-                record_body(ode_, bodies, row)
+                record_motion(ode_, bodies, row)
         if context.quick:
             done = ode_.dWorldQuickStep(context.world, context.step)
         else:
@@ -195,6 +199,9 @@ class PythonStep:
         ode_.dJointGroupEmpty(context.contacts)
         context.seed = ode_.dRandGetSeed()
         context.steps += 1
+        if context.record_motion:
+            for row, _ in moving:
+                finish_motion(ode_, bodies, row, context.step)
         if context.count_turns:
             self._read_joints()
         if context.check_divergence:

@@ -194,8 +194,9 @@ typedef struct {
     void *const *bodies;      /* NULL: a free row */
     const double *com;        /* centre of mass in the body frame, 3 a row */
     double *body_state;       /* 16 a row: position, quaternion, centre of mass, linear and angular velocity */
-    int64_t record_motion;    /* 1: body_start is filled */
-    double *body_start;       /* 12 a row, as a step begins: linear and angular velocity, applied force and torque */
+    int64_t record_motion;    /* 1: body_motion is filled */
+    double *body_motion;      /* 13 a row, of the last step: linear and angular acceleration, applied force and torque,
+                                 1 if gravity acted */
     int64_t joint_count;
     void *const *joints;
     const int64_t *joint_types;
@@ -473,13 +474,22 @@ static void add_torsion(const double *a, const double *b, contact *point)
     point->surface.rhoN = lever;
 }
 
+/* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
+static double of_bodies(const double *a, const double *b, void *geom1, void *geom2, int column)
+{
+    if (!dGeomGetBody(geom1))
+        return b[column];
+    return dGeomGetBody(geom2) ? smaller(a[column], b[column]) : a[column];
+}
+
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
 static void refine_point(const context *c, const double *a, const double *b, void *geom1, void *geom2, int count,
                          contact *point)
 {
     surface_parameters *s = &point->surface;
-    double limit = larger(a[SURFACE_MAX_VEL], b[SURFACE_MAX_VEL]);
+    double limit = of_bodies(a, b, geom1, geom2, SURFACE_MAX_VEL);
+    double min_depth = of_bodies(a, b, geom1, geom2, SURFACE_MIN_DEPTH);
     s->slip1 = (a[SURFACE_SLIP1] + b[SURFACE_SLIP1]) * count;
     s->slip2 = (a[SURFACE_SLIP2] + b[SURFACE_SLIP2]) * count;
     if (s->slip1 > 0.0)
@@ -489,7 +499,7 @@ static void refine_point(const context *c, const double *a, const double *b, voi
     if (friction_direction(a, b, geom1, geom2, point) || (c->cone && sliding_direction(c, geom1, geom2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
-    point->geom.depth = larger(0.0, point->geom.depth - larger(a[SURFACE_MIN_DEPTH], b[SURFACE_MIN_DEPTH]));
+    point->geom.depth = larger(0.0, point->geom.depth - min_depth);
     if (point->geom.depth > 0.0)
         s->soft_erp = smaller(s->soft_erp, limit * c->step / point->geom.depth);
 }
@@ -551,13 +561,23 @@ static int may_touch(const context *c, const double *a, const double *b, void *b
     return (body1 && dBodyIsEnabled(body1)) || (body2 && dBodyIsEnabled(body2)); /* both disabled: nothing to do */
 }
 
+/* The contact points of two geoms; ODE's own, or those of a cylinder's stand-ins. */
+static int find_points(context *c, void *geom1, void *geom2, int most, contact *points)
+{
+    int class1 = dGeomGetClass(geom1), class2 = dGeomGetClass(geom2);
+    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
+                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
+        return collide_cylinder(c, geom1, geom2, class2, points);
+    return collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
+}
+
 static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
     surface_parameters surface;
     const double *a, *b;
     void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
-    int classic = c->contact_rule == CLASSIC_RULE, count, i, class1, class2, ghost = 0;
+    int classic = c->contact_rule == CLASSIC_RULE, count, i, ghost = 0;
 
     if (!body1 && !body2)
         return;
@@ -567,13 +587,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     b = c->surface + SURFACE_COLUMNS * (intptr_t)dGeomGetData(geom2);
     if (classic && !may_touch(c, a, b, body1, body2, &ghost))
         return;
-    class1 = dGeomGetClass(geom1);
-    class2 = dGeomGetClass(geom2);
-    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
-                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
-        count = collide_cylinder(c, geom1, geom2, class2, points);
-    else
-        count = collide_pair(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, &points[0].geom, sizeof(contact));
+    count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
     make_surface(c, a, b, &surface);
@@ -654,19 +668,35 @@ static void read_bodies(context *c)
     }
 }
 
-/* Record velocities and applied efforts of bodies as a step begins. */
-static void record_bodies(context *c)
+enum { MOTION_COLUMNS = 13 };
+
+/* Record velocity and applied efforts of a body as a step begins; finish_motion makes accelerations of the velocities. */
+static void record_motion(const context *c, int64_t i)
+{
+    void *body = c->bodies[i];
+    double *row = c->body_motion + MOTION_COLUMNS * i;
+    memcpy(row, dBodyGetLinearVel(body), 3 * sizeof(double));
+    memcpy(row + 3, dBodyGetAngularVel(body), 3 * sizeof(double));
+    memcpy(row + 6, dBodyGetForce(body), 3 * sizeof(double));
+    memcpy(row + 9, dBodyGetTorque(body), 3 * sizeof(double));
+    row[12] = dBodyGetGravityMode(body) && !dBodyIsKinematic(body) ? 1.0 : 0.0;
+}
+
+static void finish_motion(const context *c)
 {
     int64_t i;
+    int k;
     for (i = 0; i < c->body_count; i++) {
-        void *body = c->bodies[i];
-        double *row = c->body_start + 12 * i;
-        if (!body)
+        double *row = c->body_motion + MOTION_COLUMNS * i;
+        const double *v, *w;
+        if (!c->bodies[i])
             continue;
-        memcpy(row, dBodyGetLinearVel(body), 3 * sizeof(double));
-        memcpy(row + 3, dBodyGetAngularVel(body), 3 * sizeof(double));
-        memcpy(row + 6, dBodyGetForce(body), 3 * sizeof(double));
-        memcpy(row + 9, dBodyGetTorque(body), 3 * sizeof(double));
+        v = dBodyGetLinearVel(c->bodies[i]);
+        w = dBodyGetAngularVel(c->bodies[i]);
+        for (k = 0; k < 3; k++) {
+            row[k] = (v[k] - row[k]) / c->step;
+            row[3 + k] = (w[k] - row[3 + k]) / c->step;
+        }
     }
 }
 
@@ -789,19 +819,26 @@ static int is_within(const double *v, double most)
     return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
 }
 
-/* Reset velocities and efforts of diverged bodies: ODE ends the process on non-finite numbers. */
-static void reset_diverged(context *c)
+/* Record motion where that is on, and reset velocities and efforts of diverged bodies: ODE ends the process on
+ * non-finite numbers. */
+static void begin_motion(context *c)
 {
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
-        if (!body || (is_within(dBodyGetLinearVel(body), MAX_SPEED) && is_within(dBodyGetAngularVel(body), MAX_SPEED) &&
-                      is_within(dBodyGetForce(body), MAX_EFFORT) && is_within(dBodyGetTorque(body), MAX_EFFORT)))
+        if (!body)
+            continue;
+        if (c->record_motion)
+            record_motion(c, i);
+        if (is_within(dBodyGetLinearVel(body), MAX_SPEED) && is_within(dBodyGetAngularVel(body), MAX_SPEED) &&
+            is_within(dBodyGetForce(body), MAX_EFFORT) && is_within(dBodyGetTorque(body), MAX_EFFORT))
             continue;
         dBodySetLinearVel(body, 0.0, 0.0, 0.0);
         dBodySetAngularVel(body, 0.0, 0.0, 0.0);
         dBodySetForce(body, 0.0, 0.0, 0.0);
         dBodySetTorque(body, 0.0, 0.0, 0.0);
+        if (c->record_motion)
+            record_motion(c, i);
         c->reset_row = i + 1;
     }
 }
@@ -859,9 +896,7 @@ static int solve(context *c)
     request_feedback(c);
     apply_springs(c);
     c->reset_row = 0;
-    reset_diverged(c);
-    if (c->record_motion)
-        record_bodies(c);
+    begin_motion(c);
     c->abandoned = 0;
     guarded = 1;
     if (SET_JUMP(escape))
@@ -875,6 +910,8 @@ static int solve(context *c)
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
+    if (c->record_motion)
+        finish_motion(c);
     read_bodies(c);
     read_joints(c);
     if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
@@ -924,6 +961,21 @@ int gz_step(context *c)
     done = solve(c);
     pthread_mutex_unlock(&ode_lock);
     return done;
+}
+
+/* Depth of the deepest contact point of two geoms; -1 without any, and if their collision detection fails. */
+double gz_overlap(context *c, void *geom1, void *geom2)
+{
+    contact points[MOST_CONTACTS];
+    double deepest = -1.0;
+    int count, i;
+    enter_ode();
+    count = find_points(c, geom1, geom2, MAX_CONTACTS, points);
+    for (i = 0; i < count; i++)
+        deepest = larger(deepest, points[i].geom.depth);
+    c->collision_failed = 0;
+    pthread_mutex_unlock(&ode_lock);
+    return deepest;
 }
 
 void gz_read(context *c)

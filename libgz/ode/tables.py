@@ -66,7 +66,8 @@ class BodyTable(_Table):
         ids: ODE handles; 0 for a free row.
         com: centres of mass in the body frame [m], shape (rows, 3).
         state: see `Engine.states`, shape (rows, 16).
-        start: velocities and applied efforts as the last step began, shape (rows, 12).
+        motion: of the last step: linear and angular acceleration, applied force and torque, 1 if gravity acted; shape
+            (rows, 13). Filled while the step records motion.
         fresh: whether `state` is up to date, a byte per row.
         values: `state` as one row of numbers: single ones are read faster than through numpy.
     """
@@ -77,18 +78,18 @@ class BodyTable(_Table):
         self.ids = np.zeros(_FIRST_SIZE, dtype=np.uintp)
         self.com = np.zeros((_FIRST_SIZE, 3))
         self.state = np.zeros((_FIRST_SIZE, 16))
-        self.start = np.zeros((_FIRST_SIZE, 12))
+        self.motion = np.zeros((_FIRST_SIZE, 13))
 
     def _grow(self) -> None:
         self.ids, self.com = _doubled(self.ids), _doubled(self.com)
-        self.state, self.start = _doubled(self.state), _doubled(self.start)
+        self.state, self.motion = _doubled(self.state), _doubled(self.motion)
 
     def add(self, body: object, handle: int) -> int:
         """Register a body; returns its row."""
         row = self._take_row(body)
         self.ids[row] = handle
         self.com[row] = 0.0
-        self.start[row] = 0.0
+        self.motion[row] = 0.0
         return row
 
     def remove(self, row: int) -> None:
@@ -99,7 +100,7 @@ class BodyTable(_Table):
     def publish(self, context: StepContext, fresh: bool) -> None:
         """Hand the arrays to the step; `fresh` is what rows are after one."""
         context.bodies, context.com = self.ids.ctypes.data, self.com.ctypes.data
-        context.body_state, context.body_start = self.state.ctypes.data, self.start.ctypes.data
+        context.body_state, context.body_motion = self.state.ctypes.data, self.motion.ctypes.data
         context.body_count = self.used
         self.values = _flat(self.state)
         self.fresh = bytearray(self._size)

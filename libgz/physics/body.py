@@ -34,6 +34,7 @@ from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotation_tuple
 from libgz.physics.engine import Engine, HasEngine
+from libgz.physics.lock import built, exclusive
 
 if TYPE_CHECKING:
     from libgz.physics.geom import Geom
@@ -70,6 +71,7 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
+    @built
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
         self.engine: Engine = world.engine
         self.bodyName = name
@@ -127,6 +129,7 @@ class Body:
         """The ODE handle; 0 for a dummy."""
         return self.id
 
+    @exclusive
     def close(self) -> None:
         """Destroy the body, its geoms, and the joints that hold it."""
         if self._closed:
@@ -136,6 +139,8 @@ class Body:
             joint.close()
         for geom in list(self.geoms):
             geom.close()
+        for bundle in [bundle for bundle in self.engine.ray_bundles if bundle.body is self]:
+            self.engine.ray_bundles.discard(bundle)
         if self._id is not None:
             self.engine.auto_disabled.discard(self)
             self._table.remove(self.row)
@@ -175,6 +180,7 @@ class Body:
         """Global rotation of the body frame."""
         return self.GetPose().rot
 
+    @exclusive
     def SetPose(self, pose: GzPose) -> None:
         """Put the body frame at a global pose [m]; velocities stay as they are.
 
@@ -239,6 +245,7 @@ class Body:
         """Set the angular velocity [rad/s], global."""
         self._set_velocity(ode().dBodySetAngularVel, velocity, "angular velocity [rad/s]")
 
+    @exclusive
     def _set_velocity(self, function: Callable[..., Any], velocity: VectorLike, what: str) -> None:
         values = finite_tuple(velocity, 3, what, LARGEST)
         if self.row >= 0:
@@ -257,28 +264,35 @@ class Body:
 
         Zero unless the engine's `record_motion` is on.
         """
-        return self._accel(0, self.GetLinearVel)
+        return self._motion(0)
 
     def GetAngularAccel(self) -> GzVector:
         """Angular acceleration in the last step [rad/s^2], global; zero unless the engine's `record_motion` is on."""
-        return self._accel(3, self.GetAngularRate)
-
-    def _accel(self, column: int, velocity: Callable[[], GzVector]) -> GzVector:
-        if self.row < 0 or not self.engine.record_motion:
-            return GzVector()
-        start = self._table.start[self.row, column : column + 3].tolist()
-        return GzVector(*((v - s) / self.engine.step_time for v, s in zip(velocity(), start, strict=True)))
+        return self._motion(3)
 
     def GetAppliedForce(self) -> GzVector:
         """The force applied to the body in the last step [N], global; without gravity, contacts and joints.
 
         Zero unless the engine's `record_motion` is on.
         """
-        return GzVector(*self._table.start[self.row, 6:9].tolist()) if self.row >= 0 else GzVector()
+        return self._motion(6)
 
     def GetAppliedTorque(self) -> GzVector:
         """The torque applied in the last step [N m], likewise."""
-        return GzVector(*self._table.start[self.row, 9:12].tolist()) if self.row >= 0 else GzVector()
+        return self._motion(9)
+
+    def GetWeight(self) -> GzVector:
+        """The force of gravity in the last step [N], global; zero unless the engine's `record_motion` is on."""
+        if self.row < 0 or not self._table.motion[self.row, 12]:
+            return GzVector()
+        mass = self.mass
+        return GzVector(*(mass * g for g in self.engine.gravity))
+
+    def _motion(self, column: int) -> GzVector:
+        """Three columns of what the last step recorded."""
+        if self.row < 0:
+            return GzVector()
+        return GzVector(*self._table.motion[self.row, column : column + 3].tolist())
 
     def GetKineticEnergy(self) -> float:
         """Energy of motion [J]: m v^2 / 2 + w I w / 2."""
@@ -296,6 +310,7 @@ class Body:
 
     # Switches ----------------------------------------------------------------------------------------------------
 
+    @exclusive
     def Enable(self, enable: bool) -> None:
         """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
         if self.row >= 0:
@@ -304,6 +319,7 @@ class Body:
             else:
                 ode().dBodyDisable(self.id)
 
+    @exclusive
     def set_auto_disable(self, on: bool) -> None:
         """Whether the body sleeps after 1 s and 5 steps below 0.1 m/s and 0.1 rad/s.
 
@@ -327,6 +343,7 @@ class Body:
         """Whether the body is awake; a dummy never is."""
         return self.row >= 0 and bool(ode().dBodyIsEnabled(self.id))
 
+    @exclusive
     def SetGravityMode(self, mode: bool) -> None:
         """Whether gravity acts on this body."""
         if self.row >= 0:
@@ -336,16 +353,19 @@ class Body:
         """1 if gravity acts on this body, else 0."""
         return int(ode().dBodyGetGravityMode(self.id)) if self.row >= 0 else 0
 
+    @exclusive
     def SetFiniteRotationMode(self, mode: int) -> None:
         """1: rotations are integrated exactly, which suits fast wheels; 0: the quick way."""
         if self.row >= 0:
             ode().dBodySetFiniteRotationMode(self.id, int(bool(mode)))
 
+    @exclusive
     def SetFiniteRotationAxis(self, x: float, y: float, z: float) -> None:
         """The global axis about which mode 1 is exact; zero for all axes."""
         if self.row >= 0:
             ode().dBodySetFiniteRotationAxis(self.id, *finite_tuple((x, y, z), 3, "axis"))
 
+    @exclusive
     def set_damping(self, linear: float, angular: float) -> None:
         """Share of linear and angular velocity that is lost in each step, 0 to 1."""
         self.damping = min(1.0, not_negative(linear, "damping")), min(1.0, not_negative(angular, "angular damping"))
@@ -353,6 +373,7 @@ class Body:
             ode().dBodySetLinearDamping(self.id, self.damping[0])
             ode().dBodySetAngularDamping(self.id, self.damping[1])
 
+    @exclusive
     def set_kinematic(self, kinematic: bool) -> None:
         """Whether the body moves by its velocity only: forces and contacts do not move it."""
         if self.row >= 0:
@@ -404,6 +425,7 @@ class Body:
         """Add a global force [N] at a point given relative to the centre of mass, in body axes [m]."""
         self._force(ode().dBodyAddForceAtRelPos, (fx, fy, fz, px, py, pz))
 
+    @exclusive
     def _force(self, function: Callable[..., Any], values: VectorLike | Sequence[float]) -> None:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
@@ -413,6 +435,7 @@ class Body:
 
     # Divergence --------------------------------------------------------------------------------------------------
 
+    @exclusive
     def recover(self, *, drop_efforts: bool) -> None:
         """After a step in which ODE failed or bodies diverged: stop this body if its state is out of range.
 
@@ -429,6 +452,7 @@ class Body:
             return
         self.report_divergence()
         self._drop_efforts()
+        self._table.motion[self.row] = 0.0
         self.SetLinearVel(_STILL)
         self.SetAngularVel(_STILL)
         usable = all(map(math.isfinite, rotation)) and any(rotation)
@@ -472,6 +496,7 @@ class Body:
             ode().dBodyGetMass(self.id, ctypes.addressof(result))
         return result
 
+    @exclusive
     def UpdateCoM(self) -> None:
         """Recompute mass and centre of mass from the geoms; nothing moves in the world. Geoms call this themselves."""
         if self.row < 0:
@@ -489,6 +514,7 @@ class Body:
             return
         self._take_mass(mass_.sum_masses(masses))
 
+    @exclusive
     def SetMassMatrix(self, mass: mass_.Mass) -> None:
         """Give the body a mass matrix, in its own frame, in place of the sum of its geoms'.
 

@@ -27,6 +27,7 @@ from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
 from libgz.physics.engine import HasEngine
 from libgz.physics.joint import AxisJoint, FixedJoint, HingeJoint, Joint, JointFunctions, SliderJoint
+from libgz.physics.lock import exclusive
 from libgz.physics.mass import given_mass
 
 __all__ = ["Gears", "LineJoint", "PistonJoint", "Thread", "TieJoint"]
@@ -73,6 +74,7 @@ class LineJoint(Joint):
     def _ode_functions(lib: OdeLibrary) -> JointFunctions:
         return JointFunctions(lib.dJointCreateDBall, lib.dJointSetDBallParam, lib.dJointGetDBallParam)
 
+    @exclusive
     def place(self, point: GzVector, direction: GzVector, error: float) -> None:
         """Put the line through a global point [m]; `error` [m] is how far the first body is ahead along it."""
         half = GzVectorMul(0.5, direction)

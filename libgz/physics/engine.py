@@ -24,6 +24,7 @@ from libgz.ode.step import choose_step
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactRule
 from libgz.physics.check import FAR, LARGEST, finite, finite_tuple, not_negative, positive
+from libgz.physics.lock import WorldLock, exclusive
 from libgz.physics.space import ALL_COLLIDE, LASER_COLLIDE, Space
 
 __all__ = ["SOLVERS", "Engine", "HasEngine"]
@@ -47,6 +48,10 @@ class HasEngine(Protocol):
 class RayBundle(Protocol):
     """A sensor's rays."""
 
+    @property
+    def body(self) -> Any:
+        """The body that they are fixed to, which removes them from `Engine.ray_bundles` when it is closed."""
+
     def segments(self) -> NDArray[np.float64]:
         """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
 
@@ -62,13 +67,14 @@ class Engine:
     """One ODE world.
 
     Attributes:
+        lock: held by a step, and by all that changes the world.
         tables: the states of bodies and joints, and the contact properties of geoms.
         bodies, joints, geoms: the objects of `physics.body`, `physics.joint` and `physics.geom` by their rows. These
             modules stand above this one, so their types are not named here.
         spaces: open spaces, in order of construction.
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
-        ray_bundles: rays of sensors, for a renderer to show.
+        ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -91,6 +97,7 @@ class Engine:
     ) -> None:
         lib = ode()
         self._ode: OdeLibrary = lib
+        self.lock = WorldLock()
         world, top, contacts = lib.dWorldCreate(), lib.dHashSpaceCreate(None), lib.dJointGroupCreate(0)
         self.top = Space(self, top)
         probe, ray = lib.dCreateBox(None, 1.0, 1.0, 1.0), lib.dCreateRay(None, 1.0)
@@ -167,6 +174,7 @@ class Engine:
         return self._gravity
 
     @gravity.setter
+    @exclusive
     def gravity(self, value: VectorLike) -> None:
         self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
         self._ode.dWorldSetGravity(self.world, *self._gravity)
@@ -193,6 +201,7 @@ class Engine:
     def seed(self, value: int) -> None:
         self._context.seed = int(value) & 0xFFFFFFFF
 
+    @exclusive
     def set_quick_step(self, iterations: int, over_relaxation: float) -> None:
         """Set iterations of the quick solver, and its over-relaxation, 1 to 2.
 
@@ -206,6 +215,7 @@ class Engine:
         self._ode.dWorldSetQuickStepNumIterations(self.world, self.iterations)
         self._ode.dWorldSetQuickStepW(self.world, self.over_relaxation)
 
+    @exclusive
     def set_constraints(self, erp: float, cfm: float, correcting_velocity: float) -> None:
         """Set how errors of joints are corrected: share per step, softness, and the limit for contacts [m/s].
 
@@ -240,6 +250,7 @@ class Engine:
     def check_divergence(self, value: bool) -> None:
         self._context.check_divergence = int(value)
 
+    @exclusive
     def extend_range(self) -> None:
         """Use cells of 4 m instead of 1/8 m in ODE's hash space.
 
@@ -313,7 +324,8 @@ class Engine:
         Columns: position [m] and quaternion (u, x, y, z) of the body frame, position of the centre of mass [m],
         linear velocity of that [m/s], angular velocity [rad/s]; all global.
         """
-        self.step_form.read()
+        with self.lock:  # reading releases the interpreter lock
+            self.step_form.read()
         bodies = self.tables.bodies
         view = bodies.state[: bodies.used].view()
         view.flags.writeable = False
@@ -325,19 +337,25 @@ class Engine:
         return bool(self._context.record_motion)
 
     @record_motion.setter
+    @exclusive
     def record_motion(self, value: bool) -> None:
-        if value and not self._context.record_motion:  # no step has changed velocities yet
-            bodies = self.tables.bodies
-            bodies.start[: bodies.used] = 0.0
-            bodies.start[: bodies.used, :6] = self.states[:, 10:16]
+        if value and not self._context.record_motion:
+            self.forget_motion()
         self._context.record_motion = int(value)
 
+    @exclusive
+    def forget_motion(self) -> None:
+        """Set recorded accelerations and efforts to zero, as before the first step."""
+        self.tables.bodies.motion[:] = 0.0
+
+    @exclusive
     def wake(self) -> None:
         """Wake all sleeping bodies: what they rest on was moved or removed, or gravity changed."""
         if self.steps:  # nothing sleeps before
             for body in self.auto_disabled:
                 body.Enable(True)
 
+    @exclusive
     def sort_geoms(self) -> None:
         """Bring moving geoms into the order of their bodies: contacts are found in it, and ODE keeps that of movement.
 
@@ -361,20 +379,28 @@ class Engine:
             GazeboError: ODE ran out of memory.
             ClosedError: the world was closed.
         """
-        if get_ident() != self._thread:
-            self._enter_thread()
-        self._finish(self._step())
+        lock = self.lock
+        if not lock.try_acquire():
+            lock.wait()
+        try:
+            if get_ident() != self._thread:
+                self._enter_thread()
+            self._finish(self._step())
+        finally:
+            lock.release()
 
     def _enter_thread(self) -> None:
         self._ode.ensure_thread()
         self._thread = get_ident()
 
+    @exclusive
     def collide(self) -> None:
         """The first half of a step, for work between contacts and motion; `solve` follows."""
         self._enter_thread()
         self.collisions += 1
         self.step_form.collide()
 
+    @exclusive
     def solve(self) -> None:
         """The second half of a step."""
         self._finish(self.step_form.solve())
@@ -399,7 +425,7 @@ class Engine:
         if not most:
             return "ODE ran out of memory in a step: the world is too large"
         geom = geoms[crowds.index(most)]
-        where = getattr(geom.body.model, "place", "")
+        where = geom.body.model.MasterPlace() if hasattr(geom.body.model, "MasterPlace") else ""
         return (
             f"{where}ODE ran out of memory in a step: too many contacts at once; {geom.label} is where {most} other "
             "shapes are, too"
@@ -426,6 +452,11 @@ class Engine:
             self._report_failed_pair(tuple(context.failed_rows))
             self.sort_geoms()  # the failed pair may have left a wrong bounding box of a geom in ODE
 
+    def overlap(self, geom1: int, geom2: int) -> float:
+        """The depth of the deepest contact point of two geoms, by their handles [m]; -1 if they do not touch."""
+        self._ode.ensure_thread()
+        return self.step_form.overlap(geom1, geom2)
+
     def _report_failed_pair(self, rows: tuple[int, ...]) -> None:
         """Report a pair of geoms whose collision detection failed, the first time; row -1 is a ray."""
         if rows in self._failed_pairs:
@@ -449,14 +480,20 @@ class Engine:
 
     def scanner(self, scan: RayScan) -> Callable[[], None]:
         """A prepared scan that can be run again and again, at less cost than as many calls of `scan`."""
-        ensure_thread, cast = self._ode.ensure_thread, self.step_form.scanner(scan)
+        ensure_thread, cast, lock = self._ode.ensure_thread, self.step_form.scanner(scan), self.lock
 
         def make() -> None:
-            ensure_thread()
-            cast()
+            if not lock.try_acquire():
+                lock.wait()
+            try:
+                ensure_thread()
+                cast()
+            finally:
+                lock.release()
 
         return make
 
+    @exclusive
     def close(self) -> None:
         """Destroy the world and everything in it; later use of its parts raises ClosedError."""
         if not self._destroy.alive:

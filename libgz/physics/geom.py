@@ -26,6 +26,8 @@ from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.engine import Engine
+from libgz.physics.lock import built, exclusive
 from libgz.physics.space import Space
 
 __all__ = ["Geom"]
@@ -54,6 +56,7 @@ class Geom:
     extra_rotation: GzQuatern | None = None  # between ODE's shape and this one
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
+    @built
     def __init__(
         self,
         body: Body,
@@ -80,6 +83,7 @@ class Geom:
         if handle is not None:
             self._adopt(handle)
 
+    @exclusive
     def _adopt(self, handle: int) -> None:
         """Use this ODE geom, in place of the previous one."""
         self._destroy_handle()
@@ -104,6 +108,10 @@ class Geom:
         """Its kind and body, for messages."""
         return f"{type(self).__name__} of {self.body.label}"
 
+    def _of(self, what: str) -> str:
+        """The name of a property in messages: which geom of which body has it."""
+        return f"{what} of {type(self).__name__} {self.body.geoms.index(self) + 1} of body {self.body.label!r}"
+
     @property
     def id(self) -> int:
         """The ODE handle; 0 if the geom is only rendered.
@@ -115,10 +123,16 @@ class Geom:
             raise ClosedError(f"{type(self).__name__} of body {self.body.bodyName or 'unnamed'!r} was closed")
         return self._id or 0
 
+    @property
+    def engine(self) -> Engine:
+        """The ODE world that it is in."""
+        return self.body.engine
+
     def GetGeomId(self) -> int:
         """The ODE handle; 0 if the geom is only rendered."""
         return self.id
 
+    @exclusive
     def close(self) -> None:
         """Destroy the geom."""
         if self._closed:
@@ -131,6 +145,7 @@ class Geom:
 
     # Place -------------------------------------------------------------------------------------------------------
 
+    @exclusive
     def place(self) -> None:
         """Place ODE's geom on its body, whose ODE origin is the centre of mass."""
         if not self.id or not self.placeableGeom:
@@ -142,6 +157,7 @@ class Geom:
         ode().dGeomSetOffsetPosition(self.id, *position)
         ode().dGeomSetOffsetQuaternion(self.id, (ctypes.c_double * 4)(*self._turned(self._relative.rot)))
 
+    @exclusive
     def follow_dummy(self) -> None:
         """Place ODE's geom at the global pose that results from its dummy body."""
         if self.id and self.placeableGeom:
@@ -152,6 +168,7 @@ class Geom:
     def _turned(self, rotation: GzQuatern) -> GzQuatern:
         return rotation if self.extra_rotation is None else GzQuaternMul(rotation, self.extra_rotation)
 
+    @exclusive
     def SetRelativePose(self, pose: GzPose, updateCoM: bool = True) -> None:
         """Place the geom's centre in the body frame [m].
 
@@ -186,6 +203,7 @@ class Geom:
 
     # Mass --------------------------------------------------------------------------------------------------------
 
+    @exclusive
     def SetMass(self, kilograms: float) -> None:
         """Set the geom's total mass [kg]; 0 makes it weightless.
 
@@ -197,7 +215,7 @@ class Geom:
         """
         if self.volume_mass is None:
             return
-        if not_negative(kilograms, "mass [kg]") < MASSLESS:
+        if not_negative(kilograms, self._of("mass [kg]")) < MASSLESS:
             if "setMassZero" in self.body.engine.quirks:
                 return
             self._mass = None
@@ -233,6 +251,7 @@ class Geom:
         """One contact property; see `Surface`."""
         return float(self._table.surface[self.row, column])
 
+    @exclusive
     def set_surface(self, column: int, value: float) -> None:
         """Change one contact property, unchecked; see `Surface`."""
         self._table.set_surface(self.row, column, value)
@@ -244,18 +263,22 @@ class Geom:
             ParameterError: kp is not above zero, or kd is negative.
         """
         if not kp > 0.0:
-            raise ParameterError(f"hardness kp is {kp:g} N/m; it must be above zero")
+            raise ParameterError(f"{self._of('hardness kp')} is {kp:g} N/m; it must be above zero")
+        damper = not_negative(kd, self._of("hardness kd [N s/m]"))
         self.set_surface(Surface.KP, float(kp))
-        self.set_surface(Surface.KD, not_negative(kd, "hardness kd [N s/m]"))
+        self.set_surface(Surface.KD, damper)
 
     def SetFriction(self, mu1: float, mu2: float | None = None) -> None:
         """Coulomb coefficient; the smaller one of two geoms applies. `mu2` is used by the classic contact rule only."""
-        self.set_surface(Surface.MU, not_negative(mu1, "friction mu1"))
-        self.set_surface(Surface.MU2, not_negative(mu1 if mu2 is None else mu2, "friction mu2"))
+        first = not_negative(mu1, self._of("friction mu1"))
+        second = not_negative(mu1 if mu2 is None else mu2, self._of("friction mu2"))
+        self.set_surface(Surface.MU, first)
+        self.set_surface(Surface.MU2, second)
 
     def SetBounce(self, bounce: float) -> None:
         """Coefficient of restitution, 0 to 1; ignored with the quirk noBounce."""
-        value = finite(not_negative(bounce, "bounce"), "bounce")
+        what = self._of("bounce")
+        value = finite(not_negative(bounce, what), what)
         if "noBounce" not in self.body.engine.quirks:
             self.set_surface(Surface.BOUNCE, value)
 
@@ -279,12 +302,14 @@ class Geom:
         """The value last set."""
         return self._slip[1]
 
+    @exclusive
     def SetCategoryBits(self, bits: int) -> None:
         """Set the collision category."""
         if self.id:
             ode().dGeomSetCategoryBits(self.id, bits)
             self.body.engine.wake()
 
+    @exclusive
     def SetCollideBits(self, bits: int) -> None:
         """Set the categories that this geom collides with."""
         if self.id:

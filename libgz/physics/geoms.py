@@ -16,6 +16,7 @@ from libgz.physics.appearance import RENDER_LIGHT
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
+from libgz.physics.lock import built, exclusive
 from libgz.physics.space import Space
 
 __all__ = [
@@ -41,11 +42,13 @@ def _space_id(space: Space | None) -> int | None:
 class BoxGeom(Geom):
     """A box of full lengths x, y, z [m]."""
 
+    @built
     def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
         handle = ode().dCreateBox(_space_id(space), *self.size)
         super().__init__(body, space, handle, mass_.box_mass(*self.size))
 
+    @exclusive
     def resize(self, xDim: float, yDim: float, zDim: float) -> None:
         """Change the lengths [m]; the mass stays."""
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
@@ -57,10 +60,12 @@ class BoxGeom(Geom):
 class SphereGeom(Geom):
     """A sphere of the given radius [m]."""
 
+    @built
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
         self.radius = positive(radius, "sphere radius [m]")
         super().__init__(body, space, ode().dCreateSphere(_space_id(space), self.radius), mass_.sphere_mass(radius))
 
+    @exclusive
     def resize(self, radius: float) -> None:
         """Change the radius [m]; the mass stays."""
         self.radius = positive(radius, "sphere radius [m]")
@@ -72,6 +77,7 @@ class SphereGeom(Geom):
 class CylinderGeom(Geom):
     """A cylinder along z, centred: radius and length [m]."""
 
+    @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
         self.radius = positive(radius, "cylinder radius [m]")
         self.length = positive(length, "cylinder length [m]")
@@ -79,6 +85,7 @@ class CylinderGeom(Geom):
         super().__init__(body, space, handle, mass_.cylinder_mass(radius, length))
         body.UpdateCoM()
 
+    @exclusive
     def resize(self, radius: float, length: float) -> None:
         """Change radius and length [m]; the mass stays."""
         self.radius = positive(radius, "cylinder radius [m]")
@@ -91,6 +98,7 @@ class CylinderGeom(Geom):
 class CapsuleGeom(Geom):
     """A cylinder along z with round caps, centred: radius and length of the cylinder [m]."""
 
+    @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
         self.radius = positive(radius, "capsule radius [m]")
         self.length = positive(length, "capsule length [m]")
@@ -109,6 +117,7 @@ class WheelGeom(SphereGeom):
 class PlaneGeom(Geom):
     """An infinite plane, normal . p = altitude [m], in global terms: it does not follow its body."""
 
+    @built
     def __init__(self, body: Body, space: Space | None, altitude: float, normal: VectorLike) -> None:
         self.altitude = finite(altitude, "altitude [m]")
         self.normal = GzVector(*unit_axis(normal, "normal"))
@@ -133,11 +142,13 @@ class TriMeshGeom(Geom):
     colors: NDArray[np.float64] | None = None
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
+    @built
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
         self._data: int | None = None
         self.set_mesh(vertices, triangles)
 
+    @exclusive
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         """Replace the mesh."""
         points = table(vertices, 3, "vertices").astype(np.float64)
@@ -168,6 +179,7 @@ class TriMeshGeom(Geom):
         if old is not None:
             ode().dGeomTriMeshDataDestroy(old)
 
+    @exclusive
     def close(self) -> None:
         """Destroy the geom and its mesh."""
         super().close()
@@ -194,6 +206,7 @@ class HeightfieldGeom(Geom):
     # ODE's field lies in x and z with heights along y; turned about x, its y is our z and its z our -y.
     extra_rotation = GzQuaternFromAxis(1.0, 0.0, 0.0, math.pi / 2.0)
 
+    @built
     def __init__(
         self, body: Body, space: Space | None, heights: ArrayLike, xSize: float, ySize: float, thickness: float = 1.0
     ) -> None:
@@ -210,6 +223,7 @@ class HeightfieldGeom(Geom):
         )
         super().__init__(body, space, ode().dCreateHeightfield(_space_id(space), self._data, 1))
 
+    @exclusive
     def close(self) -> None:
         """Destroy the geom and its heights."""
         super().close()

@@ -28,6 +28,7 @@ from libgz.ode.types import (
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
 from libgz.physics.engine import Engine, HasEngine
+from libgz.physics.lock import built, exclusive
 
 __all__ = [
     "AxisJoint",
@@ -91,6 +92,7 @@ class Joint:
     motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0
     bodies_needed: ClassVar[int] = 0  # which must be attached before anchor, axes and efforts, or ODE ends the process
 
+    @built
     def __init__(self, world: HasEngine, group: JointGroup | None = None, *, name: str | None = None) -> None:
         self.engine: Engine = world.engine
         self.name = name
@@ -129,6 +131,7 @@ class Joint:
             raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
         return self._id
 
+    @exclusive
     def close(self) -> None:
         """Destroy the joint."""
         if self._id is None:
@@ -157,15 +160,18 @@ class Joint:
                     body.Enable(True)
         self.bodies = (None, None)
 
+    @exclusive
     def reset_turns(self) -> None:
         """Count turns of all angles from zero again; see `Engine.count_turns`."""
         self.engine.tables.attach_joint(self.row, self.id)
 
+    @exclusive
     def count_turns_from(self, index: int, angle: float) -> None:
         """Count turns of the first (0) or second (1) angle from a value [rad] on."""
         self._table.state[self.row, index] = angle
         self.engine.tables.joint_moved(self.row)
 
+    @exclusive
     def _set_axis(self, function: Callable[..., Any] | None, axis: VectorLike) -> None:
         if function is not None:
             self._require_bodies()
@@ -191,6 +197,7 @@ class Joint:
 
     # Bodies ------------------------------------------------------------------------------------------------------
 
+    @exclusive
     def Attach(self, one: Body | None, two: Body | None) -> None:
         """Join two bodies; None, or a dummy body, stands for the world. Two of these: nothing happens."""
         ids = tuple(0 if body is None else body.id for body in (one, two))
@@ -206,6 +213,7 @@ class Joint:
                 body.joints[self] = None
         self.engine.tables.attach_joint(self.row, self.id)
 
+    @exclusive
     def provide_feedback(self, on: bool) -> None:
         """Whether `feedback` is filled in each step; off by default, and then it costs nothing."""
         if on == (self._feedback is not None):
@@ -231,6 +239,7 @@ class Joint:
         # ODE's first body is never missing.
         return (*first, *second) if one else (*second, *first)
 
+    @exclusive
     def Detach(self) -> None:
         """Detach both bodies."""
         self._forget_bodies()
@@ -250,6 +259,7 @@ class Joint:
         """ODE's number of the joint's kind."""
         return int(self.kind)
 
+    @exclusive
     def set_spring(self, stiffness: float, damping: float, reference: float = 0.0) -> None:
         """Apply stiffness (reference - position) - damping rate in every step: a spring and a damper.
 
@@ -264,6 +274,7 @@ class Joint:
 
     # Parameters --------------------------------------------------------------------------------------------------
 
+    @exclusive
     def SetAnchor(self, anchor: VectorLike) -> None:
         """Place the joint at a global point [m]; without effect for sliders and fixed joints."""
         if self._functions.set_anchor is not None:
@@ -275,6 +286,7 @@ class Joint:
         """The global anchor on the first body [m]; zero for sliders and fixed joints."""
         return self._get_vector(self._functions.get_anchor)
 
+    @exclusive
     def SetParam(self, parameter: int, value: float) -> None:
         """Set a parameter such as dParamVel [rad/s or m/s], dParamFMax [N m or N], dParamLoStop, dParamHiStop.
 
@@ -289,6 +301,7 @@ class Joint:
         """The value of a parameter."""
         return float(self._functions.get_param(self.id, known_parameter(parameter)))
 
+    @exclusive
     def motors_off(self) -> None:
         """Switch the joint's motors off."""
         with contextlib.suppress(ClosedError):
@@ -335,6 +348,7 @@ class HingeJoint(AxisJoint):
             lib.dJointGetHingeAxis,
         )
 
+    @exclusive
     def SetParam(self, parameter: int, value: float) -> None:
         """As that of all joints.
 
@@ -358,6 +372,7 @@ class HingeJoint(AxisJoint):
             return self._stops[parameter == dParamHiStop]
         return super().GetParam(parameter)
 
+    @exclusive
     def SetTorque(self, torque: float) -> None:
         """Add a torque about the axis for one step [N m]."""
         ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
@@ -394,6 +409,7 @@ class SliderJoint(Joint):
         """Velocity along the axis [m/s]: that of one body less that of the other, which is not zero if both turn."""
         return self._value(2)
 
+    @exclusive
     def SetSliderForce(self, force: float) -> None:
         """Add a force along the axis for one step [N]."""
         self._require_bodies()
@@ -425,6 +441,7 @@ class FixedJoint(Joint):
     def _ode_functions(lib: OdeLibrary) -> JointFunctions:
         return JointFunctions(lib.dJointCreateFixed, lib.dJointSetFixedParam, lib.dJointGetFixedParam)
 
+    @exclusive
     def SetFixed(self) -> None:
         """Keep the bodies at their current relative pose."""
         ode().dJointSetFixed(self.id)

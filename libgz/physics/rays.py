@@ -13,6 +13,7 @@ from libgz.ode.context import RayScan
 from libgz.physics.body import Body
 from libgz.physics.check import finite_tuple
 from libgz.physics.engine import HasEngine
+from libgz.physics.geom import Geom
 
 __all__ = ["RayProximity"]
 
@@ -74,12 +75,17 @@ class RayProximity:
         """Distance from the ray's start [m]; the largest float if it hit nothing."""
         return float(self.ranges[index])
 
+    def hits(self) -> list[Geom | None]:
+        """The geom that each ray hit in the last `Update`; None for nothing, and for one that was destroyed since."""
+        find = self.engine.geoms.get
+        return [find(row) for row in self.rows.tolist()]
+
     def GetRetro(self, index: int) -> float:
-        """How much the geom that was hit reflects back; 0 if nothing was hit."""
-        row = int(self.rows[index])
-        return self.engine.geoms[row].GetRetro() if row >= 0 else 0.0
+        """How much the geom that was hit reflects back; 0 if nothing was hit, or the geom was destroyed since."""
+        geom = self.engine.geoms.get(int(self.rows[index]))
+        return geom.GetRetro() if geom is not None else 0.0
 
     def GetFiducial(self, index: int) -> int:
         """The fiducial number of the geom that was hit; -1 for none."""
-        row = int(self.rows[index])
-        return self.engine.geoms[row].GetFiducial() if row >= 0 else -1
+        geom = self.engine.geoms.get(int(self.rows[index]))
+        return geom.GetFiducial() if geom is not None else -1

@@ -7,6 +7,7 @@ from typing import Protocol
 from libgz.errors import ClosedError
 from libgz.ode.context import Step
 from libgz.ode.lib import ode
+from libgz.physics.lock import WorldLock, built, exclusive
 
 __all__ = ["Space"]
 
@@ -17,6 +18,8 @@ ALL_COLLIDE = 0xFFFFFFFF
 
 class SpaceOwner(Protocol):
     """The part of an `Engine` that its spaces use."""
+
+    lock: WorldLock
 
     @property
     def top(self) -> Space:
@@ -41,6 +44,7 @@ class Space:
             detection.
     """
 
+    @built
     def __init__(self, engine: SpaceOwner, handle: int | None = None, parent: Space | None = None) -> None:
         self.engine = engine
         self._id = handle
@@ -66,11 +70,13 @@ class Space:
         """Mark as ground: no contacts with other fixed spaces."""
         self.set_bits(FIXED_COLLIDE, ALL_COLLIDE & ~FIXED_COLLIDE)
 
+    @exclusive
     def set_bits(self, category: int, collide: int) -> None:
         """Set the category of this space, and the categories that it collides with."""
         ode().dGeomSetCategoryBits(self.id, category)
         ode().dGeomSetCollideBits(self.id, collide)
 
+    @exclusive
     def close(self) -> None:
         """Destroy the space and its parts; its geoms are closed by their bodies."""
         for part in self._parts:

@@ -68,13 +68,21 @@ class TerrainGeom(_GroundGeom):
         self.texture_coordinates, self.colors, self.normals = packed[:, 0:2], packed[:, 2:6], packed[:, 6:9]
         self.set_mesh(packed[:, 9:], triangles)
 
-    def LoadGrid(self, heights: ArrayLike, spacing: float, repeats: tuple[float, float] = (1.0, 1.0)) -> None:
-        """Set heights on a square grid whose first corner is the origin.
+    def LoadGrid(
+        self,
+        heights: ArrayLike,
+        spacing: float,
+        repeats: tuple[float, float] = (1.0, 1.0),
+        *,
+        centred: bool = False,
+    ) -> None:
+        """Set heights on a square grid.
 
         Args:
             heights: [m], shape (rows, columns): rows along +y, columns along +x.
             spacing: between neighbours [m].
             repeats: how often a texture repeats over the whole in x and y.
+            centred: whether the origin is the middle of the grid, not its first corner.
 
         Raises:
             ParameterError: there are fewer than 2 x 2 heights, or one is not finite.
@@ -85,7 +93,8 @@ class TerrainGeom(_GroundGeom):
         rows, columns = z.shape
         packed = np.zeros((z.size, 12))
         column, row = np.meshgrid(np.arange(columns), np.arange(rows))
-        packed[:, 9:] = np.stack([column, row, z], axis=-1).reshape(-1, 3)
+        middle = ((columns - 1) / 2.0, (rows - 1) / 2.0) if centred else (0.0, 0.0)
+        packed[:, 9:] = np.stack([column - middle[0], row - middle[1], z], axis=-1).reshape(-1, 3)
         packed[:, 9:11] *= positive(spacing, "vertex spacing [m]")
         share = np.stack([column / (columns - 1), row / (rows - 1)], axis=-1).reshape(-1, 2)
         packed[:, 0:2] = share * np.array(repeats)

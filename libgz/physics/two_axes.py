@@ -11,6 +11,7 @@ from libgz.ode.types import JointType, dParamFMax, dParamFMax2
 from libgz.physics.body import Body
 from libgz.physics.check import are_parallel, finite, perpendicular, unit_axis
 from libgz.physics.joint import Joint, JointFunctions
+from libgz.physics.lock import exclusive
 
 __all__ = ["Hinge2Joint", "TwoAxisJoint", "UniversalJoint"]
 
@@ -25,6 +26,7 @@ class TwoAxisJoint(Joint):
         """Pass unit vectors to ODE; None leaves an axis as it is."""
         raise NotImplementedError
 
+    @exclusive
     def SetAxis1(self, axis: VectorLike) -> None:
         """The axis fixed to the first body; global.
 
@@ -39,6 +41,7 @@ class TwoAxisJoint(Joint):
         self._put_axes(axis1, perpendicular(axis1) if clash else None)
         self._note(True, self._set[1])
 
+    @exclusive
     def SetAxis2(self, axis: VectorLike) -> None:
         """The axis fixed to the second body; global.
 
@@ -53,6 +56,7 @@ class TwoAxisJoint(Joint):
         self._put_axes(perpendicular(axis2) if clash else None, axis2)
         self._note(self._set[0], True)
 
+    @exclusive
     def SetAxes(self, axis1: VectorLike, axis2: VectorLike) -> None:
         """Both at once; global.
 
@@ -109,6 +113,7 @@ class Hinge2Joint(TwoAxisJoint):
             lib.dJointGetHinge2Anchor,
         )
 
+    @exclusive
     def Attach(self, one: Body | None, two: Body | None) -> None:
         """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
         if one is None or two is None or one.dummy or two.dummy:
@@ -141,6 +146,7 @@ class Hinge2Joint(TwoAxisJoint):
         """Rolling rate [rad/s]."""
         return self._value(3)
 
+    @exclusive
     def SetTorque(self, torque1: float, torque2: float) -> None:
         """Add torques about both axes for one step [N m]."""
         self._require_bodies()
@@ -184,6 +190,7 @@ class UniversalJoint(TwoAxisJoint):
         """Rate about axis 2 [rad/s]."""
         return self._value(3)
 
+    @exclusive
     def SetTorque(self, torque1: float, torque2: float) -> None:
         """Add torques about both axes for one step [N m]."""
         ode().dJointAddUniversalTorques(self.id, finite(torque1, "torque [N m]"), finite(torque2, "torque [N m]"))

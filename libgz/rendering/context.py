@@ -236,5 +236,6 @@ def open_context(choice: str | None = None) -> Context | None:
         log.info("rendering with %s: %s", name, context.description)
         return context
     raise LibraryError(
-        f"no OpenGL works here, which the world's cameras need ({'; '.join(reasons)}); --gl none disables rendering"
+        f"no OpenGL works here, which the world's cameras need ({'; '.join(reasons)}); --gl none disables rendering, "
+        "and so does LIBGZ_GL=none in the environment"
     )

@@ -26,7 +26,7 @@ from libgz.physics.geoms import (
 from libgz.rendering import mesh
 from libgz.rendering.mesh import Mesh
 
-__all__ = ["GEOM_MESHES", "MeshBuilder", "meshes_of"]
+__all__ = ["GEOM_MESHES", "MeshBuilder", "meshes_of", "round_radius"]
 
 PATCH = 0.5  # [m] longest side of the patches of floors and walls near local lights
 HUB = 0.8  # a wheel's hub discs: their radius as a share of the wheel's, and their place as one of the tire's
@@ -70,6 +70,43 @@ GEOM_MESHES: dict[type[Geom], MeshBuilder] = {
 }
 
 
+def _fitted_sphere(geom: SphereGeom, segments: int) -> list[Mesh]:
+    return [mesh.sphere(_fitted(geom.radius, segments), segments)]
+
+
+def _fitted_cylinder(geom: CylinderGeom, segments: int) -> list[Mesh]:
+    return mesh.cylinder(_fitted(geom.radius, segments, 2), geom.length, segments)
+
+
+def _fitted_capsule(geom: CapsuleGeom, segments: int) -> list[Mesh]:
+    return [mesh.capsule(_fitted(geom.radius, segments), geom.length, segments)]
+
+
+def _fitted(radius: float, segments: int, share: int = 1) -> float:
+    """The radius of the corners of a mesh whose surface lies as far outside of the round one as inside.
+
+    A triangle of a sphere is nearer to the middle than its corners by up to radius * (pi / segments)^2; a strip of a
+    cylinder by half of it.
+    """
+    return radius * (1.0 + (math.pi / segments) ** 2 / (2.0 * share))
+
+
+# Round kinds of classic worlds. The old server had corners on the round surface, so legacy worlds have them, too.
+FITTED_MESHES: dict[type[Geom], MeshBuilder] = {
+    SphereGeom: _fitted_sphere,
+    CylinderGeom: _fitted_cylinder,
+    CapsuleGeom: _fitted_capsule,
+    WheelGeom: _wheel,
+}
+
+
+def round_radius(geom: Geom) -> float:
+    """The radius [m] of a round geom whose detail depends on its size in the image; 0 for all others."""
+    if geom.body.engine.contact_rule is not ContactRule.CLASSIC or type(geom) not in FITTED_MESHES:
+        return 0.0
+    return float(geom.radius * max(map(abs, geom.appearance.scale)))  # type: ignore[attr-defined]
+
+
 def meshes_of(geom: Geom, segments: int, local_lights: bool = False) -> list[Mesh]:
     """The meshes of a geom in the frame of its centre; none if its kind is invisible.
 
@@ -86,6 +123,8 @@ def meshes_of(geom: Geom, segments: int, local_lights: bool = False) -> list[Mes
             # At least as fine as the geom's own grid.
             least = float(min(np.linalg.norm(across), np.linalg.norm(up))) / (geom.columns - 1)
             return [mesh.rectangle(first, across, up, min(PATCH, least) or PATCH)]
+    if round_radius(geom):
+        return FITTED_MESHES[type(geom)](geom, segments)
     for kind in type(geom).__mro__:
         build = GEOM_MESHES.get(kind)
         if build is not None:

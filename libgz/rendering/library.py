@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
+from libgz.geometry import rotate
 from libgz.ode.types import ContactRule
 from libgz.physics.geom import Geom
-from libgz.rendering.geom_meshes import meshes_of
+from libgz.rendering.geom_meshes import meshes_of, round_radius
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.image import pyramid, read_image
@@ -23,11 +24,12 @@ from libgz.rendering.mesh import Material, Mesh
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["Compiled", "Level", "Library", "Look", "Table"]
+__all__ = ["Compiled", "Level", "Library", "Look", "Rounds", "Table"]
 
 log = logging.getLogger("libgz.rendering")
 
 SEGMENTS = (32, 12, 8)  # of a full turn: for a body that is large in the image, small, and very small
+FINER = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)  # the same for round bodies of classic worlds
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
@@ -61,24 +63,52 @@ class Level(NamedTuple):
     height: int
 
 
+class Rounds:
+    """The round geoms of a content, see `round_radius`.
+
+    Attributes:
+        items: the place of each one's item in the content.
+        centres, halves: its centre, and half of its axis, in the frame of its body [m], shape (n, 3).
+        radii: [m].
+    """
+
+    def __init__(self, content: Content) -> None:
+        found = [(i, geom) for i, item in enumerate(content.items) for geom in item.geoms if round_radius(geom)]
+        self.items = np.array([i for i, _ in found], dtype=np.int64)
+        self.radii = np.array([round_radius(geom) for _, geom in found])
+        self.centres, self.halves = np.zeros((len(found), 3)), np.zeros((len(found), 3))
+        for k, (_, geom) in enumerate(found):
+            place = geom.GetRelativePose()
+            length = getattr(geom, "length", 0.0) * abs(geom.appearance.scale.z)
+            self.centres[k], self.halves[k] = (*place.pos,), rotate(place.rot, (0.0, 0.0, 0.5 * length))
+
+
 class Table:
-    """Lists, radii and middles [m] of all items of a content, for one look."""
+    """Lists, radii and middles [m] of all items of a content, for one look.
+
+    Attributes:
+        rounds: the round geoms; None if there are none.
+    """
 
     def __init__(self, library: Library, content: Content, look: Look, plain: bool) -> None:
-        def find(i: int, level: int) -> Compiled:
-            return library.item(content.items[i], look, level, plain)
+        def find(i: int, segments: int) -> Compiled:
+            return library.item(content.items[i], look, segments, plain)
 
         self._find = find
-        least = [find(i, 2) for i in range(len(content.items))]
+        count = len(content.items)
+        least = [find(i, SEGMENTS[-1]) for i in range(count)]
         self.radii = np.array([compiled.radius for compiled in least])
         self.middles = [compiled.middle for compiled in least]
-        self._lists = ([0] * len(least), [0] * len(least), [compiled.list for compiled in least])
+        rounds = Rounds(content)
+        self.rounds = rounds if len(rounds.items) else None
+        self._lists = {segments: [0] * count for segments in {*SEGMENTS, *FINER}}
+        self._lists[SEGMENTS[-1]] = [compiled.list for compiled in least]
 
-    def list(self, i: int, level: int) -> int:
-        """The list of an item by its place in the content; level: 0, 1, 2 as in `SEGMENTS`."""
-        found = self._lists[level][i]
+    def list(self, i: int, segments: int) -> int:
+        """The list of an item by its place in the content; segments: one of `SEGMENTS` or `FINER`."""
+        found = self._lists[segments][i]
         if not found:
-            found = self._lists[level][i] = self._find(i, level).list
+            found = self._lists[segments][i] = self._find(i, segments).list
         return found
 
 
@@ -117,12 +147,12 @@ class Library:
             found = self._tables[look, plain] = Table(self, content, look, plain)
         return found
 
-    def item(self, item: Item, look: Look, level: int, plain: bool) -> Compiled:
-        """The list of an item; plain: its shape alone, without materials."""
-        key = (item.key, look, level, plain)
+    def item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
+        """The list of an item, with so many segments of a full turn; plain: its shape alone, without materials."""
+        key = (item.key, look, segments, plain)
         found = self._items.get(key)
         if found is None:
-            found = self._items[key] = self._compile_item(item, look, SEGMENTS[level], plain)
+            found = self._items[key] = self._compile_item(item, look, segments, plain)
         return found
 
     def plane(self, geom: Geom, sight: Sight, look: Look, plain: bool) -> Compiled:

@@ -18,7 +18,7 @@ from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
-from libgz.rendering.library import Library, Look
+from libgz.rendering.library import FINER, SEGMENTS, Library, Look, Rounds, Table
 from libgz.rendering.pixels import PixelReader
 from libgz.rendering.shot import Light, Shot, View
 
@@ -27,6 +27,7 @@ __all__ = ["Renderer"]
 LIGHTS = 8
 MOST_SIZES = 16  # of images, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
+DEPTH_ERROR = 1e-3  # of round geoms of classic worlds, as a share of the distance
 SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is rendered with less detail, and with least
 
 
@@ -187,8 +188,8 @@ class Renderer:
         places = matrices[:, :3, 3]
         later: list[tuple[float, int, int]] = []
         local = _LocalLights(gl, shot, eye)
-        for i, level in _visible(shot.view, places, table.radii):
-            number, item = table.list(i, level), content.items[i]
+        for i, segments in _visible(shot.view, matrices, table):
+            number, item = table.list(i, segments), content.items[i]
             if plain:
                 self._id_color(item.model_id)
             elif item.transparent:
@@ -297,17 +298,40 @@ class Renderer:
             depth[nothing] = np.inf
 
 
-def _visible(view: View, places: NDArray[np.float64], radii: NDArray[np.float64]) -> Iterable[tuple[int, int]]:
-    """Which balls in the eye frame [m] are inside the view, and the level of detail of each."""
-    x, y, z = places.T
+def _visible(view: View, matrices: NDArray[np.float64], table: Table) -> Iterable[tuple[int, int]]:
+    """Which items, balls that are placed in the eye frame, are inside the view, and the segments of each."""
+    radii = table.radii
+    x, y, z = matrices[:, :3, 3].T
     tx, ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
     seen = (radii - z >= view.near) & (-z - radii <= view.far)
     seen &= np.abs(x) + tx * z <= radii * math.hypot(1.0, tx)
     seen &= np.abs(y) + ty * z <= radii * math.hypot(1.0, ty)
     found = np.flatnonzero(seen)
     pixels = radii[found] * view.focal / np.maximum(-z[found], view.near)
-    levels = np.where(pixels > SMALL, 0, np.where(pixels > TINY, 1, 2))
-    return zip(found.tolist(), levels.tolist(), strict=True)
+    segments = np.choose((pixels <= SMALL) + (pixels <= TINY).astype(int), SEGMENTS)
+    if table.rounds is not None:
+        finer = np.zeros(len(radii), dtype=np.int64)
+        np.maximum.at(finer, table.rounds.items, _segments(view, matrices, table.rounds))
+        segments = np.where(finer[found] > 0, finer[found], segments)
+    return zip(found.tolist(), segments.tolist(), strict=True)
+
+
+def _segments(view: View, matrices: NDArray[np.float64], rounds: Rounds) -> NDArray[np.int64]:
+    """Segments for round geoms, with which depth is right up to `DEPTH_ERROR`.
+
+    With n segments, a mesh that is fitted to a radius r is off by up to e = r pi^2 / (2 n^2). Depth is off by e at the
+    nearest point, and, half a pixel from the limb, by e times the square root of the radius in pixels.
+    """
+    backward = matrices[rounds.items, 2]
+    depth = -np.einsum("ij,ij->i", backward[:, :3], rounds.centres) - backward[:, 3]
+    radii = rounds.radii
+    reach = radii + np.abs(np.einsum("ij,ij->i", backward[:, :3], rounds.halves))
+    gaps = np.maximum(depth - reach, view.near)
+    distances = gaps + radii
+    allowed = DEPTH_ERROR * np.minimum(gaps, distances / np.sqrt(radii * view.focal / distances)) / radii
+    needed = np.where(depth + reach < view.near, 0.0, math.pi / np.sqrt(2.0 * np.maximum(allowed, 1e-9)))
+    finest = np.minimum(np.searchsorted(FINER, needed), len(FINER) - 1)
+    return np.asarray(FINER)[finest]
 
 
 class _LocalLights:

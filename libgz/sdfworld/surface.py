@@ -65,7 +65,7 @@ def _coefficient(element: Element, key: str) -> float:
 def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> None:
     """What belongs to a link as a whole, and comes from its last collision: how fast and from where it is pushed out.
 
-    `still` things, static models and height maps, push nothing out themselves.
+    `still` things, static models and height maps, have a speed of 0; a contact with them goes by the other body.
     """
     ode = last.child("surface").child("contact").child("ode")
     speed = 0.0 if still else max(0.0, finite(ode.Get(float, "max_vel"), "max_vel [m/s]"))

@@ -50,6 +50,7 @@ class SdfWorld(Era):
         world = self.world
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
+        world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
         self.file = file
         named = next(file.root.named("world"), None)
@@ -154,6 +155,7 @@ class SdfWorld(Era):
             if entity.parent is None:
                 entity.restore()
         world.engine.sort_geoms()
+        world.engine.forget_motion()
         world.engine.wake()
         for companion in world.companions:
             companion.reset()

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from libgz.errors import USER_ERRORS, GazeboError, pass_interrupt
+from libgz.physics.lock import WorldLock
 from libgz.simulation.event import Owner, owner, report_failure
 
 __all__ = ["Agenda"]
@@ -17,36 +18,43 @@ log = logging.getLogger("libgz.simulation")
 class Agenda:
     """Defers what is asked for in a step, or while plugins load or are reset, until that is over.
 
+    Args:
+        lock: the world's; a step holds it, and so do all changes.
+
     Attributes:
         stepping: whether a step is under way.
         holding: whether lists of models or plugins are iterated over outside steps.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, lock: WorldLock) -> None:
+        self._lock = lock
         self.stepping = self.holding = False
         self.deferred: list[tuple[Owner | None, Callable[[], object]]] = []
 
     def after_step(self, action: Callable[[], object]) -> None:
-        """Call `action` at once; if a step is running or changes are held back, after that.
+        """Call `action` at once; if this thread runs a step or holds changes back, after that.
 
-        A deferred action fails alone: the error is reported, with the plugin that asked for it, and the world goes on.
+        While another thread steps, this one waits for the end of the step. A deferred action fails alone: the error is
+        reported, with the plugin that asked for it, and the world goes on.
         """
-        if self.stepping or self.holding:
-            self.deferred.append((owner.get(), action))
-            return
-        with self.hold():
-            action()
+        with self._lock:
+            if self.stepping or self.holding:
+                self.deferred.append((owner.get(), action))
+                return
+            with self.hold():
+                action()
 
     @contextmanager
     def hold(self) -> Iterator[None]:
         """Hold changes back until the end; inside another hold or a step, until the end of that."""
-        before, self.holding = self.holding, True
-        try:
-            yield
-        finally:
-            self.holding = before
-            if self.deferred and not (before or self.stepping):
-                self.act()
+        with self._lock:
+            before, self.holding = self.holding, True
+            try:
+                yield
+            finally:
+                self.holding = before
+                if self.deferred and not (before or self.stepping):
+                    self.act()
 
     def act(self) -> None:
         """Run the deferred actions, and those that they defer in turn."""

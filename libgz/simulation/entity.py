@@ -58,8 +58,7 @@ class Entity:
     def __repr__(self) -> str:
         return f"<{self._name} {self._id!r}>"
 
-    @property
-    def place(self) -> str:
+    def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for what was not loaded from a file."""
         node, element = getattr(self, "node", None), getattr(self, "sdf", None)
         if node is not None:
@@ -153,7 +152,7 @@ class Entity:
     def joints(self) -> list[Joint]:
         """The joints between its own bodies, and from them to the world, in order of construction."""
         own = set(self.bodies)
-        found = {joint.row: joint for body in self.bodies for joint in body.joints}
+        found = {joint.row: joint for body in self.bodies for joint in tuple(body.joints)}
         return [j for _, j in sorted(found.items()) if all(b is None or b in own for b in j.bodies)]
 
     def GetJoint(self, name: str) -> Joint:
@@ -213,12 +212,13 @@ class Entity:
 
         Entities attached to this one stay where they are: `World.SetModelPose` moves them, too.
         """
-        before = self.GetPose()
-        for body in self.bodies:
-            relative = GzCoordPoseSub(body.GetPose(), before)
-            body.SetPose(GzCoordPoseAdd(relative, pose))
-            body.SetLinearVel(STILL)
-            body.SetAngularVel(STILL)
+        with self.world.lock:
+            before = self.GetPose()
+            for body in self.bodies:
+                relative = GzCoordPoseSub(body.GetPose(), before)
+                body.SetPose(GzCoordPoseAdd(relative, pose))
+                body.SetLinearVel(STILL)
+                body.SetAngularVel(STILL)
 
     def restore(self) -> None:
         """Return to the initial pose, at rest, with all that is attached."""

@@ -13,10 +13,12 @@ from importlib.abc import SourceLoader
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
+from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
 from libgz.files import exists, expand, is_file, is_folder
 
-__all__ = ["Plugin", "collect", "load_plugin", "own_traceback", "search"]
+__all__ = ["Plugin", "collect", "load_plugin", "own_place", "own_traceback", "search"]
+
+CPP_SUFFIXES = (".cc", ".cpp", ".cxx", ".c", ".hh", ".hpp", ".h")
 
 _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
 _loaded: dict[Path, Plugin] = {}
@@ -79,8 +81,22 @@ def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path 
                 f"port it to Python as {names[0]}"
             )
         else:
-            tried.append(f"  {folder}/ ({why}): has no {names[0]}")
+            tried.append(f"  {folder}/ ({why}): {_absent(folder, names)}")
     return None
+
+
+def _absent(folder: Path, names: list[str]) -> str:
+    """Why a folder has no plugin of one of the names: there is only its C++ source, or a similar name, or nothing."""
+    stems = {Path(name).stem.lower() for name in names if "/" not in name}
+    files = sorted(path.name for path in folder.iterdir())
+    source = next((f for f in files if Path(f).stem.lower() in stems and Path(f).suffix.lower() in CPP_SUFFIXES), None)
+    if source is not None:
+        port = Path(source).with_suffix(".py")
+        return (
+            f"{source} is C++ source, which cannot be loaded; port it to Python as {port} beside it (docs/plugins.md)"
+        )
+    near = nearest(names[0], [f for f in files if f.endswith(".py")])
+    return f"has no {names[0]}{near}"
 
 
 def load_plugin(path: Path) -> Plugin:
@@ -136,6 +152,17 @@ def _edited(path: Path) -> tuple[int, int]:
     except OSError as error:
         raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
     return status.st_mtime_ns, status.st_size
+
+
+def own_place(error: BaseException) -> str:
+    """The end of a message about an error that user code caused, `` (file.py:12)``; empty for libgz's own models."""
+    place, trace = "", error.__traceback__
+    while trace is not None:
+        module = str(trace.tb_frame.f_globals.get("__name__"))
+        if module != "libgz" and not module.startswith("libgz."):
+            place = f" ({trace.tb_frame.f_code.co_filename}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return place
 
 
 def own_traceback(error: BaseException, path: Path | None = None) -> str:

@@ -19,6 +19,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import finite, not_negative
 from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
+from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
 from libgz.simulation.agenda import Agenda
 from libgz.simulation.clock import Clock
@@ -28,6 +29,7 @@ from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.running import add_running, remove_running, running_worlds
+from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
@@ -42,6 +44,9 @@ E = TypeVar("E")
 class World:
     """A simulated world: what both eras share. `libgz.World` loads files into it.
 
+    Every call is safe in every thread: while one thread steps the world, a call of another one that changes it waits
+    for the end of that step. Worlds do not wait for each other's calls.
+
     Args:
         server_id: serve the models' interfaces to other programs under this id; None keeps them in this process.
         force: take over a server id whose owner may still be alive.
@@ -51,6 +56,8 @@ class World:
 
     Attributes:
         engine: the ODE world.
+        lock: what makes calls from several threads safe: a step holds it, and every call that changes the world.
+            `with world.lock:` makes several calls one change, between two steps.
         clock: simulated and real time.
         agenda: changes deferred until a step is over.
         events: Gazebo's events of this world.
@@ -82,13 +89,15 @@ class World:
         self.random = np.random.SeedSequence(seed)
         self.name = "default"
         self.clock = Clock()
-        self.agenda = Agenda()
+        self.lock = self.engine.lock
+        self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
         self.era = Era()
         self.companions: list[Companion] = []
         self.entities: list[Entity] = []
         self.models: list[Any] = []
         self.sim = Sim()
+        self._guard = Guard("sim.default")
         self.physics_enabled = True
         self.starts_paused = False
         self.facade: Any = None
@@ -192,6 +201,7 @@ class World:
             )
         return found
 
+    @exclusive
     def adopt(self, entity: Entity) -> None:
         """Add an entity that is built: it takes part from the next step on."""
         self.entities.append(entity)
@@ -203,11 +213,13 @@ class World:
         for companion in self.companions:
             companion.model_added(entity)
 
+    @exclusive
     def add_follower(self, entity: Entity) -> None:
         """Let an entity that was attached at run time, and without a joint, follow its parent."""
         if entity in self.entities and entity not in self._followers:
             self._followers.append(entity)
 
+    @exclusive
     def DeleteModel(self, model: Entity | str) -> None:
         """Remove a model, by itself or its id, and all that is attached to it; during a step, after it.
 
@@ -217,6 +229,7 @@ class World:
         found: Entity = self.model(model) if isinstance(model, str) else model
         self.after_step(lambda: self.remove(found.with_attached()))
 
+    @exclusive
     def remove(self, entities: Iterable[Entity]) -> None:
         """Destroy entities at once: their interfaces, then their bodies and joints. Absent ones are passed over."""
         leaving = [entity for entity in entities if entity in self.entities]
@@ -251,6 +264,7 @@ class World:
     def attach_era(self) -> None:
         """Attach what the world's era offers on request, such as views and topics. A layer above overrides this."""
 
+    @exclusive
     def Initialize(self) -> int:
         """Start the server, initialize all models, and create the interface `sim` last; 0.
 
@@ -270,6 +284,7 @@ class World:
         self.gz_server.post()
         return 0
 
+    @exclusive
     def initialize(self, entities: Iterable[Entity]) -> None:
         """Initialize entities that were added; they wait for `Initialize` where that is still to come.
 
@@ -281,6 +296,7 @@ class World:
             if entity in self.entities:
                 entity.MasterStart()
 
+    @exclusive
     def Finalize(self) -> int:
         """End all models, then the server; 0. Can be called twice."""
         if not self.running:
@@ -295,6 +311,7 @@ class World:
         self.gz_server.stop()
         return 0
 
+    @exclusive
     def close(self) -> None:
         """End the world and free everything in it. Can be called twice.
 
@@ -337,6 +354,7 @@ class World:
         """Steps done, pauses excluded."""
         return self.clock.iterations
 
+    @exclusive
     def set_sim_time(self, seconds: float) -> None:
         """Set the sim time [s].
 
@@ -368,19 +386,33 @@ class World:
     def Step(self) -> int:
         """One step: buttons, models, physics, followers, clock, post to clients; 0.
 
+        While another thread steps or changes the world, this one waits.
+
         Raises:
             GazeboError: it is called in a step, by a callback, or while plugins load or are reset.
             ClosedError: the world is closed, or `Initialize` was not called.
         """
+        lock = self.lock
+        if lock.waiting:
+            lock.give_way()
+        if not lock.try_acquire():
+            lock.wait()
+        try:
+            if self._inside or self.agenda.holding or not self.clock.running:
+                self._check_ready()
+            self._inside = True
+            try:
+                self._step()
+            finally:
+                self._inside = self.agenda.stepping = False
+        finally:
+            lock.release()
+        return 0
+
+    def _check_ready(self) -> None:
         if not self.clock.running:
             raise ClosedError("the world is closed" if self._closed else "Initialize comes before the first step")
         self._check_idle("stepped")
-        self._inside = True
-        try:
-            self._step()
-        finally:
-            self._inside = self.agenda.stepping = False
-        return 0
 
     def _check_idle(self, what: str) -> None:
         if self._inside:
@@ -437,9 +469,14 @@ class World:
         """Act on the sim interface's reset and save; whether the world is paused."""
         if not self.sim.lock():
             return self._paused
-        data = self.sim.data
-        self._paused, reset, save = bool(data.pause), data.reset, data.save
-        if reset or save:
+        data, reset, save = self.sim.data, False, False
+        switch = self._guard.switch
+        pause = data.pause
+        paused = self._paused = switch("pause", pause, self._paused)
+        if pause != paused:  # then the buttons beside it mean nothing, either
+            data.pause, data.reset, data.save = int(paused), 0, 0
+        elif data.reset or data.save:
+            reset, save = switch("reset", data.reset, False), switch("save", data.save, False)
             data.reset = data.save = 0
         self.sim.unlock()
         if reset:
@@ -482,9 +519,11 @@ class World:
     @property
     def paused(self) -> bool:
         """Whether time stands still."""
-        return bool(self.sim.data.pause)
+        pause = self.sim.data.pause
+        return bool(pause) if pause in (0, 1) else self._paused  # as the next step will find it
 
     @paused.setter
+    @exclusive
     def paused(self, value: bool) -> None:
         if self.sim.lock():
             changed = bool(self.sim.data.pause) != bool(value)
@@ -494,6 +533,7 @@ class World:
             if changed:
                 self.events["Pause"](bool(value))
 
+    @exclusive
     def SetModelPose(self, model: Entity, pose: GzPose) -> None:
         """Move a model, and all that is attached to it, to a pose relative to its parent body, or global [m].
 
@@ -517,6 +557,7 @@ class World:
             if child.parentBody is not None:
                 self._move(child, GzCoordPoseAdd(relative, child.parentBody.GetPose()))
 
+    @exclusive
     def ResetModelPoses(self) -> None:
         """Return all models to their initial poses, at rest. The clock and the models' own memory stay."""
         for entity in self.entities:
@@ -528,6 +569,7 @@ class World:
 
     reset = Reset
 
+    @exclusive
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
         return self.era.save(self)

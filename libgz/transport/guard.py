@@ -5,13 +5,17 @@ from __future__ import annotations
 import logging
 import math
 
+from libgz.transport.tally import Tally
+
 __all__ = ["Guard"]
 
 log = logging.getLogger("libgz.transport")
 
 
 class Guard:
-    """Accepts numbers in range, clamps large ones, and ignores NaN and infinities; it warns once of each problem.
+    """Accepts numbers in range, clamps large ones, and ignores NaN and infinities.
+
+    It warns of each problem at the first time, and then at growing counts.
 
     Args:
         label: the interface, for messages.
@@ -19,26 +23,35 @@ class Guard:
 
     def __init__(self, label: str) -> None:
         self.label = label
-        self._reported: set[tuple[str, str]] = set()
+        self._tally = Tally()
 
     def number(self, name: str, value: float, previous: float, limit: float) -> float:
         """`value` clamped to +-limit, or `previous` where it is not finite."""
         if -limit <= value <= limit:
             return value
         if not math.isfinite(value):
-            self.warn(name, f"is {value}", "is ignored")
+            self.warn(name, "is {}", "is ignored", value)
             return previous
-        self.warn(name, f"is {value:g}", f"is clamped to {limit:g}")
+        self.warn(name, "is {0:g}", "is clamped to {1:g}", value, limit)
         return math.copysign(limit, value)
 
-    def warn(self, name: str, problem: str, consequence: str) -> None:
-        """Warn about a field, once for each consequence.
+    def switch(self, name: str, value: int, previous: bool) -> bool:
+        """`value` as a bool if it is 0 or 1, or `previous`: other numbers are no command but overwritten memory."""
+        if value == 0 or value == 1:
+            return bool(value)
+        self.warn(name, "is {}, neither 0 nor 1", "is ignored", value)
+        return previous
+
+    def warn(self, name: str, problem: str, consequence: str, *values: object) -> None:
+        """Warn about a field: the first time for each consequence, and then at growing counts.
 
         Args:
             name: the field.
-            problem: what is wrong with it, such as "is nan".
+            problem: what is wrong with it, such as "is {}".
             consequence: what the server does about it, such as "is ignored".
+            values: what the client wrote, for both formats; they are formatted only when the warning is logged.
         """
-        if (name, consequence) not in self._reported:
-            self._reported.add((name, consequence))
-            log.warning("a client wrote %s: %s %s, and %s", self.label, name, problem, consequence)
+        cause = (name, consequence)
+        if self._tally.due(cause):
+            text = f"{problem}, and {consequence}".format(*values) if values else f"{problem}, and {consequence}"
+            log.warning("a client wrote %s: %s %s%s", self.label, name, text, self._tally.times(cause))

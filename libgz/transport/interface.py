@@ -20,7 +20,10 @@ from numpy.typing import NDArray
 from libgz.errors import ClosedError, InterfaceError
 from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, fields_of, numpy_type
 from libgz.transport.paths import check_id, file_name
+from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
+from libgz.transport.tally import Tally
+from libgz.transport.truncation import Watch, watch
 
 __all__ = ["DataClass", "Interface", "InterfaceClient", "InterfaceServer", "View"]
 
@@ -31,12 +34,16 @@ DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 
 SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
+_SPINS = 10  # attempts before the first pause: most clients hold a lock for microseconds
+_CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived
+_HEAD = ctypes.sizeof(Data)  # [byte]
 
 
 class InterfaceServer(Protocol):
     """The server of an interface, as the interface uses it."""
 
     version: int  # of the wire
+    patience: Patience  # with clients that hold locks
 
     def allocate(self, interface: Interface[Any]) -> Segment:
         """Register a new interface and return zeroed memory of `interface.size` bytes for it.
@@ -122,6 +129,11 @@ class Interface(Generic[D]):
         self._arrays: dict[str, NDArray[Any]] = {}
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
         self._blocked = False  # a client held the lock at the last attempt
+        self._head = b""  # as the server wrote it
+        self._watch: Watch | None = None
+        self._seen = (0, 0)  # counts of the watch that were logged
+        self._next_check = 0.0  # of the file's length [s]
+        self._tally = Tally()
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.type}.{self.id}>"
@@ -219,6 +231,7 @@ class Interface(Generic[D]):
         head.model_type = model_type.encode()[: GAZEBO_MAX_MODEL_TYPE - 1]
         head.model_id = _int32(model_id)
         head.parent_model_id = _int32(parent_model_id)
+        self._head = bytes(head)
 
     def destroy(self) -> None:
         """Remove the interface from its server. Can be called twice."""
@@ -311,34 +324,93 @@ class Interface(Generic[D]):
         try:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            limit = SERVER_TIMEOUT if timeout is None else timeout
-            if not self._poll_lock(0.0 if self._blocked and timeout is None else limit):
+            if not self._wait_for_lock(timeout):
                 return False
         self._blocked = False
         if self.server is not None:
-            self._restore_length()
+            self._repair()
         return True
+
+    def _wait_for_lock(self, timeout: float | None) -> bool:
+        """Wait for a lock that a client holds [s]; None: as long as the server can wait."""
+        if timeout is not None:
+            taken = self._poll_lock(timeout)
+        elif self._blocked or self.server is None:
+            return False
+        else:
+            patience, begin = self.server.patience, time.monotonic()
+            left = patience.left(begin)
+            taken = left > 0.0 and self._poll_lock(min(SERVER_TIMEOUT, left))
+            if left > 0.0:
+                patience.spend(time.monotonic() - begin)
+        if not taken and self.server is not None and not self._blocked:
+            self._blocked = True
+            self._warn("a client holds the lock of", "the simulation continues without it")
+        return taken
 
     def _poll_lock(self, timeout: float) -> bool:
         """Try to take the lock until the timeout [s]."""
-        descriptor, end = self.descriptor or 0, time.monotonic() + timeout
+        descriptor, end, attempts = self.descriptor or 0, time.monotonic() + timeout, 0
         while time.monotonic() < end:
-            time.sleep(_POLL)
+            if attempts >= _SPINS:
+                time.sleep(_POLL)
+            attempts += 1
             with contextlib.suppress(BlockingIOError):
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 return True
-        if self.server is not None and not self._blocked:
-            self._blocked = True
-            log.warning("a client holds the lock of %s.%s; the simulation continues without it", self.type, self.id)
         return False
 
-    def _restore_length(self) -> None:
-        """Restore the length of a truncated file: access to mapped memory beyond the end of a file raises SIGBUS."""
+    def _warn(self, what: str, consequence: str, times: int = 1) -> None:
+        """Log what a client did: the first time, then at growing counts."""
+        if self._tally.due(what, times):
+            log.warning("%s %s.%s; %s%s", what, self.type, self.id, consequence, self._tally.times(what))
+
+    # Repair ------------------------------------------------------------------------------------------------------
+
+    def _repair(self) -> None:
+        """Restore length and head of the file; the caller holds the lock.
+
+        Access to mapped memory beyond the end of a file raises SIGBUS. Where that is not survived, the length comes
+        first, at each lock.
+        """
+        memory: Any = self._memory
+        truncated = False
+        if self._watch is None:
+            truncated = self._restore_length()
+        elif (now := time.monotonic()) >= self._next_check or memory[:_HEAD] != self._head:
+            self._next_check = now + _CHECK_PERIOD
+            truncated = self._restore_length()
+            truncated |= self._report_failures(self._watch)
+        if memory[:_HEAD] != self._head:
+            memory[:_HEAD] = self._head
+            if not truncated:
+                self._warn("a client overwrote the head of", "it was restored")
+
+    def _restore_length(self) -> bool:
+        """Extend the file if it is too short; whether it was."""
         descriptor = self.descriptor or 0
-        if os.lseek(descriptor, 0, os.SEEK_END) < self.size:  # quicker than fstat; the file offset is not used
+        if os.lseek(descriptor, 0, os.SEEK_END) >= self.size:  # quicker than fstat; the file offset is not used
+            return False
+        try:
             os.ftruncate(descriptor, self.size)
-            log.warning("a client truncated %s.%s; its length was restored", self.type, self.id)
-            self._write_head()
+        except OSError as error:
+            self._warn("a client truncated", f"its length cannot be restored: {error.strerror}")
+        else:
+            self._warn("a client truncated", "its length was restored")
+        return True
+
+    def _report_failures(self, found: Watch) -> bool:
+        """Log accesses that failed since the last report; whether there were any."""
+        counts = (found.counts.recovered, found.counts.lost)
+        if counts == self._seen:
+            return False
+        (recovered, lost), (recovered_before, lost_before) = counts, self._seen
+        self._seen = counts
+        if recovered > recovered_before:
+            self._warn("a client truncated", "its length was restored", recovered - recovered_before)
+        if lost > lost_before:
+            self._warn("there is no space on the disk for", "clients do not see all of it", lost - lost_before)
+        return True
 
     def unlock(self) -> None:
         """Release the lock."""
@@ -374,6 +446,8 @@ class Interface(Generic[D]):
         self._memory = segment.memory
         memory: Any = segment.memory
         self._data = self.layout.from_buffer(memory)  # type: ignore[assignment]
+        if segment.descriptor is not None and isinstance(segment.memory, mmap.mmap):
+            self._watch, self._seen = watch(segment.memory, segment.descriptor), (0, 0)
 
     def _unmap(self) -> None:
         """Release memory and file; the memory itself stays mapped while a view of it exists."""
@@ -381,6 +455,9 @@ class Interface(Generic[D]):
         self._arrays.clear()
         self._memory = None
         self.server = None
+        if self._watch is not None:
+            self._watch.release()
+            self._watch = None
         if self.descriptor is not None:
             fcntl.flock(self.descriptor, fcntl.LOCK_UN)
             os.close(self.descriptor)

@@ -43,10 +43,12 @@ def check_id(kind: str, name: str | None) -> str:
     """The interface id `name`, checked.
 
     Raises:
-        InterfaceError: it is None, or has a character that is not allowed in a file name.
+        InterfaceError: it is None or no string, or has a character that is not allowed in a file name.
     """
     if name is None:
         raise InterfaceError(f"interface [{kind}] id is NULL")
+    if not isinstance(name, str):
+        raise InterfaceError(f"interface [{kind}] id is {name!r}; it must be a string, such as {str(name)!r}")
     if "." in name:
         raise InterfaceError(f"invalid id [{name}] (must not contain '.')")
     if "/" in name or "\0" in name:

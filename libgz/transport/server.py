@@ -13,6 +13,7 @@ from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
 from libgz.transport.paths import LONGEST_PATH, check_server_id, file_name, server_directory
+from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
 
@@ -38,6 +39,7 @@ class LocalServer:
             allowed = ", ".join(f"{known:#05x}" for known in VERSIONS)
             raise ParameterError(f"wire version is {version:#05x}; allowed are {allowed}")
         self.version = version
+        self.patience = Patience()
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
 
     def start(self) -> None:

@@ -140,7 +140,7 @@ def test_a_free_id_is_taken_and_printed(wire):
         ([], "the following arguments are required: worldfile"),
         (["-s", "minus", "x.world"], "invalid server id value: 'minus'"),
         (["-s", "-4", "x.world"], "-s"),
-        (["-d", "10", "x.world"], "invalid choice"),
+        (["-d", "10", "x.world"], "10 is not allowed; allowed are"),
         (["--rate", "nan", "x.world"], "invalid rate value"),
         (["-t", "nan", "x.world"], "invalid number of seconds value"),
         (["--seed", "-1", "x.world"], "--seed"),
@@ -259,3 +259,29 @@ def test_demo(wire):
     assert "battery [V]" in lines[2]
     assert len(lines) >= 12
     assert float(lines[-1].split()[1]) > 0.8
+
+
+def test_misspelt_commands_and_options_are_corrected():
+    done = run("libgz", "chek", "w.world")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert (
+        done.stderr
+        == "libgz: 'chek' is not a command; did you mean 'check' or 'schema'?; libgz -h lists what is allowed\n"
+    )
+    assert "there are check, clean" in run("libgz", "xyzzy").stderr
+    assert "unrecognized arguments: --strit; did you mean '--strict'" in run("libgz", "check", "--strit", "w").stderr
+    assert "'cap' is not allowed; allowed are " in run("libgz", "picture", "--gl", "cap", "w.world").stderr
+
+
+def test_help_is_a_command_too():
+    everything = run("libgz", "help")
+    assert everything.returncode == 0
+    assert everything.stdout == run("libgz", "-h").stdout
+    assert run("libgz", "help", "check").stdout == run("libgz", "check", "-h").stdout
+    assert "is not a command; did you mean 'check'" in run("libgz", "help", "chek").stderr
+
+
+def test_the_package_is_the_command():
+    done = subprocess.run([sys.executable, "-m", "libgz", "models"], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0
+    assert done.stdout == run("libgz", "models").stdout

@@ -67,8 +67,13 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
 @pytest.mark.parametrize(
     ("words", "code", "stream", "text"),
     [
-        (["-v"], 255, "stdout", "Gazebo multi-robot simulator, version"),
-        (["-h"], 255, "stderr", "gzserver -- Run the Gazebo server."),
+        (["-v"], 0, "stdout", "Gazebo multi-robot simulator, version"),
+        (["-h"], 0, "stdout", "gzserver -- Run the Gazebo server."),
+        (["--steps", "1"], 0, "stderr", ""),
+        (["--step", "1", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
+        (["--itres", "5", "--iters", "1"], 0, "stderr", "unrecognized arguments: --itres 5; did you mean '--iters'"),
+        (["--ros", "nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
+        (["--iters", "1", "--gl", "glx"], 255, "stderr", "'glx' is not allowed; allowed are auto"),
         (["--seed", "many"], 255, "stderr", "Error. Invalid arguments"),
         (["nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
         (
@@ -86,6 +91,22 @@ def test_options_and_exit_codes(words, code, stream, text, place):
     done = run(place, *words)
     assert done.returncode == code
     assert text in getattr(done, stream)
+
+
+def test_the_word_after_an_unknown_option_is_not_the_world(place, tmp_path):
+    done = run(place, "--my-own", "5", world(tmp_path), "__name:=gazebo", "--iters", 1)
+    assert done.returncode == 0
+    assert "unrecognized arguments: --my-own 5 __name:=gazebo; there is no System plugin" in done.stderr
+
+
+def test_gl_none_runs_a_world_with_cameras(place, tmp_path):
+    camera = (
+        "<sensor name='c' type='camera'><camera><image><width>8</width><height>8</height></image></camera></sensor>"
+    )
+    path = world(tmp_path, f"<model name='m'><static>1</static><link name='l'>{camera}</link></model>")
+    done = run(place, "--gl", "none", "--iters", 5, path)
+    assert done.returncode == 0
+    assert "[Err]" not in done.stderr
 
 
 def test_an_unreadable_world_is_reported(place, tmp_path):

@@ -66,7 +66,7 @@ RUNAWAYS = {
     "spring": lambda view, link: view.ModelByName("arm").GetJoint("hinge").SetStiffnessDamping(0, 1e300, 0, 1),
     "gravity": lambda view, link: view.SetGravity((0, 0, -1e30)),
     "cfm": lambda view, link: view.Physics().SetParam("cfm", 1e308),
-    "moments": lambda view, link: [link.GetInertial().SetIZZ(1e-300), link.AddTorque((0, 0, 1e20))],
+    "moments": lambda view, link: [link.GetInertial().SetIZZ(1e-300), link.UpdateMass(), link.AddTorque((0, 0, 1e20))],
 }
 
 
@@ -93,7 +93,7 @@ def test_a_body_is_reported_once(core, view, caplog):
     [
         lambda view, link: view.EntityBelowPoint((math.nan, 0, 0)),
         lambda view, link: view.Physics().CreateShape("ray").SetPoints((0, 0, 0), (1e300, 0, 0)),
-        lambda view, link: link.GetInertial().SetCoG(1e20, 0, 0),
+        lambda view, link: [link.GetInertial().SetCoG(1e20, 0, 0), link.UpdateMass()],
         lambda view, link: link.GetCollision(0).SetRelativePose(libgz.GzPose(libgz.GzVector(1e30, 0, 0))),
         lambda view, link: link.SetWorldPose(libgz.GzPose(libgz.GzVector(), libgz.GzQuatern(0, 0, 0, 0))),
         lambda view, link: view.Physics().SetParam("iters", 10**9),
@@ -390,11 +390,8 @@ def test_texts_of_sdf_are_stripped():
     assert model.GetElement("plugin").Get(str, "topic") == "a b"
 
 
-def test_accelerations_are_measured_from_the_first_call_on(core, view):
+def test_accelerations_are_right_at_the_first_call(core, view):
     box = view.ModelByName("box").GetLink()
-    box.AddForce(Vector3d(100, 0, 0))
-    core.step(1)
-    assert box.WorldLinearAccel().X() == 0.0  # the first question begins the watch
     box.AddForce(Vector3d(0, 0, 20))
     core.step(1)
     assert box.WorldLinearAccel().Z() == pytest.approx(10.2, rel=0.01)

@@ -456,3 +456,48 @@ def test_the_command(tmp_path):
     wrong = run_libgz("convert", broken, "-o", target)
     assert wrong.returncode == 1
     assert "'blob' is not allowed" in wrong.stderr
+
+
+@pytest.mark.parametrize(
+    ("model", "lost"),
+    [
+        ("SegwayRMP", "its behaviour is lost: balancing (it falls over)"),
+        ("Blimp", "its behaviour is lost: thrust, drag, and the torque that keeps it upright"),
+        ("Pioneer2DX", "its behaviour is lost: motors that drive and hold its wheels"),
+        ("Bandit", "motors of joints are lost, which turn freely: HEAD, L_SHOULDER"),
+        ("SonyVID30", "motors of joints are lost, which turn freely: pan, tilt"),
+        ("Factory", "its behaviour is lost: adding and removing models on request"),
+        (
+            "SimpleSolid><enable>false</enable><id>robot</id></model:SimpleSolid><model:LightSource",
+            "moves from the start",
+        ),
+    ],
+)
+def test_behaviour_that_is_lost_is_named(model, lost):
+    with loaded(body_world(f"<model:{model}><id>robot</id></model:{model.split(':')[-1]}>")) as world:
+        assert any(f"'robot': {lost}" in note for note in sdf_of(world)[0].notes)
+
+
+def test_every_model_that_acts_by_itself_has_a_word_for_it():
+    """Those without an Update beyond sensors and interfaces have none."""
+    without = {name for name in MODELS if not entry(name).kind.behaviour}
+    assert without == {
+        *("AvatarHeli", "GarminGPS", "GroundPlane", "LightSource", "MapExtruder", "MonoCam", "ObserverCam"),
+        *("Pioneer2Sonars", "Road", "SickLMS200", "SimpleSolid", "SkyDome", "StereoHead", "Terrain", "WiFi"),
+    }
+
+
+def test_what_code_of_users_does_is_named():
+    class Pusher(Model):
+        def Load(self, file, node):
+            self.AddBody(Body(self.world), True)
+            self.GetBody().set_damping(0.1, 0.1)
+
+        def Update(self, step):
+            self.GetBody().AddForce(1, 0, 0)
+
+    GZ_REGISTER_STATIC("Pusher", Pusher)
+    with loaded(body_world("<model:Pusher><id>p</id></model:Pusher>")) as world:
+        notes = "\n".join(sdf_of(world)[0].notes)
+    assert "'p': what Pusher.Update does is lost" in notes
+    assert "'p': the damping of its bodies is lost" in notes

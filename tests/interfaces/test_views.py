@@ -39,3 +39,30 @@ def test_images_that_do_not_fit_are_empty(width, height, size):
     assert camera.image.shape == (0, 0, 3)
     camera.data.width, camera.data.height, camera.data.image_size = 4, 2, 24
     assert camera.image.shape == (2, 4, 3)
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf"), -float("inf")])
+def test_commands_are_finite(bad):
+    server = LocalServer()
+    position, ptz = serve(server, libgz.Position), serve(server, libgz.Ptz)
+    joints, truth, guicam = serve(server, libgz.Joints), serve(server, libgz.Truth), serve(server, libgz.Guicam)
+    pose = libgz.GzPose(libgz.GzVector(0, 0, bad))
+    for command in (
+        lambda: position.command(vx=bad),
+        lambda: position.command(0.1, bad),
+        lambda: position.command(0.1, 0.2, vz=bad),
+        lambda: ptz.command(pan=0.1, zoom=bad),
+        lambda: joints.command(0, bad),
+        lambda: joints.command(0, 0.1, bad),
+        lambda: truth.move(pose),
+        lambda: guicam.drag(0, (bad, 0), (0, 0)),
+    ):
+        with pytest.raises(libgz.ParameterError, match="finite"):
+            command()
+    assert list(position.cmd_vel_pos) == [0, 0, 0]  # nothing is written by a refused command
+    assert ptz.data.cmd_pan == joints.data.joints[0].cmd_angle == truth.data.cmd_new == 0
+
+
+def test_an_id_is_a_string():
+    with pytest.raises(libgz.InterfaceError, match=r"interface \[position\] id is 1; it must be a string, such as '1'"):
+        serve(LocalServer(), libgz.Position, 1)

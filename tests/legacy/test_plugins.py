@@ -160,7 +160,7 @@ def test_a_failing_init_ends_the_start(tmp_path):
 def test_a_model_without_a_canonical_body_is_refused(tmp_path):
     path = write(tmp_path, "Bodiless")
     path.write_text(path.read_text().replace(", True)", ")"))
-    with pytest.raises(WorldFileError, match=r"must call AddBody\(body, True\)"):
+    with pytest.raises(WorldFileError, match=r"must call self.AddBody\(body, True\)"):
         run(tmp_path, "Bodiless", "Bodiless.so")
 
 
@@ -257,13 +257,56 @@ GZ_REGISTER_PLUGIN("Stray", Stray)
 def test_bodies_that_were_not_added_are_told_and_go_with_their_model(tmp_path, caplog):
     (tmp_path / "Stray.py").write_text(STRAY)
     with run(tmp_path, "Stray", "Stray.py") as world:
-        assert "<model:Stray>: has a body that was not registered with AddBody" in caplog.text
+        assert "<model:Stray>: has an unnamed body that Stray.Load made and did not register" in caplog.text
+        assert "call self.AddBody(body)" in caplog.text
         world.step()
         world.DeleteModel("m1")
         assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
         with pytest.raises(WorldFileError, match="half made"):
             world.InsertModel(WORLD.format(model="Stray", plugin="Stray.py</plugin><fail>1</fail><plugin>"))
         assert (len(world.engine.bodies), len(world.engine.geoms)) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        ("pass", r"Robot.Load must make one, body = Body\(self.world\), and call self.AddBody\(body, True\)"),
+        ("Body(self.world, 'base')", "Robot.Load made body 'base', but never called AddBody; it must call "),
+        ("self.AddBody(Body(self.world, 'base'))", "it called AddBody without True"),
+        (
+            "BoxGeom(Body(self.world, 'base'), self.modelSpaceId, 1, 1, 1).SetMass(-1)",
+            r"mass \[kg\] of BoxGeom 1 of body 'base' is -1; it must not be negative \(.*/Robot.py:5\)$",
+        ),
+        ("BoxGeom(Body(self.world), self.modelSpaceId, 1, 1, 1).SetHardness(0, 0)", "hardness kp of BoxGeom 1 of body"),
+        ("Body(self.world).SetPosition((0, 0, float('nan')))", r"position \[m\] is .*nan.*Robot.py:5\)$"),
+    ],
+)
+def test_messages_about_load_lead_to_the_fix(tmp_path, load, message):
+    text = ["from libgz import *", "class Robot(Model):", "    def Load(self, file, node):", "        self.world"]
+    text += [f"        {load}", "GZ_REGISTER_PLUGIN('Robot', Robot)"]
+    (tmp_path / "Robot.py").write_text("\n".join(text))
+    with pytest.raises(WorldFileError, match=message) as failed:
+        run(tmp_path, "Robot", "Robot.py")
+    assert "w.world:2: <model:Robot>: " in str(failed.value)
+
+
+def test_a_message_about_init_has_the_line(tmp_path):
+    write(tmp_path, "Bad", init="libgz.SphereGeom(self.GetBody(), self.modelSpaceId, -1)")
+    with pytest.raises(PluginError, match=r"Init of model 'm1': .* is -1; it must be above zero \(.*/Bad.py:8\)"):
+        run(tmp_path, "Bad", "Bad.py")
+
+
+@pytest.mark.parametrize("name", ["libhello_world.so", "hello_world.so", "Hello_World.so"])
+def test_a_folder_with_only_the_source_of_a_plugin_is_explained(tmp_path, name):
+    (tmp_path / "hello_world.cc").write_text("class WorldPluginTutorial;")
+    with pytest.raises(PluginError, match=r"hello_world.cc is C\+\+ source, .* port it to Python as hello_world.py"):
+        find_plugin(name, str(tmp_path / "w.world"))
+
+
+def test_a_misspelt_plugin_is_explained(tmp_path):
+    write(tmp_path, "Robot")
+    with pytest.raises(PluginError, match=r"has no Robto.py; did you mean 'Robot.py'"):
+        find_plugin("Robto.so", str(tmp_path / "w.world"))
 
 
 def test_what_init_and_load_fail_with_is_said_once(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 import libgz
 from libgz.files import installed_worlds
 from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternMul, GzQuaternToEuler, GzVector
-from libgz.ode.types import JointType
+from libgz.ode.types import JointType, Surface
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 LASER = "<model:SickLMS200><id>laser1</id><xyz>0 0 0.05</xyz><parentBody>topPlate</parentBody></model:SickLMS200>"
@@ -33,10 +33,10 @@ POWERED = ("PeopleBot", "B21R", "Atrv", "Roomba")
 ALL = (*HEIGHTS, "Blimp")
 
 
-def world_of(model, inside="", around="", xyz=None, rpy="0 0 0"):
+def world_of(model, inside="", around="", xyz=None, rpy="0 0 0", root=""):
     xyz = xyz or f"0 0 {10 if model == 'Blimp' else ON_GROUND.get(model, 0.0)}"
     return libgz.World.from_string(
-        f"{HEAD}<model:GroundPlane/>{around}"
+        f"{HEAD[:-1]} {root}><model:GroundPlane/>{around}"
         f"<model:{model}><id>r</id><xyz>{xyz}</xyz><rpy>{rpy}</rpy>{inside}</model:{model}></gz:world>"
     )
 
@@ -295,6 +295,36 @@ def test_segway_falls_when_its_motors_are_off_and_lies_still():
         position.command(vx=1.0)
         world.run(10.0)
         assert fastest(world) < 0.02  # fallen over, it gives up
+
+
+@pytest.mark.parametrize("step", [0.02, 0.01, 0.005])
+@pytest.mark.parametrize("drop", [0.1, 0.2, 0.3])
+@pytest.mark.parametrize(
+    ("x", "box"), [(0.0, "<mass>100</mass>"), (0.1, "<mass>10</mass><cfm>0.01</cfm>"), (0.1, None)]
+)
+def test_segway_of_a_04_file_survives_a_drop(step, drop, x, box):
+    laser = f"<model:SickLMS200><id>laser1</id><xyz>{x} 0 0.85</xyz></model:SickLMS200>"
+    around = f"<param:Global><stepTime>{step}</stepTime></param:Global>"
+    if box:
+        around += f"<model:SimpleSolid><xyz>0 0 0.25</xyz><size>9 9 0.5</size>{box}</model:SimpleSolid>"
+    place = f"0 0 {0.5 * bool(box) + drop}"
+    with world_of("SegwayRMP", laser, around, place, root="version='0.4'") as world:
+        robot, leaning = world.model("r"), 0.0
+        for _ in range(100):
+            world.run(0.1)
+            leaning = max(leaning, abs(math.degrees(attitude(robot).y)))
+        assert leaning < 15.0
+        world.interface("position", "r").command(vx=0.5)
+        world.run(4.0)
+        assert abs(math.degrees(attitude(robot).y)) < 15.0
+        assert world.interface("position", "r").vel_pos[0] == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.parametrize("root", ["", "version='0.5'"])
+def test_segway_of_a_05_file_has_undamped_tires(root):
+    with world_of("SegwayRMP", root=root) as world:
+        tires = world.model("r").bodies[2:]
+        assert [geom.surface(Surface.KD) for body in tires for geom in body.geoms] == [0.0, 0.0]
 
 
 # Shrimp ----------------------------------------------------------------------------------------------------------

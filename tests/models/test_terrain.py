@@ -185,8 +185,8 @@ def test_a_height_map_is_ground_as_in_gazebo_04(tmp_path, caplog):
     <vertexSpacing>0.5</vertexSpacing><textureRepeat>4 3</textureRepeat><errorBound>2</errorBound></model:Terrain>"""
     with world_of(tmp_path, body) as world:
         column, row = np.random.default_rng(2).integers(1, 29, (2, 100))
-        # The first row of the picture is at +y; its lower left pixel is the origin.
-        found = heights_below(world, np.stack([0.5 * column, 0.5 * (29 - row)], axis=1) + 1e-7)
+        # The first row of the picture is at +y; its middle is the origin.
+        found = heights_below(world, np.stack([0.5 * (column - 19.5), 0.5 * (14.5 - row)], axis=1) + 1e-7)
         assert found == pytest.approx(grey[row, column] / 255.0 * 5.0, abs=1e-5)
         coordinates = world.model("t").ground.texture_coordinates
         assert coordinates.max(axis=0) == pytest.approx((4, 3))
@@ -199,7 +199,7 @@ def test_slanting_rays_see_the_nearest_slope_of_a_height_map(tmp_path):
     Image.fromarray(grey).save(tmp_path / "map.png")
     body = "<model:Terrain><dataFile>map.png</dataFile><elevationScale>3</elevationScale></model:Terrain>"
     with world_of(tmp_path, body) as world:
-        rays = np.array([[1.0, 30.0, z, 1.0, 0.0, 0.0, 60.0] for z in np.linspace(0.1, 2.9, 40)])
+        rays = np.array([[1.0 - 29.5, 0.5, z, 1.0, 0.0, 0.0, 60.0] for z in np.linspace(0.1, 2.9, 40)])
         ranges, rows = np.empty(40), np.empty(40, dtype=np.int64)
         world.engine.scan(np.array([0, 0, 0, 1.0, 0, 0, 0]), rays, 0, ranges, rows)
         assert ranges == pytest.approx(18.0 + rays[:, 2] / 3.0, abs=1e-5)

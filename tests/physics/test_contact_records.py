@@ -122,7 +122,16 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         for i in range(40):
             place, spin = (0.4 * (i % 7), 0.3 * (i // 7), 0.6 + 1.1 * (i // 7)), {"MAX_CONTACTS": 3 + i % 5}
             torsion = {"PATCH_RADIUS": 0.1 * (i % 3), "BY_PATCH": i % 2, "RADIUS": 0.5, "TORSION": 0.4}
-            geom = box(twin, place, mu=0.1 * (i % 9), GHOST=i % 5 == 4, MIN_DEPTH=1e-4 * i, **spin, **torsion)
+            geom = box(
+                twin,
+                place,
+                mu=0.1 * (i % 9),
+                GHOST=i % 5 == 4,
+                MIN_DEPTH=1e-4 * i,
+                MAX_VEL=0.01 * (i % 4),
+                **spin,
+                **torsion,
+            )
             geom.body.SetAngularVel((i, 1, 0))
         libgz.CylinderGeom(libgz.Body(twin, dummy=True), Space(twin), 0.3, 1.0).SetRelativePosition((0.5, 0.5, 0.5))
         libgz.CylinderGeom(libgz.Body(twin), Space(twin), 0.3, 1.0).SetRelativePosition((0.5, 0.5, 1.6))
@@ -130,7 +139,7 @@ def test_both_forms_record_the_same_bits(monkeypatch):
         for _ in range(120):
             twin.step()
             kept.append(twin.contacts.tobytes())
-        return kept, twin.states.tobytes() + twin.tables.bodies.start.tobytes()
+        return kept, twin.states.tobytes() + twin.tables.bodies.motion.tobytes()
 
     native, python = in_both_forms(run, monkeypatch)
     assert native == python

@@ -54,7 +54,9 @@ def test_what_does_not_work_says_why_and_auto_goes_on(monkeypatch, caplog):
     assert "osmesa does not render: libOSMesa.so.8 cannot be loaded" in caplog.text
     assert "rendering with egl" in caplog.text
     monkeypatch.setattr(context, "_library", absent)
-    with pytest.raises(libgz.PluginError, match=r"osmesa: .* egl: .* --gl none disables rendering"):
+    with pytest.raises(
+        libgz.PluginError, match=r"osmesa: .* egl: .* --gl none disables rendering, and so does LIBGZ_GL=none"
+    ):
         world_of("<model:MonoCam/>")
 
 

@@ -295,6 +295,27 @@ def test_push_out_goes_by_the_last_collision_of_a_link(load):
         assert made.body("m").GetPosition().z == pytest.approx(height, abs=2e-3)
 
 
+@pytest.mark.parametrize("other", [True, False])
+def test_push_out_of_a_pair_goes_by_the_smaller_limits(load, other):
+    def shape(speed, depth):
+        limits = f"<max_vel>{speed}</max_vel><min_depth>{depth}</min_depth>"
+        return collision("box", f"<contact><ode>{limits}</ode></contact>")
+
+    def body(name, z, *limits):
+        return model(name, link("link", shape(*limits)), pose=f"0 0 {z} 0 0 0")
+
+    # A fixed body has no influence: the lower one is pushed out of the ground at its own 0.02 m/s.
+    made = load(world(GROUND, body("m", 0.4, 0.02, 0.0), gravity="0 0 0"))
+    made.run(1.0)
+    assert made.body("m").GetPosition().z == pytest.approx(0.42, abs=2e-3)
+    for one, two, start, gap in (((0.02, 0.0), (0.5, 0.03), 0.9, 0.901), ((0.1, 0.05), (0.1, 0.03), 0.96, 0.965)):
+        first, second = (one, two) if other else (two, one)
+        made = load(world(body("a", 0.0, *first), body("b", start, *second), gravity="0 0 0"))
+        made.run(0.05)
+        found = made.body("b").GetPosition().z - made.body("a").GetPosition().z
+        assert found == pytest.approx(gap, abs=2e-4)
+
+
 def test_things_fall_asleep_and_wake(load):
     box = link("link", collision("box"))
     made = load(

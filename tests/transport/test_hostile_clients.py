@@ -111,7 +111,7 @@ def test_random_bytes_in_all_files(attacked):
 
 
 def test_all_files_truncated_repeatedly(attacked):
-    # Under the lock: if a file is truncated while the server writes to it, nothing can help.
+    # Under the lock, which is survived without the native part, too.
     for turn in range(20):
         for path in files_of(attacked):
             descriptor = os.open(path, os.O_RDWR)

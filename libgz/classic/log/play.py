@@ -20,13 +20,12 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.state import SdfState
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.entity import Entity as CoreModel
+from libgz.simulation.rate import TIME_SLACK
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogPlay", "read_states"]
 
 log = logging.getLogger("libgz.classic")
-
-_SLACK = 1e-9  # [s]
 
 
 def read_states(reader: LogReader) -> Iterator[SdfState]:
@@ -120,9 +119,9 @@ class LogPlay:
 
     def Seek(self, sim_time: float) -> None:
         """Go to the last state up to a sim time [s], forwards or backwards, without steps."""
-        if sim_time < self.core.GetSimTime() - _SLACK:
+        if sim_time < self.core.GetSimTime() - TIME_SLACK:
             self._rewind()
-        while self._next is not None and self._next.sim_time <= sim_time + _SLACK:
+        while self._next is not None and self._next.sim_time <= sim_time + TIME_SLACK:
             self._apply_next()
 
     def Rewind(self) -> None:

@@ -21,13 +21,12 @@ from libgz.geometry import GzPose, GzVector
 from libgz.sdf.state import SdfState
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.simulation.entity import Entity as CoreModel
+from libgz.simulation.rate import TIME_SLACK
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["LogRecord", "NamePattern", "default_log_path"]
 
 log = logging.getLogger("libgz.classic")
-
-_SLACK = 1e-9  # [s], above the rounding errors of sums of step times
 
 
 def default_log_path() -> Path:
@@ -184,7 +183,7 @@ class LogRecord:
     def step(self, paused: bool) -> None:
         """Write a state if it is due."""
         now = self._core.GetSimTime()
-        if paused or now < self._due - _SLACK or self._core.iterations == self._last:
+        if paused or now < self._due - TIME_SLACK or self._core.iterations == self._last:
             return
         self._due, self._last = now + self._period, self._core.iterations
         self._add_state()

@@ -135,6 +135,14 @@ class Collision(Entity):
         """Angular velocity [rad/s], in the world frame."""
         return self.link.WorldAngularVel()
 
+    def WorldLinearAccel(self) -> Vector3d:
+        """Linear acceleration of its link's centre of mass in the last step [m/s^2], in the world frame."""
+        return self.link.WorldLinearAccel()
+
+    def WorldAngularAccel(self) -> Vector3d:
+        """Angular acceleration in the last step [rad/s^2], in the world frame."""
+        return self.link.WorldAngularAccel()
+
     def GetLink(self) -> Link:
         """The link."""
         return self.link

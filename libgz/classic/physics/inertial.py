@@ -2,41 +2,122 @@
 
 from __future__ import annotations
 
+import copy
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
 from libgz.classic.math import MassMatrix3d, Matrix3d, Pose3d, Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzPose, GzVector, VectorLike
+from libgz.ode.types import Mass as OdeMass
 from libgz.physics.body import Body
-from libgz.physics.mass import Mass as OdeMass, given_mass
+from libgz.physics.check import finite
+from libgz.physics.mass import about_centre, given_mass
+
+if TYPE_CHECKING:
+    from libgz.sdf.element import Element
 
 __all__ = ["Inertial"]
 
 
 class Inertial:
-    """Mass [kg], centre of mass [m] in the link frame, and moments about it [kg m^2] along the link's axes.
+    """Mass [kg], a frame at the centre of mass, and moments of inertia about its origin along its axes [kg m^2].
+
+    Values that are set act, all together, at the link's UpdateMass; so their order does not matter. Until then the
+    object has the new values, and the link the old ones.
 
     Args:
-        body: the link's body, to which changes are written at once. None: values of its own, 1 kg and unit moments.
+        body: the body of a link, whose values it has. None: values of its own, 1 kg and unit moments.
+        sdf: the element of the link, which has the axes of the frame.
     """
 
-    def __init__(self, body: Body | None = None) -> None:
-        self._body = body
-        self._matrix, self._centre = MassMatrix3d(1.0, (1.0, 1.0, 1.0)), Vector3d()
-        if body is not None and not body.dummy:
-            held = body.GetMass()
-            i = held.I
-            self._matrix = MassMatrix3d(held.mass, (i[0], i[5], i[10]), (i[1], i[2], i[6]))
-            self._centre = Vector3d(*body.com)
+    def __init__(self, body: Body | None = None, sdf: Element | None = None) -> None:
+        self._body = body if body is not None and not body.dummy else None
+        self._changed = False
+        self._mass, self._pose = MassMatrix3d(1.0, (1.0, 1.0, 1.0)), Pose3d()
+        self._held = b""  # the body's mass matrix and centre of mass, of which these values are
+        self._before = self._mass, self._pose  # the values before the changes
+        if sdf is not None:
+            self._read_file(sdf)
+        self._read()
+
+    def _read_file(self, sdf: Element) -> None:
+        """Take the values of a link's element, as far as the body still has them."""
+        inertial = sdf.child("inertial")
+        inertia = inertial.child("inertia")
+        numbers = [inertia.Get(float, f"i{axes}") for axes in ("xx", "yy", "zz", "xy", "xz", "yz")]
+        self._mass = MassMatrix3d(inertial.Get(float, "mass"), numbers[:3], numbers[3:])
+        self._pose = Pose3d(inertial.Get(GzPose, "pose"))
+        if self._body is not None:
+            given, held = _numbers(self._matrix()), _of_body(self._body)
+            scale = np.array([held[0], *[1.0] * 3, *[np.abs(held[4:]).max()] * 9])
+            if np.all(np.abs(given - held) <= 1e-9 * scale):
+                self._held = held.tobytes()
+
+    def _read(self) -> None:
+        """Take the values of the body if they are not those of this object; the axes of the frame stay."""
+        if self._body is None or self._changed:
+            return
+        numbers = _of_body(self._body)
+        if numbers.tobytes() == self._held:
+            return
+        self._held = numbers.tobytes()
+        turn = np.asarray(Matrix3d(self._pose.rot))
+        moments = turn.T @ numbers[4:].reshape(3, 3) @ turn
+        self._mass.mass = float(numbers[0])
+        self._mass.Moi(Matrix3d(*moments.ravel().tolist()))
+        self._pose = Pose3d(GzPose(GzVector(*numbers[1:4].tolist()), self._pose.rot))
 
     def matrix(self) -> OdeMass:
-        """ODE's mass matrix in the link frame."""
-        m = self._matrix
-        moments = [m.ixx, m.iyy, m.izz, m.ixy, m.ixz, m.iyz]
-        return given_mass(m.mass, moments, GzPose(GzVector(*self._centre)))
+        """ODE's mass matrix in the link frame.
 
-    def _write(self) -> None:
-        """Write all values to the body."""
+        Raises:
+            ParameterError: no body can have these values.
+        """
+        self._read()
+        return self._matrix()
+
+    def _matrix(self) -> OdeMass:
+        m = self._mass
+        return given_mass(m.mass, [m.ixx, m.iyy, m.izz, m.ixy, m.ixz, m.iyz], self._pose)
+
+    def copy_from(self, other: Inertial) -> None:
+        """Set all values to those of another object."""
+        other._read()
+        self._change()
+        self._mass, self._pose = copy.deepcopy(other._mass), Pose3d(other._pose)
+
+    def apply(self) -> None:
+        """Set the mass matrix of the body to these values.
+
+        Raises:
+            ParameterError: no body can have them; the values before the changes are restored.
+        """
+        if not self._changed:
+            return
         if self._body is not None:
-            self._body.SetMassMatrix(self.matrix())
+            try:
+                self._body.SetMassMatrix(self._matrix())
+            except ParameterError:
+                (self._mass, self._pose), self._changed = self._before, False
+                raise
+            self._held = _of_body(self._body).tobytes()
+        self._changed = False
+
+    def _values(self) -> MassMatrix3d:
+        """Mass and moments, up to date."""
+        self._read()
+        return self._mass
+
+    def _change(self) -> MassMatrix3d:
+        """Mass and moments, which are going to be changed."""
+        self._read()
+        if not self._changed:
+            self._before = copy.deepcopy(self._mass), Pose3d(self._pose)
+            self._changed = True
+        return self._mass
 
     def Ign(self) -> Inertial:
         """The object itself: one class has both generations of names."""
@@ -46,7 +127,7 @@ class Inertial:
 
     def Mass(self) -> float:
         """The mass [kg]."""
-        return self._matrix.mass
+        return self._values().mass
 
     GetMass = Mass
 
@@ -58,105 +139,133 @@ class Inertial:
         """
         if not m > 0.0:
             raise ParameterError(f"mass is {m:g} kg; it must be positive")
-        self._matrix.mass = float(m)
-        self._write()
+        self._change().mass = finite(m, "mass [kg]")
 
     def CoG(self) -> Vector3d:
         """The centre of mass in the link frame [m]."""
-        return Vector3d(*self._centre)
+        self._read()
+        return Vector3d(*self._pose.pos)
 
     GetCoG = CoG
 
-    def SetCoG(self, *centre: VectorLike | float) -> None:
-        """Set the centre of mass [m]: three numbers or a vector."""
+    def SetCoG(self, *centre: VectorLike | GzPose | float) -> None:
+        """Set the centre of mass [m]: three numbers or a vector; or its frame: a pose or six numbers."""
         values = centre[0] if len(centre) == 1 else centre
-        self._centre = Vector3d(*values)  # type: ignore[misc]
-        self._write()
+        self._change()
+        if isinstance(values, GzPose):
+            self._pose = Pose3d(values)
+        elif len(values) == 6:  # type: ignore[arg-type]
+            self._pose = Pose3d(*values)  # type: ignore[misc]
+        else:
+            self._pose = Pose3d(GzPose(GzVector(*values), self._pose.rot))  # type: ignore[misc]
 
     def Pose(self) -> Pose3d:
-        """The centre of mass as a pose [m]."""
-        return Pose3d(GzPose(GzVector(*self._centre)))
+        """The frame in which the moments are given: its origin is the centre of mass [m]."""
+        self._read()
+        return Pose3d(self._pose)
 
     GetPose = Pose
 
     def SetInertiaMatrix(self, ixx: float, iyy: float, izz: float, ixy: float, ixz: float, iyz: float) -> None:
         """Set the moments of inertia [kg m^2]."""
-        self._matrix.SetDiagonalMoments((ixx, iyy, izz))
-        self._matrix.SetOffDiagonalMoments((ixy, ixz, iyz))
-        self._write()
+        matrix = self._change()
+        matrix.SetDiagonalMoments((ixx, iyy, izz))
+        matrix.SetOffDiagonalMoments((ixy, ixz, iyz))
 
-    def MOI(self) -> Matrix3d:
-        """The matrix of inertia [kg m^2]."""
-        return self._matrix.Moi()
+    def MOI(self, pose: GzPose | None = None) -> Matrix3d:
+        """The matrix of inertia [kg m^2], along the axes of Pose(); with a pose, about its origin, along its axes."""
+        moi = self._values().Moi()
+        if pose is None:
+            return moi
+        away = self._pose - Pose3d(pose)
+        turn, d = Matrix3d(away.rot), Vector3d(*away.pos)
+        offset = Matrix3d.Identity * d.SquaredLength() - Matrix3d([d * d.x, d * d.y, d * d.z])
+        return turn * moi * turn.Transposed() + offset * self._mass.mass
 
     GetMOI = MOI
     Moi = MOI
 
+    def SetMOI(self, moi: Matrix3d) -> None:
+        """Set the matrix of inertia [kg m^2], along the axes of Pose()."""
+        self._change().Moi(moi)
+
     def PrincipalMoments(self) -> Vector3d:
-        """The moments on the diagonal [kg m^2], as in Gazebo: ixx, iyy, izz."""
-        return self._matrix.DiagonalMoments()
+        """The moments about the principal axes [kg m^2]; ixx, iyy, izz if those are the axes of Pose().
+
+        If they are not, the smallest comes first.
+        """
+        matrix = self._values()
+        if any(matrix.OffDiagonalMoments()):
+            return matrix.PrincipalMoments()
+        return matrix.DiagonalMoments()
 
     GetPrincipalMoments = PrincipalMoments
 
     def ProductsOfInertia(self) -> Vector3d:
         """The moments off the diagonal [kg m^2]: ixy, ixz, iyz."""
-        return self._matrix.OffDiagonalMoments()
+        return self._values().OffDiagonalMoments()
 
     GetProductsofInertia = ProductsOfInertia
 
     def IXX(self) -> float:
         """The moment ixx [kg m^2]."""
-        return self._matrix.ixx
+        return self._values().ixx
 
     def SetIXX(self, value: float) -> None:
         """Set the moment ixx [kg m^2]."""
-        self._matrix.ixx = float(value)
-        self._write()
+        self._change().ixx = finite(value, "ixx [kg m^2]")
 
     def IYY(self) -> float:
         """The moment iyy [kg m^2]."""
-        return self._matrix.iyy
+        return self._values().iyy
 
     def SetIYY(self, value: float) -> None:
         """Set the moment iyy [kg m^2]."""
-        self._matrix.iyy = float(value)
-        self._write()
+        self._change().iyy = finite(value, "iyy [kg m^2]")
 
     def IZZ(self) -> float:
         """The moment izz [kg m^2]."""
-        return self._matrix.izz
+        return self._values().izz
 
     def SetIZZ(self, value: float) -> None:
         """Set the moment izz [kg m^2]."""
-        self._matrix.izz = float(value)
-        self._write()
+        self._change().izz = finite(value, "izz [kg m^2]")
 
     def IXY(self) -> float:
         """The moment ixy [kg m^2]."""
-        return self._matrix.ixy
+        return self._values().ixy
 
     def SetIXY(self, value: float) -> None:
         """Set the moment ixy [kg m^2]."""
-        self._matrix.ixy = float(value)
-        self._write()
+        self._change().ixy = finite(value, "ixy [kg m^2]")
 
     def IXZ(self) -> float:
         """The moment ixz [kg m^2]."""
-        return self._matrix.ixz
+        return self._values().ixz
 
     def SetIXZ(self, value: float) -> None:
         """Set the moment ixz [kg m^2]."""
-        self._matrix.ixz = float(value)
-        self._write()
+        self._change().ixz = finite(value, "ixz [kg m^2]")
 
     def IYZ(self) -> float:
         """The moment iyz [kg m^2]."""
-        return self._matrix.iyz
+        return self._values().iyz
 
     def SetIYZ(self, value: float) -> None:
         """Set the moment iyz [kg m^2]."""
-        self._matrix.iyz = float(value)
-        self._write()
+        self._change().iyz = finite(value, "iyz [kg m^2]")
 
     GetIXX, GetIYY, GetIZZ, GetIXY, GetIXZ, GetIYZ = IXX, IYY, IZZ, IXY, IXZ, IYZ
     Ixx, Iyy, Izz, Ixy, Ixz, Iyz = IXX, IYY, IZZ, IXY, IXZ, IYZ
+
+
+def _numbers(mass: OdeMass) -> NDArray[np.float64]:
+    """Mass, centre of mass, and the moments about that, shape (13,)."""
+    about = about_centre(mass)
+    return np.array([mass.mass, *mass.c[:3], *(about.I[4 * i + j] for i in range(3) for j in range(3))])
+
+
+def _of_body(body: Body) -> NDArray[np.float64]:
+    """The same of the mass matrix that a body has."""
+    mass = body.GetMass()
+    return np.array([mass.mass, *body.com, *(mass.I[4 * i + j] for i in range(3) for j in range(3))])

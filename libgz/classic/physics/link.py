@@ -11,6 +11,7 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.inertial import Inertial
 from libgz.geometry import (
+    GzCoordPoseAdd,
     GzPose,
     GzVectorAdd,
     GzVectorDot,
@@ -36,7 +37,7 @@ class Link(Entity):
     def __init__(self, model: Model, name: str, body: Body, sdf: Element | None) -> None:
         super().__init__(model.GetWorld(), name, model, sdf)
         self.model, self.body = model, body
-        self._kinematic = bool(sdf is not None and sdf.Get(bool, "kinematic"))
+        self._inertial: Inertial | None = None
 
     def children(self) -> list[Base]:
         """Its collisions."""
@@ -58,8 +59,12 @@ class Link(Entity):
         return Pose3d(self.body.GetCoMPose())
 
     GetWorldCoGPose = WorldCoGPose
-    WorldInertialPose = WorldCoGPose
-    GetWorldInertialPose = WorldCoGPose
+
+    def WorldInertialPose(self) -> Pose3d:
+        """Global pose of the frame of GetInertial(): at the centre of mass [m], along the axes of the moments."""
+        return Pose3d(GzCoordPoseAdd(self.GetInertial().Pose(), self.body.GetPose()))
+
+    GetWorldInertialPose = WorldInertialPose
 
     def WorldLinearVel(self, offset: VectorLike | None = None) -> Vector3d:
         """Linear velocity [m/s] of the link's origin, or of a point given in the link frame [m]."""
@@ -93,13 +98,11 @@ class Link(Entity):
         self.SetAngularVel(angular)
 
     def WorldLinearAccel(self) -> Vector3d:
-        """Linear acceleration of the centre of mass in the last step [m/s^2]; measured from the first call on."""
-        self.body.engine.record_motion = True
+        """Linear acceleration of the centre of mass in the last step [m/s^2]; zero before the first one."""
         return Vector3d(*self.body.GetLinearAccel())
 
     def WorldAngularAccel(self) -> Vector3d:
-        """Angular acceleration in the last step [rad/s^2]; measured from the first call on."""
-        self.body.engine.record_motion = True
+        """Angular acceleration in the last step [rad/s^2]; zero before the first one."""
         return Vector3d(*self.body.GetAngularAccel())
 
     # Forces ------------------------------------------------------------------------------------------------------
@@ -152,19 +155,22 @@ class Link(Entity):
         self.body.SetTorque(*torque)
 
     def WorldForce(self) -> Vector3d:
-        """The force accumulated for the next step [N]."""
-        return Vector3d(*self.body.GetForce())
+        """The force at the centre of mass in the last step [N]: applied forces and gravity, without contacts.
+
+        Forces that were added since act in the next step.
+        """
+        return Vector3d(*self.body.GetAppliedForce()) + Vector3d(*self.body.GetWeight())
 
     def WorldTorque(self) -> Vector3d:
-        """The torque accumulated for the next step [N m]."""
-        return Vector3d(*self.body.GetTorque())
+        """The torque applied in the last step [N m]; torques that were added since act in the next one."""
+        return Vector3d(*self.body.GetAppliedTorque())
 
     def RelativeForce(self) -> Vector3d:
-        """The force accumulated for the next step [N], in the link frame."""
+        """WorldForce in the link frame [N]."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldForce()))
 
     def RelativeTorque(self) -> Vector3d:
-        """The torque accumulated for the next step [N m], in the link frame."""
+        """WorldTorque in the link frame [N m]."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldTorque()))
 
     GetWorldForce = WorldForce
@@ -185,20 +191,35 @@ class Link(Entity):
     # Mass --------------------------------------------------------------------------------------------------------
 
     def GetInertial(self) -> Inertial:
-        """Mass and inertia; changes to them are written to the link."""
-        return Inertial(self.body)
+        """Mass and inertia: the same object at each call. Changes to it act at UpdateMass."""
+        if self._inertial is None:
+            self._inertial = Inertial(self.body, self._sdf)
+        return self._inertial
 
     def SetInertial(self, inertial: Inertial) -> None:
-        """Set mass and inertia."""
-        self.body.SetMassMatrix(inertial.matrix())
+        """Set mass and inertia to a copy of these values, at once.
+
+        Raises:
+            ParameterError: no body can have them; the link keeps its own.
+        """
+        own = self.GetInertial()
+        own.copy_from(inertial)
+        own.apply()
 
     def UpdateMass(self) -> None:
-        """Without effect: changes of GetInertial() take effect at once."""
+        """Make the changes of GetInertial() act.
+
+        Raises:
+            ParameterError: no body can have these values; link and GetInertial() keep those before the changes.
+        """
+        if self._inertial is not None:
+            self._inertial.apply()
 
     def WorldInertiaMatrix(self) -> Matrix3d:
         """The matrix of inertia about the centre of mass [kg m^2], along the world's axes."""
+        mass = self.body.GetMass()
         turn = np.array([rotate(self.body.GetRotation(), axis) for axis in np.eye(3)]).T
-        inertia = np.asarray(self.GetInertial().MOI())
+        inertia = np.array(mass.I[:12]).reshape(3, 4)[:, :3]
         return Matrix3d(*(turn @ inertia @ turn.T).ravel().tolist())
 
     GetWorldInertiaMatrix = WorldInertiaMatrix
@@ -238,12 +259,11 @@ class Link(Entity):
 
     def SetKinematic(self, kinematic: bool) -> None:
         """Make it kinematic: moved by its velocity only, not by forces."""
-        self._kinematic = bool(kinematic)
         self.body.set_kinematic(kinematic)
 
     def GetKinematic(self) -> bool:
         """Whether it is kinematic: moved by its velocity only, not by forces."""
-        return self._kinematic
+        return self.body.kinematic
 
     def SetEnabled(self, enable: bool) -> None:
         """Wake it, or put it to sleep (auto-disabled)."""

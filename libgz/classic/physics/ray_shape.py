@@ -159,7 +159,7 @@ class MultiRayShape:
     """
 
     def __init__(self, body: Body, offset: GzPose, grid: ScanGrid) -> None:
-        self._body = body
+        self.body = body
         self._engine: Engine = body.engine
         self.grid = grid
         self._scans = Event("NewLaserScans")
@@ -177,7 +177,7 @@ class MultiRayShape:
 
     def Update(self) -> None:
         """Cast all rays, from the present pose of the link."""
-        pose = self._body.GetPose()
+        pose = self.body.GetPose()
         self._engine.scan(np.array((*pose.pos, *pose.rot)), self._rays, 0, self._reached, self._rows)
         if self._scans:
             self._scans()
@@ -208,7 +208,7 @@ class MultiRayShape:
 
     def segments(self) -> NDArray[np.float64]:
         """Start of all rays, and their hits or ends [m], in the world frame, shape (n, 2, 3)."""
-        pose = self._body.GetPose()
+        pose = self.body.GetPose()
         axes = np.array([rotate(pose.rot, axis) for axis in np.eye(3)])
         starts = self._rays[:, :3] @ axes + pose.pos
         reach = np.minimum(self._reached, self._rays[:, 6])[:, None]

@@ -53,6 +53,7 @@ class PositionPlugin(ModelPlugin):
         name = sdf.Get(str, "id").strip() or model.GetName()
         core = model.core
         self.position, self.guard = Position(), Guard(f"position.{name}")
+        self.enabled = True
         self.position.create(core.world.gz_server, name, model.GetName(), core.GetIntId(), core.GetParentIntId())
         self.position.data.cmd_enable_motors = 1
         weakref.finalize(self, self.position.destroy)  # when the plugin is dropped
@@ -110,7 +111,8 @@ class PositionPlugin(ModelPlugin):
             self.guard.number(name, value, old, LARGEST_COMMAND)
             for name, value, old in zip(names, commands, self.command, strict=True)
         )
-        self.command = (speed, turn) if enabled else (0.0, 0.0)
+        self.enabled = self.guard.switch("cmd_enable_motors", enabled, self.enabled)
+        self.command = (speed, turn) if self.enabled else (0.0, 0.0)
 
 
 GZ_REGISTER_MODEL_PLUGIN(PositionPlugin)

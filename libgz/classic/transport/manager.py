@@ -14,8 +14,9 @@ from libgz.classic.msgs.message import Message
 from libgz.classic.transport.topic import INCOMING, Endpoint, Incoming, LocalSubscriber, Topic, log
 from libgz.errors import NotFoundError, ParameterError
 
-__all__ = ["DeliveryThread", "Remote", "TopicManager"]
+__all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
 
+PATIENCE = 0.02  # [s] of waiting for another thread that delivers
 DELIVERY_PERIOD = 0.001  # [s] between deliveries of a DeliveryThread
 
 
@@ -75,22 +76,32 @@ class TopicManager:
     # Delivery ----------------------------------------------------------------------------------------------------
 
     def ProcessNodes(self) -> None:
-        """Deliver the messages published up to now; those that callbacks publish wait for the next call."""
+        """Deliver the messages published up to now; those that callbacks publish wait for the next call.
+
+        So do all while another thread delivers: one of its callbacks may wait for the world that this thread steps.
+        """
         if not self.queue:
             return
-        with self.delivering:
-            if self._busy or self._paused:
-                return
-            self._busy = True
-            try:
-                for _ in range(len(self.queue)):
-                    try:
-                        deliver = self.queue.popleft()
-                    except IndexError:
-                        break
-                    deliver()
-            finally:
-                self._busy = False
+        if not self.delivering.acquire(timeout=PATIENCE):
+            return
+        try:
+            self._deliver()
+        finally:
+            self.delivering.release()
+
+    def _deliver(self) -> None:
+        if self._busy or self._paused:
+            return
+        self._busy = True
+        try:
+            for _ in range(len(self.queue)):
+                try:
+                    deliver = self.queue.popleft()
+                except IndexError:
+                    break
+                deliver()
+        finally:
+            self._busy = False
 
     def PauseIncoming(self, pause: bool) -> None:
         """Stop delivering messages, or deliver them again."""

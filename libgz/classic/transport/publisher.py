@@ -9,7 +9,7 @@ from collections import deque
 from typing import Any
 
 from libgz.classic.msgs.message import Message
-from libgz.classic.transport.manager import TopicManager
+from libgz.classic.transport.manager import PATIENCE, TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.errors import ClosedError, ParameterError
 
@@ -79,10 +79,14 @@ class Publisher:
             remote.send(topic, self.id, *entry)
 
     def SendMessage(self) -> None:
-        """Deliver the waiting messages to the subscribers of this process now."""
-        with self._manager.delivering:
+        """Deliver the waiting messages to the subscribers of this process now; soon, while another thread delivers."""
+        if not self._manager.delivering.acquire(timeout=PATIENCE):
+            return
+        try:
             while self._outbox:
                 self._send_one()
+        finally:
+            self._manager.delivering.release()
 
     def _drop(self) -> bool:
         """Drop the oldest waiting message, so that another can take its place in the queue."""

@@ -11,7 +11,7 @@ from accessor_pairs import accessor_pairs
 
 import libgz
 from libgz.classic import physics, rendering, sensors
-from libgz.classic.math import Pose3d
+from libgz.classic.math import Matrix3d, Pose3d
 from libgz.classic.server import attach
 
 BALL = "<sphere><radius>0.5</radius></sphere>"
@@ -140,6 +140,7 @@ NOT_READ_BACK: dict[type, dict[str, str]] = {
     },
     physics.Joint: {"GetChild": "the argument has no effect", "SetForce": "efforts of several calls add up"},
     physics.Collision: {"WorldLinearVel": "the argument is a point"},
+    physics.Inertial: {"MOI": "the argument is a frame"},
     physics.Light: {"SetAttenuation": "it has three values"},
     rendering.Visual: {"Load": "the argument is an element"},
     sensors.ContactSensor: {"Contacts": "the argument is the name of a collision"},
@@ -161,6 +162,7 @@ VALUES: dict[type, dict[str, tuple]] = {
     physics.Inertial: {
         **{f"SetI{axis}{axis}": (2.0, 2.5) for axis in "XYZ"},
         **{f"SetI{axes}": (0.1, 0.2) for axes in ("XY", "XZ", "YZ")},
+        "SetMOI": (Matrix3d(2, 0, 0, 0, 2, 0, 0, 0, 2), Matrix3d(3, 0, 0, 0, 3, 0, 0, 0, 3)),
     },
     rendering.Light: {"SetLightType": ("point", "directional")},
     rendering.Camera: {"SetImageFormat": ("L8", "R8G8B8")},

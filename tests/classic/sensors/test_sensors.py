@@ -90,7 +90,6 @@ def test_row_17_an_imu_on_a_frictionless_ramp():
     with world_of(ramp + model("ball", ball, f"0 0 {high + 0.0} 0 0 0", False)) as world:
         world.step(1000)
         link = physics.get_world().ModelByName("ball").GetLink("link")
-        link.WorldLinearAccel()
         world.step(100)
         assert get("s").LinearAcceleration().Length() == pytest.approx(G * math.cos(0.5), abs=8e-5)
         assert link.WorldLinearAccel().Length() == pytest.approx(G * math.sin(0.5), abs=8e-5)

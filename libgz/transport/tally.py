@@ -1,0 +1,42 @@
+"""Tally: how often clients did something wrong, by cause, and when to log it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+
+__all__ = ["Tally"]
+
+
+class Tally:
+    """Counts by cause. Each cause is logged at its first time, at the hundredth, and then at every tenfold count.
+
+    So no client can fill the log.
+
+    Args:
+        first: how often each cause is logged before that.
+    """
+
+    def __init__(self, first: int = 1) -> None:
+        self._first = first
+        self._counts: dict[Hashable, list[int]] = {}  # cause -> count, count at which it is logged next
+
+    def due(self, cause: Hashable, times: int = 1) -> bool:
+        """Count `cause`; whether to log it now."""
+        entry = self._counts.get(cause)
+        if entry is None:
+            entry = self._counts[cause] = [0, 1]
+        entry[0] += times
+        if entry[0] < entry[1]:
+            return False
+        if entry[0] < self._first:
+            entry[1] = entry[0] + 1
+        else:
+            entry[1] = 100
+            while entry[1] <= entry[0]:
+                entry[1] *= 10
+        return True
+
+    def times(self, cause: Hashable) -> str:
+        """The end of a message: how often, from the second time on."""
+        count = self._counts.get(cause, (0,))[0]
+        return f" ({count} times so far)" if count > 1 else ""

@@ -1,0 +1,162 @@
+"""Random bytes in interface files at full speed: the server keeps its rate, during the attack and afterwards."""
+
+from __future__ import annotations
+
+import logging
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from trials.table import trial
+
+import libgz
+from libgz.interfaces.catalog import new_interface
+from libgz.transport.patience import Patience
+
+pytestmark = pytest.mark.trial
+
+ATTACK = Path(__file__).parent / "wire_attack.py"
+ROUNDS = 10
+SLICE = 0.4  # [s]
+LEAST = 0.9  # of the rate without an attack
+MOST_LINES = 8  # of the log, for each interface
+
+ROBOT = "<model:Pioneer2AT><id>robot1</id><xyz>0 0 0.3</xyz>{}</model:Pioneer2AT>"
+# Kind -> a world that serves it.
+WORLDS = {
+    "camera": ROBOT.format("<model:MonoCam><id>c</id><xyz>0 0 0.4</xyz></model:MonoCam>"),
+    "factory": ROBOT.format("") + "<model:Factory><id>f</id></model:Factory>",
+    "fiducial": ROBOT.format("<model:SickLMS200><id>l</id><xyz>0.1 0 0.3</xyz></model:SickLMS200>"),
+    "gps": ROBOT.format("<model:GarminGPS><id>g</id><xyz>0 0 0.3</xyz></model:GarminGPS>"),
+    "gripper": "<model:Pioneer2DX><id>r</id><xyz>0 0 0.24</xyz>"
+    "<model:Pioneer2Gripper><id>g</id><xyz>0.22 0 -0.1</xyz></model:Pioneer2Gripper></model:Pioneer2DX>",
+    "guicam": ROBOT.format("") + "<model:ObserverCam><id>o</id><xyz>-3 0 1.5</xyz></model:ObserverCam>",
+    "joint": "<model:Bandit><id>b</id><xyz>0 0 1</xyz></model:Bandit>",
+    "laser": ROBOT.format("<model:SickLMS200><id>l</id><xyz>0.1 0 0.3</xyz></model:SickLMS200>"),
+    "position": ROBOT.format(""),
+    "power": ROBOT.format(""),
+    "ptz": ROBOT.format("<model:SonyVID30><id>p</id><xyz>0 0 0.3</xyz></model:SonyVID30>"),
+    "sim": ROBOT.format(""),
+    "sonar": ROBOT.format(""),
+    "stereo": ROBOT.format("<model:StereoHead><id>s</id><xyz>0 0 0.3</xyz></model:StereoHead>"),
+    "truth": ROBOT.format("<model:TruthWidget><id>t</id></model:TruthWidget>"),
+    "wifi": ROBOT.format("<model:WiFi><id>w</id></model:WiFi>"),
+    "actarray": ROBOT.format(""),
+    "ir": ROBOT.format(""),
+}
+EXTRA = ("actarray", "ir")  # kinds that no model serves
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><model:GroundPlane/>"
+
+
+def world_of_all(count: int = 3) -> str:
+    """A world with all kinds and more than 42 files."""
+    text = ""
+    for i in range(count):
+        text += f"""<model:Pioneer2AT><id>robot{i}</id><xyz>0 {4 * i} 0.3</xyz>
+            <model:SickLMS200><id>laser{i}</id><xyz>0.1 0 0.3</xyz></model:SickLMS200>
+            <model:SonyVID30><id>ptz{i}</id><xyz>-0.1 0 0.3</xyz></model:SonyVID30>
+            <model:TruthWidget><id>truth{i}</id></model:TruthWidget>
+            <model:WiFi><id>wifi{i}</id></model:WiFi>
+            <model:GarminGPS><id>gps{i}</id><xyz>0 0.2 0.3</xyz></model:GarminGPS></model:Pioneer2AT>"""
+    for kind in ("stereo", "gripper", "joint", "guicam", "factory"):
+        text += WORLDS[kind].replace("robot1", f"robot_{kind}").replace("<xyz>0 0", "<xyz>9 -9", 1)
+    return text
+
+
+class Attacker:
+    """The program wire_attack.py."""
+
+    def __init__(self, kind: str, seed: int) -> None:
+        command = [sys.executable, str(ATTACK), kind, str(seed)]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self._busy = False
+
+    def order(self, paths: list[Path]) -> int:
+        """Attack these files from now on; the number of attacks on the last ones."""
+        self.process.stdin.write("\t".join(map(str, paths)) + "\n")
+        self.process.stdin.flush()
+        done = int(self.process.stdout.readline()) if self._busy else 0
+        if paths:
+            assert self.process.stdout.readline() == "begin\n"
+        self._busy = bool(paths)
+        return done
+
+    def end(self) -> int:
+        done = self.order([])
+        self.process.communicate(timeout=10)
+        return done
+
+
+class Waits(Patience):
+    """Patience that adds up all waits, without the processor time in them [s]."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.total = 0.0
+
+    def left(self, now: float) -> float:
+        self._used = time.process_time()
+        return super().left(now)
+
+    def spend(self, seconds: float) -> None:
+        super().spend(seconds)
+        self.total += max(0.0, seconds - (time.process_time() - self._used))
+
+
+def rate(world: libgz.World, seconds: float) -> float:
+    """Steps per second of processor time and of waits for locks: what other processes take does not count."""
+    waits, steps = world.gz_server.patience, 0
+    waited, used, end = waits.total, time.process_time(), time.monotonic() + seconds
+    while time.monotonic() < end:
+        world.Step()
+        steps += 1
+    return steps / (time.process_time() - used + waits.total - waited)
+
+
+@pytest.mark.parametrize("mode", ["bytes", "locked"])
+@pytest.mark.parametrize("kind", [*WORLDS, "all"])
+def test_random_bytes(wire, tmp_path, monkeypatch, caplog, kind, mode):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "attacked.world"
+    path.write_text(HEAD + (world_of_all() if kind == "all" else WORLDS[kind]) + "</gz:world>")
+    with trial(f"random bytes in {kind} ({mode})") as row, libgz.World(wire, seed=row.seed) as world:
+        world.LoadFile(path)
+        world.gz_server.patience = Waits()
+        world.Initialize()
+        for extra in EXTRA:
+            if kind in (extra, "all"):
+                interface = new_interface(extra)
+                interface.create(world.gz_server, "x")
+        served = [file for file in Path(world.gz_server.path).iterdir() if file.name != "gazebo.pid"]
+        files = [file for file in served if kind in ("all", file.name.split(".")[0])]
+        assert files
+        # The same work in other files, so that both rates have the same load beside them.
+        decoys = [tmp_path / file.name for file in files]
+        for file, decoy in zip(files, decoys, strict=True):
+            decoy.write_bytes(bytes(file.stat().st_size))
+        attacker = Attacker(mode, row.seed)
+        attacker.order(decoys)
+        rate(world, 0.5)
+        first = [rate(world, SLICE) for _ in range(3)]
+        before, during = [], []
+        caplog.clear()
+        for _ in range(ROUNDS):
+            attacker.order(decoys)
+            before.append(rate(world, SLICE))
+            attacker.order(files)
+            during.append(rate(world, SLICE))
+            row.count += attacker.order(decoys)
+        calm = statistics.median(before)
+        under = statistics.median(d / b for d, b in zip(during, before, strict=True))
+        afterwards = statistics.median(rate(world, SLICE) for _ in range(5)) / statistics.median(first)
+        attacker.end()
+        lines = sum(record.levelno >= logging.WARNING for record in caplog.records)
+        saved = len(list(tmp_path.glob("*.pnm")))
+        row.result = f"{under:.2f}, then {afterwards:.2f} of {calm:.0f}/s; {lines} lines"
+        assert lines <= MOST_LINES * len(served) + 20
+        assert saved <= 1000
+        assert min(under, afterwards) >= LEAST, row.result
+        assert not world.paused

@@ -25,6 +25,7 @@ LAYERS = [
     ["front"],
     ["convert", "reference"],
     ["apps"],
+    ["__main__"],
 ]
 # The same inside libgz.classic.
 CLASSIC_LAYERS = [

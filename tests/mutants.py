@@ -10,9 +10,8 @@ __all__ = ["mutant"]
 
 NUMBERS = (
     b"0", b"-0", b"-1", b"1", b"255", b"65536", b"2147483648", b"-2147483649", b"99999999999999999999", b"1e-320",
-    b"1e30", b"1e300", b"1e308", b"1e400", b"-1e400", b"nan", b"inf", b"-inf", b"0x10", b"1,5", b"",
-    b" ", b"abc", b"\xc3\xa9",
-    b"1 2 3 4 5 6 7",
+    b"1e30", b"1e300", b"1e308", b"1e400", b"-1e400", b"nan", b"inf", b"-inf", b"0x10", b"1,5", b"", b" ", b"abc",
+    b"\xc3\xa9", b"1 2 3 4 5 6 7",
 )  # fmt: skip
 WORDS = (
     b"x" * 300, b"../" * 200, b"~nobody/x", b"/dev/null", b"/", b".", b"", b"\xef\xbf\xbd", b"a\tb", b"&amp;", b"%s%n", b"model://",

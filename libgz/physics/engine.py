@@ -429,7 +429,7 @@ class Engine:
         if not most:
             return "ODE ran out of memory in a step: the world is too large"
         geom = geoms[crowds.index(most)]
-        where = getattr(geom.body.model, "place", "")
+        where = geom.body.model.MasterPlace() if hasattr(geom.body.model, "MasterPlace") else ""
         return (
             f"{where}ODE ran out of memory in a step: too many contacts at once; {geom.label} is where {most} other "
             "shapes are, too"

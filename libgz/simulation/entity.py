@@ -74,8 +74,7 @@ class Entity:
     def __repr__(self) -> str:
         return f"<{self._name} {self._id!r}>"
 
-    @property
-    def place(self) -> str:
+    def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for what was not loaded from a file."""
         node, element = getattr(self, "node", None), getattr(self, "sdf", None)
         if node is not None:

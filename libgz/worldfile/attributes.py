@@ -234,8 +234,17 @@ def file(*, help: str) -> Path | None:
 
 
 def _read_file(node: WorldFileNode, key: str, default: None) -> Path | None:
-    found = node.SearchFilename(key, str(installed_worlds()))
-    return Path(found) if found else default
+    installed = installed_worlds()
+    found = node.SearchFilename(key, str(installed))
+    if found is None:
+        return default
+    name = (node.GetString(key) or "").strip()
+    wanted = Path(node.ResolveFilename(name))
+    # Text that is not from a file, and the worlds of libgz, mean its files.
+    if node.file.filename and Path(found) == installed / name and wanted.resolve() != Path(found).resolve():
+        place = node.GetChild(key) or node
+        place.warn(f"file {str(wanted)!r} does not exist; {found!r} is used instead")
+    return Path(found)
 
 
 def attributes_of(declaration: type[Any]) -> Mapping[str, Attribute]:

@@ -389,20 +389,10 @@ class WorldFileNode:
             places += [Path(path) / name] if path else []
         for place in places:
             if is_file(place):
-                if len(places) > 2 and place is places[-1]:
-                    self._warn_of_stand_in(found[0], key, places[1], place)
                 return str(place)
         tried = ", ".join(dict.fromkeys(str(place) for place in places))
         found[0].warn(f"file {name!r} was not found; looked for {tried}")
         return default
-
-    def _warn_of_stand_in(self, node: WorldFileNode, key: str, missing: Path, found: Path) -> None:
-        """Warn of a file that is not beside the worldfile, and is replaced by one that is installed with libgz.
-
-        The worlds that are installed with libgz name their files so, and get no warning.
-        """
-        if found.parent != missing.parent:
-            node.warn(f"file {str(missing)!r} does not exist; {str(found)!r} is used for <{key}> instead")
 
     # Setters -----------------------------------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@ from libgz.files import installed_worlds
 from libgz.models.greyimage import read_grey
 from libgz.models.gzb import read_gzb
 from libgz.models.roadfile import read_road
+from libgz.ode.native_step import NativeStep
 from libgz.physics.mesh_files import read_mesh
 from libgz.rendering.context import prefer
 from libgz.rendering.image import read_image
@@ -62,6 +63,8 @@ READERS: dict[str, list[Callable[[Path], object]]] = {
 def warmed():
     """Import all that worlds need, so that the forked processes need not."""
     prefer("none")
+    with World() as world:  # ODE's assertions end the process where the step is in Python
+        assert isinstance(world.engine.step_form, NativeStep), "the trials need the native step"
     for path in (*worlds(installed_worlds(), b"gz:world"), ROOT / "tests" / "data" / "worlds" / "everything.sdf"):
         load(path)
     yield

@@ -196,7 +196,9 @@ class FullContacts:
     def _refine(self, a: list[float], b: list[float], geom1: int, geom2: int, count: int, point: Any) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limit = self._of_bodies(a, b, geom1, geom2, Surface.MAX_VEL)
+        limited = a[Surface.MAX_VEL] < math.inf and b[Surface.MAX_VEL] < math.inf
+        movable = self._ode.dGeomGetBody(geom1) and self._ode.dGeomGetBody(geom2)
+        limit = math.inf if movable and not limited else self._of_bodies(a, b, geom1, geom2, Surface.MAX_VEL)
         min_depth = self._of_bodies(a, b, geom1, geom2, Surface.MIN_DEPTH)
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count

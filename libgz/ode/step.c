@@ -488,7 +488,10 @@ static void refine_point(const context *c, const double *a, const double *b, voi
                          contact *point)
 {
     surface_parameters *s = &point->surface;
-    double limit = of_bodies(a, b, geom1, geom2, SURFACE_MAX_VEL);
+    /* Geoms of legacy models have no limit; their contacts are so soft that with one they would sink into the other. */
+    int limited = a[SURFACE_MAX_VEL] < HUGE_VAL && b[SURFACE_MAX_VEL] < HUGE_VAL;
+    int movable = dGeomGetBody(geom1) && dGeomGetBody(geom2);
+    double limit = movable && !limited ? HUGE_VAL : of_bodies(a, b, geom1, geom2, SURFACE_MAX_VEL);
     double min_depth = of_bodies(a, b, geom1, geom2, SURFACE_MIN_DEPTH);
     s->slip1 = (a[SURFACE_SLIP1] + b[SURFACE_SLIP1]) * count;
     s->slip2 = (a[SURFACE_SLIP2] + b[SURFACE_SLIP2]) * count;

@@ -354,7 +354,8 @@ def test_invalid_poses_are_ignored(position, rotation, caplog):
         truth = world.interface("truth", "t")
         with caplog.at_level(logging.WARNING):
             for _ in range(3):
-                truth.move(GzPose(GzVector(*position), GzQuatern(*rotation)))
+                truth.data.cmd_pos[:], truth.data.cmd_rot[:] = position, rotation  # as a C program may write
+                truth.data.cmd_new = 1
                 world.step()
         assert tuple(world.model("s").GetPose().pos) == (0, 0, 0)
         assert truth.data.cmd_new == 0

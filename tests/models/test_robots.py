@@ -445,8 +445,8 @@ def test_bandit_stays_at_its_pose_and_moves_with_a_robot():
 def test_bandit_ignores_invalid_angles(bad, caplog):
     with world_of("Bandit", xyz="0 0 0.8") as world:
         joints = world.interface("joint", "r")
-        for i in range(11):
-            joints.command(i, bad, bad)
+        for i in range(11):  # as a C program may write
+            joints.data.joints[i].cmd_angle = joints.data.joints[i].cmd_angle2 = bad
         with caplog.at_level(logging.WARNING):
             world.run(3.0)
         assert np.isfinite(world.engine.states).all()

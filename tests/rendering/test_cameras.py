@@ -356,7 +356,9 @@ def test_insane_drags_do_no_harm(caplog):
     with world_of(OBSERVED.format("")) as world:
         guicam = world.interface("guicam", "o")
         for mode in (0, 1, 2, 77):
-            guicam.drag(mode, (math.nan, 1e300), (math.inf, -5))
+            data = guicam.data  # as a C program may write
+            data.cmd_spot_mode, data.cmd_spot_state = mode, 1
+            data.cmd_spot_a[:], data.cmd_spot_b[:] = (math.nan, 1e300), (math.inf, -5)
             world.step(5)
             guicam.release()
             world.step(5)

@@ -337,6 +337,14 @@ class Engine:
         return view
 
     @property
+    def lowest(self) -> float:
+        """Height of the lowest body [m], closed ones included; 0 if all are above that."""
+        bodies = self.tables.bodies
+        if not self.tables.fresh_after_step:
+            self.step_form.read()
+        return float(bodies.state[: bodies.used, 2].min(initial=0.0))
+
+    @property
     def record_motion(self) -> bool:
         """Whether accelerations of bodies, and the efforts applied in the last step, are available; off by default."""
         return bool(self._context.record_motion)

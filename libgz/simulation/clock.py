@@ -16,6 +16,7 @@ class Clock:
         sim_time: simulated time [s], pauses excluded.
         pause_time: simulated time spent paused [s]: one step for each paused step.
         iterations: steps done, pauses excluded.
+        running: whether the world has started, and not ended.
         day_time: time since midnight at the start [s]; negative for the local clock's.
     """
 
@@ -23,20 +24,16 @@ class Clock:
         self.sim_time = self.pause_time = 0.0
         self.iterations = 0
         self.day_time = -1.0
+        self.running = False
         self._start: float | None = None  # on the monotonic clock; None while the world does not run
-
-    @property
-    def running(self) -> bool:
-        """Whether the world has started, and not ended."""
-        return self._start is not None
 
     def start(self) -> None:
         """Start to count real time."""
-        self._start = time.monotonic()
+        self._start, self.running = time.monotonic(), True
 
     def stop(self) -> None:
         """Stop to count real time."""
-        self._start = None
+        self._start, self.running = None, False
 
     @property
     def real_time(self) -> float:

@@ -482,7 +482,7 @@ class World:
         """Advance everything by one step of sim time, and signal the events of a step."""
         engine, clock, step = self.engine, self.clock, self.engine.step_time
         clock.iterations += 1
-        if not clock.iterations % FALL_PERIOD:
+        if not clock.iterations % FALL_PERIOD and engine.lowest < LOWEST:
             self._report_fallen()
         at_start = self.era.counts_at_start
         clock.sim_time += step if at_start else 0.0

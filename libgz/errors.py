@@ -242,7 +242,9 @@ class Diagnostics:
             log.debug("%s:%d: <%s>", where.file, where.line, where.name, exc_info=error)
         placed = [_PLACED.match(line) for line in text.splitlines()]
         if placed and all(placed):
-            self.add(*(Diagnostic(m[1], int(m[2]), m[3], m[4], "error") for m in placed if m))
+            known = {(error.file, error.line, error.element) for error in self.errors}
+            found = [Diagnostic(m[1], int(m[2]), m[3], m[4], "error") for m in placed if m]
+            self.add(*(one for one in found if (one.file, one.line, one.element) not in known))  # else it follows
         else:
             self.error(where, text)
 

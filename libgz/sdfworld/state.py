@@ -25,7 +25,7 @@ def apply_state(world: World, element: Element, diagnostics: Diagnostics) -> Non
     try:
         state = SdfState.parse(etree.fromstring(element.ToString()))
     except ParameterError as error:
-        raise ParameterError(f"{element.where}: <state>: {error}") from None
+        raise ParameterError(f"{element.where}: {error}") from None
     if element.HasElement("sim_time"):
         world.set_sim_time(state.sim_time)
     parts = _Parts(world, element, diagnostics)

@@ -35,6 +35,7 @@ log = logging.getLogger("libgz.worldfile")
 
 T = TypeVar("T")
 _BLANK = " \t\r\n"
+LARGEST = 1e300  # in degrees, still finite in radians
 MANY = 64  # children, from which on they are looked up by an index
 
 
@@ -243,8 +244,9 @@ class WorldFileNode:
     def _finite(self, node: WorldFileNode, text: str) -> float:
         """A number that must not be infinite."""
         value = self._number(node, text)
-        if math.isinf(value):
-            node.error("infinite numbers are not allowed here")
+        if abs(value) > LARGEST:
+            kind = "infinite numbers" if math.isinf(value) else f"numbers above {LARGEST:g}"
+            node.error(f"{kind} are not allowed here")
             return 0.0
         return value
 
@@ -320,13 +322,9 @@ class WorldFileNode:
         tokens = found[1].split() if found else []
         if found is None or not tokens:
             return None
-        values = [self._number(found[0], token) for token in tokens]
+        values = [self._finite(found[0], token) for token in tokens]
         if len(values) > count:
             found[0].warn(f"has {len(values)} numbers; {count} are allowed, and the rest is ignored")
-        for value in values:
-            if math.isinf(value):
-                found[0].error("infinite numbers are not allowed here")
-        values = [0.0 if math.isinf(value) else value for value in values]
         return (values + [0.0] * count)[:count]
 
     def token_count(self, key: str) -> int:

@@ -1,12 +1,16 @@
 """What goes wrong while a world of either era loads is one GazeboError with file and line."""
 
 import re
+from pathlib import Path
 
 import pytest
 from sample_files import sample
 
 from libgz import GazeboError, World
-from libgz.errors import MOST_LISTED
+from libgz.errors import MOST_LISTED, UNFORESEEN
+from libgz.rendering.skin import read_skin
+
+MUTANTS = Path(__file__).parent.parent / "data" / "mutants"  # found by the trials
 
 LONG = "x" * 300
 LEGACY = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>\n{}\n</gz:world>"
@@ -46,7 +50,7 @@ def refused(tmp_path, text):
         world.step(1)
     message = str(caught.value)
     assert re.match(rf"{re.escape(str(path))}:\d+: ", message)
-    assert "libgz cannot handle it" not in message
+    assert UNFORESEEN not in message
     return message
 
 
@@ -152,3 +156,16 @@ def test_a_collada_file_without_a_part_is_damaged_or_read(tmp_path, name, caplog
     path.write_text(SDF.format(COLLISION.format("<mesh><uri>m.dae</uri></mesh>")))
     with World.from_file(path):
         assert "StopIteration" not in caplog.text
+
+
+@pytest.mark.parametrize("path", sorted(MUTANTS.iterdir()), ids=lambda path: path.name)
+def test_mutants_that_once_failed(path):
+    try:
+        if path.suffix == ".3ds":
+            read_skin(path)
+        else:
+            with World.from_file(path) as world:
+                world.step(1)
+    except GazeboError as error:
+        assert path.name in str(error)
+        assert UNFORESEEN not in str(error)

@@ -94,7 +94,7 @@ def check(trial: Callable[[int], str], count: int, name: str, repeat: str) -> No
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, capture_output=True, text=True).stdout
     label = f"{name}: seed {SEED}, commit {commit.strip() or 'unknown'}"
     failures = list(run_trials(trial, range(FIRST, FIRST + count), PROCESSES))
-    print(f"\n{label}: {count} mutants, {len(failures)} failures")
+    print(f"\n{label}: {count} mutants, {len(failures)} failures", flush=True)
     kinds = {re.sub(r"\d+", "0", failure.what): failure for failure in failures}  # one of each
     shown = "\n".join(f"--- number {f.number}: {f.what}" for f in list(kinds.values())[:SHOWN])
     assert not failures, f"{label}: {len(failures)} of {count} fail; {repeat} repeats the first\n{shown}"

@@ -199,7 +199,8 @@ def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
     samples = count(element, "samples", most=MOST_RAYS)
     resolution = number(element, "resolution")
     if not 1.0 <= samples * resolution <= MOST_RAYS:
-        allowed = f"samples times resolution must be 1 to {MOST_RAYS}"
+        bound = f"at most {MOST_RAYS}" if samples * resolution > MOST_RAYS else "at least 1"
+        allowed = f"samples times resolution must be {bound}"
         raise wrong(element, "resolution", f"is {resolution:g}; {allowed}")
     readings = int(samples * resolution)
     low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))

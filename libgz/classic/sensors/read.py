@@ -65,7 +65,7 @@ def count(element: Element, key: str, least: int = 1, most: int | None = None) -
     """
     value = element.Get(int, key)
     if value < least or (most is not None and value > most):
-        allowed = f"at least {least}" if most is None else f"{least} to {most}"
+        allowed = f"at least {least}" if most is None or value < least else f"at most {most}"
         raise wrong(element, key, f"is {value}; it must be {allowed}")
     return value
 

@@ -117,7 +117,6 @@ class SdfWorld(Era):
         """Build models, then their joints, and lights; what is wrong is added to the diagnostics. What was added."""
         world = self.world
         before = len(world.entities)
-        damaged = bool(diagnostics.errors)  # what fails now probably follows from what the reader has found
         models = []
         for element in elements:
             try:
@@ -130,14 +129,12 @@ class SdfWorld(Era):
                 elif element.name == "light":
                     self._register(SdfLight(world, element, diagnostics))
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
-                if not damaged:
-                    diagnostics.failure(element, error)
+                diagnostics.failure(element, error)
         for model in models:
             try:
                 model.build_joints()
             except Exception as error:  # noqa: BLE001 - as above
-                if not damaged:
-                    diagnostics.failure(model.sdf, error)
+                diagnostics.failure(model.sdf, error)
         return world.entities[before:]
 
     def _register(self, entity: Entity) -> None:

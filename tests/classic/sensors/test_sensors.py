@@ -356,10 +356,10 @@ def test_rays_of_one_s_own():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be 1 to 10000000"),
+        (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be at least 1"),
         (sensor("ray", ray(5, reach=(3, 2))), "<max>: is 2 m; it must be beyond <min>, 3 m"),
         (sensor("ray", ray(5, (1, -1))), "<max_angle>: is -1 rad; it must be at least <min_angle>, 1 rad"),
-        (sensor("ray", ray(5, resolution=0.1)), "samples times resolution must be 1 to 10000000"),
+        (sensor("ray", ray(5, resolution=0.1)), "samples times resolution must be at least 1"),
         (sensor("rai", ""), "type is 'rai'; allowed are altimeter, .*did you mean 'ray'"),
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),

@@ -13,11 +13,12 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-__all__ = ["Failure", "run_trials"]
+__all__ = ["Failure", "note", "run_trials"]
 
 MEMORY = 3 << 30  # bytes of address space, beyond what the process has when it is forked
 SECONDS = 20.0  # of processor time for one trial
 BATCH = 200  # trials of one process
+_results = -1  # in a worker: the file of its results
 Trial = Callable[[int], str]  # takes a number; returns a failure's description, or an empty string
 
 
@@ -27,6 +28,13 @@ class Failure:
 
     number: int
     what: str
+    during: str = ""  # the last note, if the process ended
+
+
+def note(text: str) -> None:
+    """Say in a trial what it does next, in case that ends the process."""
+    if _results >= 0:
+        os.write(_results, (json.dumps(text) + "\n").encode())
 
 
 def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure]:
@@ -45,7 +53,7 @@ def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure
         if pid not in running:
             continue
         file, batch = running.pop(pid)
-        done, failed = _read(file)
+        done, failed, _ = _read(file)
         for number in failed:
             yield from _alone(trial, number)
         if done < len(batch):  # it died in the one after those
@@ -57,12 +65,12 @@ def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure
 def _alone(trial: Trial, number: int, code: int | None = None) -> Iterator[Failure]:
     pid, file = _start(trial, range(number, number + 1))
     _, status = os.waitpid(pid, 0)
-    done, failed = _read(file)
+    done, failed, last = _read(file)
     code = os.waitstatus_to_exitcode(status)
     if not done:
         name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
         what = f"longer than {SECONDS:g} s" if code == -signal.SIGPROF else name
-        yield Failure(number, f"the process ended: {what}")
+        yield Failure(number, f"the process ended: {what}", last)
     for what in failed.values():
         yield Failure(number, what)
 
@@ -91,6 +99,8 @@ def _work(trial: Trial, batch: range, file: int) -> None:
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, 1)
     os.dup2(null, 2)
+    global _results
+    _results = file
     for number in batch:
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
         try:
@@ -101,9 +111,11 @@ def _work(trial: Trial, batch: range, file: int) -> None:
         os.write(file, (json.dumps([number, what] if what else None) + "\n").encode())
 
 
-def _read(file: int) -> tuple[int, dict[int, str]]:
-    """(trials done, failures) of a process that ended."""
+def _read(file: int) -> tuple[int, dict[int, str], str]:
+    """(trials done, failures, last note) of a process that ended."""
     with os.fdopen(file, "rb") as results:
         results.seek(0)
         lines = [json.loads(line) for line in results]
-    return len(lines), dict(filter(None, lines))
+    done = [line for line in lines if not isinstance(line, str)]
+    last = next((line for line in reversed(lines) if isinstance(line, str)), "")
+    return len(done), dict(filter(None, done)), last

@@ -12,7 +12,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from libgz.errors import USER_ERRORS, ClosedError, GazeboError, InterfaceError, NotFoundError, nearest, pass_interrupt
+from libgz.errors import (
+    USER_ERRORS,
+    ClosedError,
+    GazeboError,
+    InterfaceError,
+    NotFoundError,
+    ParameterError,
+    nearest,
+    pass_interrupt,
+)
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector
 from libgz.interfaces.sim import Sim
 from libgz.physics.appearance import Backdrop
@@ -498,8 +507,11 @@ class World:
             engine.solve()
         elif self.physics_enabled:
             engine.advance()
-        for entity in self._followers:
-            entity.follow()
+        try:
+            for entity in self._followers:
+                entity.follow()
+        except ParameterError as error:
+            raise GazeboError(f"{entity.MasterPlace()}{error}") from error
         if self._end:
             self._end()
 

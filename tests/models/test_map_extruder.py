@@ -106,7 +106,7 @@ def test_a_large_plan_becomes_walls_and_a_laser_sees_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "words"), [(None, "file 'map.png' was not found"), (b"no picture", "cannot read image")]
+    ("content", "words"), [(None, "file 'map.png' was not found"), (b"no picture", "cannot be read")]
 )
 def test_a_plan_that_cannot_be_read_is_one_warning_and_no_walls(tmp_path, caplog, content, words):
     if content is not None:

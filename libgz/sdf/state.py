@@ -154,7 +154,7 @@ def _six_numbers(text: str, tag: str, meaning: str) -> list[float]:
         found = [float(word) for word in text.split()]
     except ValueError:
         found = []
-    if len(found) != 6:
+    if len(found) != 6 or not all(map(math.isfinite, found)):
         raise ParameterError(f"<{tag}>: {text.strip()!r} is not allowed; it must be 6 numbers: {meaning}")
     return found
 

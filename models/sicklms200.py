@@ -170,7 +170,7 @@ class SickLMS200(Model):
         if not self.laser.lock():
             return
         least = self._bright_from
-        bright = np.array([geom is not None and geom.GetRetro() >= least for geom in self.rays.hits()], dtype=np.int32)
+        bright = np.array(self.rays.of_hits(lambda geom: geom.GetRetro() >= least, False), dtype=np.int32)
         data = self.laser.data
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
@@ -196,7 +196,7 @@ class SickLMS200(Model):
         Neighbouring rays with the same number are one object, at the middle of its two ends. With three rays or more
         its yaw is normal to the line between the ends; with fewer, it faces the sensor.
         """
-        seen = [geom.GetFiducial() if geom is not None else -1 for geom in self.rays.hits()]
+        seen = self.rays.of_hits(lambda geom: geom.GetFiducial(), -1)
         found = []
         i = 0
         while i < len(seen):

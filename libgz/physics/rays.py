@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,8 @@ from libgz.physics.engine import HasEngine
 from libgz.physics.geom import Geom
 
 __all__ = ["RayProximity"]
+
+T = TypeVar("T")
 
 
 class RayProximity:
@@ -75,10 +79,16 @@ class RayProximity:
         """Distance from the ray's start [m]; the largest float if it hit nothing."""
         return float(self.ranges[index])
 
-    def hits(self) -> list[Geom | None]:
-        """The geom that each ray hit in the last `Update`; None for nothing, and for one that was destroyed since."""
-        find = self.engine.geoms.get
-        return [find(row) for row in self.rows.tolist()]
+    def of_hits(self, read: Callable[[Geom], T], otherwise: T) -> list[T]:
+        """A property of the geom that each ray hit in the last `Update`, one value per ray.
+
+        Args:
+            read: returns the property; it is called once per geom, not per ray.
+            otherwise: the value for a ray that hit nothing, or a geom that was destroyed since.
+        """
+        rows, geoms = self.rows.tolist(), self.engine.geoms
+        known = {row: read(geoms[row]) if row in geoms else otherwise for row in set(rows)}
+        return [known[row] for row in rows]
 
     def GetRetro(self, index: int) -> float:
         """How much the geom that was hit reflects back; 0 if nothing was hit, or the geom was destroyed since."""

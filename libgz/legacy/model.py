@@ -142,6 +142,10 @@ class Model(Entity):
         if result:
             raise GazeboError(f"it returned {result}, which is not 0")
 
+    def MasterPlace(self) -> str:
+        """``file:line: <tag>: `` of its element, for messages; empty for a model that was not loaded from a file."""
+        return f"{self.node.file.label}:{self.node.line}: <{self.node.tag}>: " if self.node is not None else ""
+
     def MasterStart(self) -> None:
         """Call `Init`; what it raises becomes an error of the model's element.
 
@@ -150,16 +154,17 @@ class Model(Entity):
         """
         if self.node is None:
             return
-        where = f"{self.node.file.label}:{self.node.line}: <{self.node.tag}>"
         self.initialized = False
         try:
             self.MasterInit(WorldFile.of(self.node), self.node)
         except GazeboError as error:
             reason = f"{error}{own_place(error)}"
-            raise PluginError(f"{where}: Init of model {self.GetId()!r}: {reason}") from error
+            raise PluginError(f"{self.MasterPlace()}Init of model {self.GetId()!r}: {reason}") from error
         except USER_ERRORS as error:
             pass_interrupt(error)
-            raise PluginError(f"{where}: Init of model {self.GetId()!r} failed with\n{own_traceback(error)}") from error
+            raise PluginError(
+                f"{self.MasterPlace()}Init of model {self.GetId()!r} failed with\n{own_traceback(error)}"
+            ) from error
         self.initialized = True
 
     def MasterUpdate(self, step: float) -> None:

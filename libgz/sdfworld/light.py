@@ -36,3 +36,7 @@ class SdfLight(Entity):
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
         set_light(self.light, element, diagnostics.warn)
+
+    def MasterPlace(self) -> str:
+        """``file:line: <tag>: `` of its element, for messages."""
+        return f"{self.sdf.where}: <{self.sdf.name}>: "

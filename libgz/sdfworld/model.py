@@ -280,6 +280,10 @@ class SdfModel(Entity):
                 if joint.acts:
                     joint.update()
 
+    def MasterPlace(self) -> str:
+        """``file:line: <tag>: `` of its element, for messages."""
+        return f"{self.sdf.where}: <{self.sdf.name}>: "
+
     # Pose --------------------------------------------------------------------------------------------------------
 
     def GetPose(self) -> GzPose:

@@ -76,10 +76,7 @@ class Entity:
 
     def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for what was not loaded from a file."""
-        node, element = getattr(self, "node", None), getattr(self, "sdf", None)
-        if node is not None:
-            return f"{node.file.label}:{node.line}: <{node.tag}>: "
-        return f"{element.where}: <{element.name}>: " if element is not None else ""
+        return ""
 
     # Life ----------------------------------------------------------------------------------------------------------
 

@@ -79,7 +79,7 @@ class World:
         clock: simulated and real time.
         agenda: changes deferred until a step is over.
         events: Gazebo's events of this world.
-        entities: everything in the world, in order of the file; `models` and `lights` are those of them.
+        entities: everything in the world, in order of the file; `models` are those of them that are models.
         problems: its errors and warnings.
         companions: what runs beside the world, notified of its events.
         era: how time is counted, and what a reset does.

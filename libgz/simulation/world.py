@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -94,7 +94,7 @@ class World:
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    STATE = (
+    STATE: ClassVar[tuple[str, ...]] = (
         "name",
         "clock",
         "simSpeed",
@@ -107,6 +107,7 @@ class World:
         "backdrop",
         "physics_enabled",
         "starts_paused",
+        "_fallen_rows",
         "_numbers",
         "_paused",
     )
@@ -674,13 +675,14 @@ class World:
             raise self._start
         snapshot.restore(self, self._start)
 
-    def SaveState(self) -> object:
-        """What else is state: which bodies were reported as fallen."""
-        return sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen)
+    @property
+    def _fallen_rows(self) -> tuple[int, ...]:
+        """The rows of the bodies that were reported as fallen."""
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
 
-    def LoadState(self, state: Any) -> None:
-        """Take what SaveState returned."""
-        self._fallen = {self.engine.bodies[row].number for row in state if row in self.engine.bodies}
+    @_fallen_rows.setter
+    def _fallen_rows(self, rows: tuple[int, ...]) -> None:
+        self._fallen = {self.engine.bodies[row].number for row in rows if row in self.engine.bodies}
 
     def next_number(self) -> int:
         """A number for a new entity."""

@@ -29,9 +29,7 @@ GROUND = """<model name="ground"><static>1</static><link name="link"><collision 
 def boxes(count: int) -> libgz.World:
     """An SDF world of boxes on the ground, in stacks of two."""
     models = [BOX.format(i, 1.5 * (i // 2 % 5), 1.5 * (i // 10), 0.5 + i % 2) for i in range(count)]
-    return libgz.World.from_string(
-        f"<sdf version='1.6'><world name='default'>{GROUND}{''.join(models)}</world></sdf>"
-    )
+    return libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{''.join(models)}</world></sdf>")
 
 
 def _time(work: Callable[[], object], count: int) -> float:

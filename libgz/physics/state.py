@@ -267,6 +267,9 @@ class EngineState:
         for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
             if table.census() != _tuples(census):
                 table.arrange(*census)
+        tables.bodies.ids[:] = 0
+        for body in bodies:
+            tables.bodies.ids[body.row] = body._id
         for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
             _assign(body, values)
         engine.auto_disabled.clear()
@@ -304,6 +307,7 @@ class EngineState:
             joint.Detach()
         for joint, pair in order[same:]:
             joint._join(*pair)
+        table.ids[:] = 0
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)

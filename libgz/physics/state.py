@@ -87,6 +87,7 @@ class EngineState:
         self._context = context
         self._collected: list[Any] = []  # at the last encoding
         self._block = b""  # that encoding
+        self._parts: Parts | None = None
 
     @property
     def _engine(self) -> Any:
@@ -112,7 +113,7 @@ class EngineState:
             "context": _progress(self._context),
             "quirks": sorted(engine.quirks),
             "objects": self._objects(),
-            "memory": engine.step_form.get_state(self._parts()),
+            "memory": engine.step_form.get_state(self._present_parts()),
             "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
             "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
             "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
@@ -124,18 +125,20 @@ class EngineState:
             "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
         }
 
-    def _parts(self) -> Parts:
+    def _present_parts(self) -> Parts:
         engine = self._engine
         geoms = [0] * engine.tables.geoms.used
         for row, geom in engine.geoms.items():
             geoms[row] = geom._id or 0
-        return Parts(
-            layout(),
+        handles = (
             [body._id for body in engine.bodies.values()],
             [joint._id for joint in engine.joints.values()],
             geoms,
             [engine.top.id, *(space._id for space in engine.spaces)],
         )
+        if self._parts is None or self._parts.handles != handles:
+            self._parts = Parts(layout(), *handles)
+        return self._parts
 
     def _objects(self) -> bytes:
         """What Python knows of the objects, as JSON."""
@@ -146,7 +149,7 @@ class EngineState:
             *(bodies, dummies, geoms, joints, attached, list(engine.spaces)),
             *([table.census() for table in (tables.bodies, tables.joints, tables.geoms)]),
             *(_values(bodies), _values(dummies), _values(geoms), _values(joints)),
-            [tuple(vars(geom.appearance).values()) for geom in geoms],
+            [geom.appearance.edits for geom in geoms],
             [(joint._feedback is not None, joint.bodies) for joint in joints],
         ]
         if collected != self._collected:
@@ -188,7 +191,7 @@ class EngineState:
         if block != self._objects():
             self._restore_objects(json.loads(block))
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._parts(), state["memory"]):
+        if not engine.step_form.set_state(self._present_parts(), state["memory"]):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
@@ -304,6 +307,7 @@ class EngineState:
             joint.Detach()
         for joint, pair in order[same:]:
             joint._join(*pair)
+        table.ids[:] = 0
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)
@@ -419,7 +423,7 @@ def _named(thing: Any) -> list[Any]:
 
 
 def _appearance(look: Any) -> dict[str, Any]:
-    return {name: _plain(value) for name, value in vars(look).items() if name != "version"}
+    return {name: _plain(value) for name, value in vars(look).items() if name not in ("version", "edits")}
 
 
 def _assign(thing: Any, values: list[Any]) -> bool:

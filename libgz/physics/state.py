@@ -109,7 +109,7 @@ class EngineState:
         joints = list(engine.joints.values())
         return {
             "ode": layout().digest,
-            "settings": _settings(engine),
+            "settings": [int(value) if isinstance(value, ContactRule) else value for value in _settings(engine)],
             "counters": _counters(engine),
             "solver": _solver(engine),
             "constraints": _constraints(engine),
@@ -270,7 +270,7 @@ class EngineState:
         for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
             if table.census() != _tuples(census):
                 table.arrange(*census)
-        tables.bodies.ids[:] = 0
+        tables.bodies.ids[:] = tables.joints.ids[:] = 0
         for body in bodies:
             tables.bodies.ids[body.row] = body._id
         for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
@@ -310,7 +310,6 @@ class EngineState:
             joint.Detach()
         for joint, pair in order[same:]:
             joint._join(*pair)
-        table.ids[:] = 0
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)

@@ -57,6 +57,9 @@ _constraints = attrgetter("erp", "cfm", "correcting_velocity")
 _progress = attrgetter("steps", "contact_count", "max_distance")
 
 
+_type: Any = type  # mypy takes a class for no key of a cache
+
+
 @functools.cache
 def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
     """Reads what a class and its bases keep: their attributes KEPT."""
@@ -71,7 +74,7 @@ def _kept(kind: Any) -> tuple[str, ...]:
 
 
 def _values(things: Iterable[Any]) -> list[tuple[Any, ...]]:
-    return [_getter(type(thing))(thing) for thing in things]
+    return [_getter(_type(thing))(thing) for thing in things]
 
 
 class EngineState:
@@ -236,7 +239,7 @@ class EngineState:
     def _restore_parts(self, state: dict[str, Any]) -> None:
         engine = self._engine
         for coupling, values in zip(engine.couplings, state["couplings"], strict=True):
-            for name, value in zip(_kept(type(coupling)), values, strict=True):
+            for name, value in zip(_kept(_type(coupling)), values, strict=True):
                 setattr(coupling, name, value)
         size, at = ctypes.sizeof(JointFeedback), 0
         for joint in engine.joints.values():
@@ -307,7 +310,6 @@ class EngineState:
             joint.Detach()
         for joint, pair in order[same:]:
             joint._join(*pair)
-        table.ids[:] = 0
         for joint in joints:
             table.ids[joint.row] = joint._id if joint in engine.attached else 0
             table.types[joint.row] = int(joint.kind)
@@ -414,12 +416,12 @@ def _refresh(table: Any) -> None:
 
 
 def _plain_values(thing: Any) -> Iterable[Any]:
-    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(type(thing))(thing))
+    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(_type(thing))(thing))
 
 
 def _named(thing: Any) -> list[Any]:
     """What an object keeps, in the order of its KEPT."""
-    return [_plain(value) for value in _getter(type(thing))(thing)]
+    return [_plain(value) for value in _getter(_type(thing))(thing)]
 
 
 def _appearance(look: Any) -> dict[str, Any]:
@@ -429,7 +431,7 @@ def _appearance(look: Any) -> dict[str, Any]:
 def _assign(thing: Any, values: list[Any]) -> bool:
     """Set what an object keeps; returns whether something was different."""
     changed = False
-    for name, value, present in zip(_kept(type(thing)), values, _named(thing), strict=True):
+    for name, value, present in zip(_kept(_type(thing)), values, _named(thing), strict=True):
         if value != present:
             setattr(thing, name, _value(value))
             changed = True

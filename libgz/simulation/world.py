@@ -532,8 +532,9 @@ class World:
             return self._paused
         data, reset, save = self.sim.data, False, False
         switch = self._guard.switch
-        pause = data.pause
-        paused = self._paused = switch("pause", pause, self._paused)
+        pause, paused = data.pause, self._paused
+        if pause != paused:
+            paused = self._paused = switch("pause", pause, paused)
         if pause != paused:  # then the buttons beside it mean nothing, either
             data.pause, data.reset, data.save = int(paused), 0, 0
         elif data.reset or data.save:

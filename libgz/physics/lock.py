@@ -71,6 +71,14 @@ class WorldLock:
         while time.monotonic() < end and any(self.waiting.get(thread) == since for thread, since in first.items()):
             time.sleep(2e-5)
 
+    def pass_on(self) -> None:
+        """Let those that wait now hold the lock, which this thread holds, and take it again."""
+        self.release()
+        try:
+            self.give_way()
+        finally:
+            self.acquire()
+
     @property
     def holder(self) -> int:
         """The number of the thread that holds the lock; 0 if none does."""

@@ -407,9 +407,13 @@ class World:
     # Step ------------------------------------------------------------------------------------------------------------
 
     def step(self, count: int = 1) -> None:
-        """Run `count` steps, as fast as possible."""
-        for _ in range(count):
-            self.Step()
+        """Run `count` steps, as fast as possible. Threads that wait for the world have it between two of them."""
+        lock = self.lock
+        with lock:  # taken once: that costs as much as all else that makes a step safe
+            for _ in range(count):
+                if lock.waiting:
+                    lock.pass_on()
+                self.Step()
 
     def run(self, seconds: float) -> None:
         """Run until that much more sim time [s] has passed, as fast as possible.
@@ -431,23 +435,30 @@ class World:
             StrictError: a strict world had an error or warning.
         """
         lock = self.lock
+        if lock.owned():
+            self._step_alone()
+            return 0
         if lock.waiting:
             lock.give_way()
         if not lock.try_acquire():
             lock.wait()
         try:
-            if self._inside or self.agenda.holding or not self.clock.running:
-                self._check_ready()
-            self._inside = True
-            try:
-                self._step()
-            finally:
-                self._inside = self.agenda.stepping = False
-            if self.problems.failure is not None:
-                self.problems.check()
+            self._step_alone()
         finally:
             lock.release()
         return 0
+
+    def _step_alone(self) -> None:
+        """One step, in the thread that holds the lock."""
+        if self._inside or self.agenda.holding or not self.clock.running:
+            self._check_ready()
+        self._inside = True
+        try:
+            self._step()
+        finally:
+            self._inside = self.agenda.stepping = False
+        if self.problems.failure is not None:
+            self.problems.check()
 
     @property
     def present_step(self) -> tuple[int, float] | None:

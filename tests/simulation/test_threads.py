@@ -100,6 +100,25 @@ def test_a_call_waits_for_the_end_of_the_step(monkeypatch):
         thread.join()
 
 
+def test_threads_have_the_world_between_the_steps_of_one_call():
+    with libgz.World.from_string(LEGACY) as world:
+        seen, begun = [], threading.Event()
+
+        def change():
+            begun.wait(20)
+            for _ in range(3):
+                world.engine.gravity = (0, 0, -9.8)
+                seen.append(world.iterations)
+
+        thread = threading.Thread(target=change)
+        world.model("one").Update = lambda step: (begun.set(), thread.is_alive() and time.sleep(0.005))
+        thread.start()
+        world.step(30)
+        thread.join()
+        assert 0 < seen[0] <= seen[1] <= seen[2] < 30
+        assert world.lock.holder == 0
+
+
 def test_several_changes_are_one():
     with libgz.World.from_string(LEGACY) as world:
         end, seen = threading.Event(), set()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,8 @@ class RayProximity:
         body: what the rays are fixed to.
         rayCount: how many.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_rays", "ranges", "rows")
 
     def __init__(self, world: HasEngine, body: Body, rayCount: int) -> None:
         if rayCount < 1:

@@ -105,7 +105,7 @@ class EngineState:
         joints = list(engine.joints.values())
         return {
             "ode": layout().digest,
-            "settings": _settings(engine),
+            "settings": [int(value) if isinstance(value, ContactRule) else value for value in _settings(engine)],
             "counters": _counters(engine),
             "solver": _solver(engine),
             "constraints": _constraints(engine),
@@ -264,6 +264,9 @@ class EngineState:
         for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
             if table.census() != _tuples(census):
                 table.arrange(*census)
+        tables.bodies.ids[:] = tables.joints.ids[:] = 0
+        for body in bodies:
+            tables.bodies.ids[body.row] = body._id
         for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
             _assign(body, values)
         engine.auto_disabled.clear()

@@ -62,7 +62,8 @@ class PositionServer:
         data.stall = 0
         publish(data)
         self.interface.unlock()
-        self.enabled = self._guard.switch("cmd_enable_motors", enabled, self.enabled)
+        if enabled != self.enabled:
+            self.enabled = self._guard.switch("cmd_enable_motors", enabled, self.enabled)
         if wishes != self.command:  # an unchanged command was checked before
             self.command = tuple(
                 self._guard.number(f"{name}[{i}]", wish, old, LARGEST_COMMAND)

@@ -361,7 +361,8 @@ class Interface(Generic[D]):
             ClosedError: the interface is not open.
         """
         if self.descriptor is None:
-            _ = self.data
+            if self._data is None:
+                _ = self.data  # raises
             return True
         if timeout is None and self.server is None:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX)

@@ -54,7 +54,7 @@ class TruthWidget(Model):
         new = self.truth.data.cmd_new
         wanted = self.truth.take_move()
         self.truth.unlock()
-        if wanted is not None and self.guard.switch("cmd_new", new, False):
+        if wanted is not None and self.truth.intact() and self.guard.switch("cmd_new", new, False):
             self._move(wanted)
         self._publish()
 

@@ -154,7 +154,7 @@ def build(server_id: int, path: Path, kind: str, seed: int) -> libgz.World:
     return world
 
 
-@pytest.mark.parametrize("mode", ["bytes", "locked"])
+@pytest.mark.parametrize("mode", ["bytes", "locked", "pieces"])
 @pytest.mark.parametrize("kind", [*WORLDS, "all"])
 def test_random_bytes(wire, tmp_path, monkeypatch, caplog, kind, mode):
     monkeypatch.chdir(tmp_path)

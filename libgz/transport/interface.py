@@ -258,6 +258,7 @@ class Interface(Generic[D]):
             self._head = bytes(state[:_HEAD])
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
+            self.keep_commands()
 
     @contextlib.contextmanager
     def _locked_if_possible(self) -> Iterator[None]:

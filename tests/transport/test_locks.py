@@ -70,6 +70,19 @@ def test_commands_beside_an_overwritten_head_are_restored(server):
             assert (data.cmd_enable_motors, *data.cmd_vel_pos, *data.cmd_vel_rot) == (1, 0.3, 0, 0, 0, 0, -0.2)
 
 
+def test_commands_of_a_restored_state_are_kept(server):
+    robot, generator = serve(server), random.Random(1)
+    with robot.locked() as data:
+        data.cmd_vel_pos[0] = 0.3
+    state = robot.get_bytes()
+    with robot.locked() as data:
+        data.cmd_vel_pos[0] = 0.4
+    robot.set_bytes(state)
+    overwrite(robot, generator)
+    with robot.locked() as data:
+        assert data.cmd_vel_pos[0] == 0.3
+
+
 def test_commands_stay_after_a_truncation(server):
     robot = serve(server)
     with robot.locked() as data:

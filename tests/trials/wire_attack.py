@@ -1,7 +1,8 @@
 """A program that attacks interface files at full speed: `wire_attack.py KIND SEED`, with orders on stdin.
 
-KIND is `bytes` (random bytes), `locked` (the same, under the lock), `pieces` (of random bytes) or `truncate`. An order is one line of paths, which
-it attacks until the next; an empty line ends it. It answers each order with the number of attacks on the last one.
+KIND is `bytes` (random bytes), `locked` (the same, under the lock), `pieces` (of random bytes) or `truncate`. An order
+is one line of paths, which it attacks until the next; an empty line ends it. It answers each order with the number of
+attacks on the last one.
 """
 
 from __future__ import annotations

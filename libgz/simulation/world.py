@@ -785,6 +785,7 @@ class World:
             changed = bool(self.sim.data.pause) != bool(value)
             self._paused = bool(value)
             self.sim.data.pause = int(value)
+            self.sim.keep_commands()
             self.sim.unlock()
             if changed:
                 self.events["Pause"](bool(value))

@@ -29,14 +29,16 @@ BOX = (
 CLASSIC = f"<sdf version='1.6'><world name='default'>{BOX.format('one', 0)}{BOX.format('two', 3)}</world></sdf>"
 
 # Each line runs again and again in a thread of its own, while two threads step. ODE aborts the process at a race.
+# What a reset would take away in between is one change.
 CALLS = """
 one.SetPose(GzPose(GzVector(0, 0, 1), GzQuatern(1, 0, 0, 0)))
 world.SetModelPose(two, GzPose(GzVector(3, 0, 1), GzQuatern(1, 0, 0, 0)))
 one.GetBody().AddForce(1, 0, 0); one.GetBody().SetLinearVel((0, 0, 0.1))
-world.InsertModel("<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"); world.DeleteModel("new")
-h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1, 0, 0)); h.close()
-libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
+with world.lock: world.InsertModel("<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"); world.DeleteModel("new")
+with world.lock: h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1, 0, 0)); h.close()
+with world.lock: libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
 world.Reset(); world.engine.gravity = (0, 0, -9.8)
+world.set_state(world.get_state())
 one.GetPose(); one.joints; world.model("two"); two.GetBody().GetLinearVel(); world.engine.states.sum()
 """
 PROGRAM = """

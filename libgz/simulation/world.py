@@ -623,7 +623,7 @@ class World:
                     entity.motors_off()
                     for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
                         interface.unlock()
-            self._updating = [e for e in self._updating if not isinstance(e.failed, BaseException)]
+            self.find_updated()
 
     # State -----------------------------------------------------------------------------------------------------------
 
@@ -761,6 +761,10 @@ class World:
         """A number for a new entity."""
         self._numbers += 1
         return self._numbers
+
+    def find_updated(self) -> None:
+        """Update from now on all entities but those whose update has failed."""
+        self._updating = [e for e in self.entities if not isinstance(e.failed, BaseException)]
 
     # Changes ---------------------------------------------------------------------------------------------------------
 

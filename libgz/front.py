@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypedDict, TypeVar, Unpack
 
 from libgz import models
 from libgz.legacy.factory import ModelFactory, register_builtin
@@ -16,14 +16,26 @@ from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
+from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["World"]
+__all__ = ["World", "WorldOptions"]
 
 W = TypeVar("W", bound="World")
 
 register_builtin(models.MODELS, Path(models.__file__).parent)
+
+
+class WorldOptions(TypedDict, total=False):
+    """The arguments of `World`, as its other constructors take them; `World` describes them."""
+
+    server_id: int | None
+    force: bool
+    seed: int
+    solver: str
+    wire_version: int
+    strict: bool
 
 
 class World(world.World):
@@ -52,14 +64,23 @@ class World(world.World):
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
+    def __init__(
+        self,
+        server_id: int | None = None,
+        force: bool = False,
+        *,
+        seed: int = 0,
+        solver: str = "world",
+        wire_version: int = LIBGAZEBO_VERSION,
+        strict: bool = False,
+    ) -> None:
+        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, strict=strict)
         self.legacy = self.extension(LegacyWorld)
         self.legacy.apply(GlobalAttributes(), False)
         self.era = self.legacy
 
     @classmethod
-    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Any) -> W:
+    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Unpack[WorldOptions]) -> W:
         """Load a worldfile and make it ready to step.
 
         Args:
@@ -74,7 +95,7 @@ class World(world.World):
         return cls._ready(lambda world: world.LoadFile(filename), options)
 
     @classmethod
-    def from_string(cls: type[W], text: str, **options: Any) -> W:
+    def from_string(cls: type[W], text: str, **options: Unpack[WorldOptions]) -> W:
         """Load the text of a legacy worldfile or an SDF document, as `from_file` does."""
         if is_sdf_text(text):
             return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
@@ -83,7 +104,7 @@ class World(world.World):
         return cls._ready(lambda world: world.Load(file), options)
 
     @classmethod
-    def _ready(cls: type[W], load: Callable[[W], object], options: dict[str, Any]) -> W:
+    def _ready(cls: type[W], load: Callable[[W], object], options: WorldOptions) -> W:
         world = cls(**options)
         try:
             load(world)

@@ -51,6 +51,11 @@ class LegacyWorld(Era):
         self._sources: WeakKeyDictionary[WorldFile, Source] = WeakKeyDictionary()  # of the models that were built
         world.journal.builders[BUILDER] = self
 
+    @property
+    def models(self) -> list[Model]:
+        """The models of the world that worldfiles describe."""
+        return [model for model in self.world.models if isinstance(model, Model)]
+
     def _source_of(self, file: WorldFile) -> Source:
         """The source that a worldfile is; one that is not known yet was inserted by code of users."""
         if file not in self._sources:
@@ -132,9 +137,8 @@ class LegacyWorld(Era):
             node = next(reversed(find_global_nodes(file)), file.GetRootNode())
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
-        models = [model for model in self.world.models if isinstance(model, Model)]
-        warn_of_overlaps(models)
-        warn_of_contacts(models)
+        warn_of_overlaps(self.models)
+        warn_of_contacts(self.models)
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -203,10 +207,8 @@ class LegacyWorld(Era):
         """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""
         if self.file is None:
             return -1
-        for model in world.models:
-            if not isinstance(model, Model) or model.parent is not None:
-                continue
-            if model.node is None or model.node.file is not self.file:
+        for model in self.models:
+            if model.parent is not None or model.node is None or model.node.file is not self.file:
                 continue
             pose = to_file(model, model.GetPose())
             model.initPose = model.GetPose()

@@ -49,8 +49,8 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     except WorldFileError:
         pass  # its lines are the file's errors
     else:
-        _find_clashes(world.models)
-        _find_unreadable(world.models)
+        _find_clashes(world.legacy.models)
+        _find_unreadable(world.legacy.models)
     finally:
         world.close()
         logger.handlers[:], logger.propagate = before, propagate

@@ -77,7 +77,7 @@ class Base:
         """The world."""
         return self._world
 
-    def GetParent(self) -> Base | None:
+    def GetParent(self) -> Base | Any:
         """The parent; None for top-level models and lights."""
         return self._parent
 
@@ -85,14 +85,14 @@ class Base:
         """The id of the parent, or 0."""
         return self._parent.GetId() if self._parent is not None else 0
 
-    def GetParentModel(self) -> Model | None:
+    def GetParentModel(self) -> Model | Any:
         """The nearest model among the object itself and its parents; None if there is none."""
         found: Base | None = self
         while found is not None and not found.HasType(Base.MODEL):
             found = found._parent
-        return found  # type: ignore[return-value]
+        return found
 
-    def GetSDF(self) -> Element | None:
+    def GetSDF(self) -> Element | Any:
         """The SDF element it was built from, or None."""
         return self._sdf
 
@@ -116,14 +116,14 @@ class Base:
         """The number of children."""
         return len(self.children())
 
-    def GetChild(self, which: int | str) -> Base | None:
+    def GetChild(self, which: int | str) -> Base | Any:
         """A child by index or name, or None."""
         parts = self.children()
         if isinstance(which, int):
             return parts[which] if 0 <= which < len(parts) else None
         return next((part for part in parts if which in (part.GetName(), part.GetScopedName())), None)
 
-    def GetByName(self, name: str) -> Base | None:
+    def GetByName(self, name: str) -> Base | Any:
         """The object itself or a descendant, by name or scoped name; None if there is none."""
         return find_named(self.tree(), name)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
 from libgz.classic.physics.contact import Contact, read_contacts
@@ -61,7 +61,7 @@ class ContactManager:
         """The number of contacts, one for each pair of collisions."""
         return len(self.GetContacts())
 
-    def GetContact(self, index: int) -> Contact | None:
+    def GetContact(self, index: int) -> Contact | Any:
         """A contact by index; None if there is none."""
         found = self.GetContacts()
         return found[index] if 0 <= index < len(found) else None

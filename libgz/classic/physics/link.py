@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -310,7 +310,7 @@ class Link(Entity):
         """Its batteries, in the order of the file."""
         return self._world.server.activity.batteries_of(self)
 
-    def Battery(self, which: str | int) -> Battery | None:
+    def Battery(self, which: str | int) -> Battery | Any:
         """A battery by name or index; None if there is none."""
         if isinstance(which, int):
             return self.batteries[which] if 0 <= which < len(self.batteries) else None
@@ -333,7 +333,7 @@ class Link(Entity):
     def _collision(self, geom: Geom) -> Collision:
         return view_of(geom, lambda: Collision(self, geom))
 
-    def GetCollision(self, which: str | int) -> Collision | None:
+    def GetCollision(self, which: str | int) -> Collision | Any:
         """A collision by name or index; None if there is none."""
         found = self.GetChild(which)
         return found if isinstance(found, Collision) else None

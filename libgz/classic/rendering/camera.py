@@ -461,7 +461,7 @@ class Camera:
         self.mount.track(found)
         return found is not None
 
-    def TrackedVisual(self) -> Visual | None:
+    def TrackedVisual(self) -> Visual | Any:
         """The visual that it tracks."""
         return self.mount.tracked
 

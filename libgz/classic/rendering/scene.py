@@ -6,7 +6,7 @@ import functools
 import logging
 import weakref
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -122,7 +122,7 @@ class Scene:
         """All visuals, parents first."""
         yield from self._root.tree()
 
-    def GetVisual(self, which: str | int) -> Visual | None:
+    def GetVisual(self, which: str | int) -> Visual | Any:
         """A visual by its full name ``model::link::visual``, or number; None if there is none."""
         if isinstance(which, int):
             return next((visual for visual in self.visuals() if visual.GetId() == which), None)
@@ -135,7 +135,7 @@ class Scene:
 
     GetVisualCount = VisualCount
 
-    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | None:
+    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | Any:
         """The model at a pixel of a camera's last image; None for none."""
         x, y = int(mousePos[0]), int(mousePos[1])
         try:
@@ -220,7 +220,7 @@ class Scene:
 
     GetLightCount = LightCount
 
-    def GetLight(self, which: str | int) -> Light | None:
+    def GetLight(self, which: str | int) -> Light | Any:
         """A light by name or number; None if there is none."""
         lights = self.lights()
         if isinstance(which, int):
@@ -248,7 +248,7 @@ class Scene:
 
     GetCameraCount = CameraCount
 
-    def GetCamera(self, which: str | int) -> Camera | None:
+    def GetCamera(self, which: str | int) -> Camera | Any:
         """A camera by name or number; None if there is none."""
         return _pick(self.cameras(), which)
 
@@ -262,7 +262,7 @@ class Scene:
 
     GetUserCameraCount = UserCameraCount
 
-    def GetUserCamera(self, which: str | int = 0) -> UserCamera | None:
+    def GetUserCamera(self, which: str | int = 0) -> UserCamera | Any:
         """The camera of a user by name or number; None if there is none."""
         return _pick(self.user_cameras(), which)
 

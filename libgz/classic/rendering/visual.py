@@ -101,11 +101,11 @@ class Visual:
         """The scene."""
         return self._scene
 
-    def GetSDF(self) -> Element | None:
+    def GetSDF(self) -> Element | Any:
         """The `<visual>` element; None if there was none."""
         return self.sdf
 
-    def GetParent(self) -> Visual | None:
+    def GetParent(self) -> Visual | Any:
         """The visual that contains it; None at the top."""
         return self._parent
 
@@ -126,7 +126,7 @@ class Visual:
 
     ChildCount = GetChildCount
 
-    def GetChild(self, index: int) -> Visual | None:
+    def GetChild(self, index: int) -> Visual | Any:
         """One of the visuals in it; None if there is none of that number."""
         children = self.children()
         return children[index] if 0 <= index < len(children) else None

@@ -46,7 +46,7 @@ class LogicalCameraSensor(LinkSensor):
         planes = self._planes(pose)
         own = self.link.GetParentModel()
         while own is not None and own.GetParent() is not None:
-            own = own.GetParent().GetParentModel()  # type: ignore[union-attr]
+            own = own.GetParent().GetParentModel()
         self._seen = [
             (model.GetScopedName(), Pose3d(GzCoordPoseSub(model.pose(), pose)))
             for model in self.world.Models()

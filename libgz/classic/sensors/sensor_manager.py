@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
@@ -40,7 +40,7 @@ class SensorManager:
     def _all(self) -> list[WorldSensors]:
         return [world.server.sensors for world in worlds() if world.server.sensors is not None]
 
-    def GetSensor(self, name: str) -> Sensor | None:
+    def GetSensor(self, name: str) -> Sensor | Any:
         """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None.
 
         A plugin gets the sensor of its own world, if there is one of this name.
@@ -126,7 +126,7 @@ class SensorManager:
         """Nothing to do: sensors end with their worlds."""
 
 
-def get_sensor(name: str) -> Sensor | None:
+def get_sensor(name: str) -> Sensor | Any:
     """`SensorManager.Instance().GetSensor(name)`."""
     return SensorManager.Instance().GetSensor(name)
 

@@ -86,8 +86,12 @@ and truth and camera have the structs of that version. libgz's own clients read 
 In a world with a `<model:Factory>`, clients write the XML of one model into its string, and the server adds the model:
 
 ```python
-client.factory("factory1").create_model("<model:Pioneer2AT><id>robot2</id><xyz>3 0 0</xyz></model:Pioneer2AT>")
-client.factory("factory1").delete_model("robot2")  # writes <delete>robot2</delete>
+import libgz
+
+with libgz.Client(server_id=0) as client:
+    factory = client.factory("factory1")
+    factory.create_model("<model:Pioneer2AT><id>robot2</id><xyz>3 0 0</xyz></model:Pioneer2AT>")
+    factory.delete_model("robot2")  # writes <delete>robot2</delete>
 ```
 
 The XML may have a root element that declares its prefixes. The server clears the string when it has read it. For XML

@@ -43,7 +43,7 @@ class World(world.World):
 
     In process, without the wire::
 
-        with libgz.World.from_file("worlds/pioneer2at.world") as world:
+        with libgz.World.from_file("pioneer2at") as world:
             world.interface("position", "robot1").command(vx=0.3)
             world.step(1000)
             print(world.model("robot1").GetPose())

@@ -269,12 +269,12 @@ class World:
         return self.model(model).GetBody(name)
 
     @overload
-    def joint(self, model: str, name: str) -> Joint | Any: ...
+    def joint(self, model: str, name: str) -> Any: ...
 
     @overload
     def joint(self, model: str, name: str, kind: type[J]) -> J: ...
 
-    def joint(self, model: str, name: str, kind: type[Joint] = Joint) -> Joint | Any:
+    def joint(self, model: str, name: str, kind: type[Joint] = Joint) -> Any:
         """A joint by the id of its model and its own name.
 
         Args:

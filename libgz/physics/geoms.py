@@ -154,6 +154,8 @@ class TriMeshGeom(Geom):
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
         self._data: int | None = None
+        self._ode_vertices: NDArray[np.float64] | None = None
+        self._ode_triangles: NDArray[np.uint32] | None = None
         self.set_mesh(vertices, triangles)
 
     @property
@@ -209,6 +211,11 @@ class TriMeshGeom(Geom):
         if self._data is not None:
             ode().dGeomTriMeshDataDestroy(self._data)
             self._data = None
+        # Large, and a closed world is in memory until Python collects its cycles.
+        self.vertices, self.triangles = np.empty((0, 3)), np.empty((0, 3), dtype=np.uint32)
+        self.normals = self.texture_coordinates = self.colors = None
+        self._first_mesh = self.vertices, self.triangles
+        self._ode_vertices = self._ode_triangles = None
 
 
 def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
@@ -253,6 +260,7 @@ class HeightfieldGeom(Geom):
         if self._data is not None:
             ode().dGeomHeightfieldDataDestroy(self._data)
             self._data = None
+        self.heights = np.empty((0, 0))  # as those of a mesh
 
 
 class RayGeom(Geom):

@@ -111,7 +111,7 @@ class Watchdog:
             self._look()
 
     def _end_process(self, number: int) -> None:
-        """Remove what other processes see of the server, and end without waiting for any other thread."""
+        """Remove what other processes see of a server, and end without waiting for any other thread."""
         # In a thread, for messages may wait for a stream that nobody reads.
         last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name,), daemon=True)
         last.start()

@@ -400,6 +400,7 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
             self.problems.check(again=False)
 

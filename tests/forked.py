@@ -41,8 +41,8 @@ def note(text: str) -> None:
 def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure]:
     """Run trials, several processes at a time; their failures.
 
-    A trial that fails is repeated in a process of its own. If it passes there, it counts all the same: something that an
-    earlier trial left in the process is wrong, or the machine was short of memory or time.
+    A trial that fails is repeated in a process of its own. If it passes there, it counts all the same: something that
+    an earlier trial left in the process is wrong, or the machine was short of memory or time.
     """
     waiting = [range(start, min(start + BATCH, numbers.stop)) for start in range(numbers.start, numbers.stop, BATCH)]
     running: dict[int, tuple[int, range]] = {}  # pid -> file of results, trials

@@ -23,7 +23,7 @@ __all__ = ["ASSETS", "KINDS", "TEXT", "problem", "seeds", "warm"]
 ROOT = Path(__file__).parents[1]
 EVERYTHING = ROOT / "tests" / "data" / "worlds" / "everything.sdf"
 
-# Where each kind of asset stands in a world, and what reads it alone. A road's reader leaves the file's name to its model.
+# Where each kind of asset stands in a world, and what reads it alone. A road's model adds the file's name.
 GEOMETRY = (
     "<sdf version='1.6'><model name='m'><static>1</static><link name='l'>"
     "<collision name='c'><geometry>{}</geometry></collision></link></model></sdf>"

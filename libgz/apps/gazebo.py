@@ -26,7 +26,7 @@ from libgz.apps.record import Recorder
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.front import World
-from libgz.ode.step import check_serving
+from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
@@ -68,7 +68,9 @@ def _wire_version(text: str) -> int:
 def make_parser() -> argparse.ArgumentParser:
     """The options of Gazebo 0.7, and those of libgz."""
     parser = Parser(
-        prog="gazebo", description="Run a worldfile and serve the interfaces of its models to other programs."
+        prog="gazebo",
+        description="Run a worldfile and serve the interfaces of its models to other programs.",
+        epilog=SERVING_HELP,
     )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run")

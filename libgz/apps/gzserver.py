@@ -31,7 +31,7 @@ from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError, PluginError, StrictError, WorldFileError
 from libgz.front import World
-from libgz.ode.step import check_serving
+from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
@@ -60,6 +60,7 @@ def make_parser() -> Parser:
     """The options of Gazebo 11's gzserver, and --server-id, --gl and --steps."""
     usage = "gzserver [options] [WORLD]"
     parser = Parser("gzserver", f"gzserver -- Run the Gazebo server. WORLD is {EMPTY_WORLD} by default.", usage)
+    parser.epilog = SERVING_HELP
     add = parser.add_argument
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; only ode is available")

@@ -1,7 +1,7 @@
 """Coverage-guided fuzzing of all readers of files: `make fuzz [MINUTES=60] [READER=stl] [FILE=...]`.
 
-Inputs that reach new code are kept in .fuzz/READER/corpus, so that a further run begins where the last one ended, findings
-in .fuzz/READER/findings. Each run begins by repeating earlier findings; those that are corrected become inputs.
+Inputs that reach new code are kept in .fuzz/READER/corpus, so that a further run begins where the last one ended;
+findings in .fuzz/READER/findings. Each run repeats earlier findings first; those that are corrected become inputs.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class Reader:
         self.path.write_bytes(data)
         try:
             what = problem(self.kind, self.path)
-        except Exception:
+        except Exception:  # noqa: BLE001 - what is looked for
             what = traceback.format_exc()
         if what:
             self.keep(data, what)

@@ -27,8 +27,8 @@ _DRAWBACKS = "slow, and ends where one of ODE's assertions fails"
 _REMEDY = "install a C compiler (apt-get install gcc libc6-dev) and then libgz again"
 # For the help of commands that serve.
 SERVING_HELP = (
-    "Environment: LIBGZ_STEP=python serves although the native step was not built (there was no C compiler): the server "
-    "is then slow, and ends where one of ODE's assertions fails. `libgz doctor` reports which form of the step is used."
+    "Environment: LIBGZ_STEP=python serves although the native step was not built: the server is "
+    "then slow, and ends where one of ODE's assertions fails. `libgz doctor` reports which form of the step is used."
 )
 
 

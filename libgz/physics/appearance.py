@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzVector
 
@@ -40,6 +40,12 @@ class Appearance:
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
     version: int = 0  # grows with each change; a renderer then rebuilds the geom
+    edits: int = field(default=0, init=False, compare=False)  # grows with each assignment
+
+    def __setattr__(self, name: str, value: object) -> None:
+        values = vars(self)
+        values[name] = value
+        values["edits"] = values.get("edits", 0) + 1
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""
@@ -59,6 +65,8 @@ class Appearance:
 @dataclass
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("ambient", "fog_color", "fog_kind", "fog_start", "fog_end", "threaded")
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's

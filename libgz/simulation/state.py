@@ -1,0 +1,186 @@
+"""State: what objects declare as theirs, so that a snapshot of a world can keep and restore it.
+
+A class declares its state by names of attributes::
+
+    class Counter(Model):
+        STATE = ("count", "rate")
+
+or by two methods, where names do not suffice; a class may have both::
+
+    def SaveState(self) -> object: ...
+    def LoadState(self, state: object) -> None: ...
+
+An attribute holds plain data (numbers, strings, bytes, None, vectors, poses, numpy arrays, and tuples, lists, dicts and
+deques of them), a random generator, or an object that declares its own state, alone or in a tuple, list or dict. What a
+class inherits is added. `STATE = ()` says that there is nothing to keep.
+"""
+
+from __future__ import annotations
+
+import io
+import pickle
+import random
+from collections import deque
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from libgz.errors import ParameterError
+
+__all__ = ["declares", "decode", "encode", "get_state", "set_state", "undeclared"]
+
+FORMAT = b"libgz state 1\n"  # at the start of encoded states
+
+# What an encoded state may consist of besides the builtin types: decoding one never runs other code.
+_ALLOWED = {
+    ("collections", "deque"),
+    ("libgz.geometry", "GzColor"),
+    ("libgz.geometry", "GzPose"),
+    ("libgz.geometry", "GzQuatern"),
+    ("libgz.geometry", "GzVector"),
+    ("numpy", "dtype"),
+    ("numpy", "ndarray"),
+    *((f"numpy.{core}.numeric", "_frombuffer") for core in ("core", "_core")),
+    *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
+}
+_PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    """The attributes that a class and its bases declare, each once."""
+    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("STATE", ())))
+
+
+@cache
+def declares(kind: Any) -> bool:
+    """Whether a class, or one of its bases, declares state."""
+    return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
+
+
+@cache
+def undeclared(kind: Any) -> bool:
+    """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
+    own = [base for base in kind.__mro__ if base is not object and not base.__module__.startswith("libgz.")]
+    return bool(own) and not any("STATE" in vars(base) or "SaveState" in vars(base) for base in own)
+
+
+def get_state(thing: Any) -> Any:
+    """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
+    kind: Any = type(thing)
+    state = {name: _saved(getattr(thing, name)) for name in _names(kind)}
+    save = getattr(thing, "SaveState", None)
+    if save is not None:
+        state[""] = save()
+    return state
+
+
+def set_state(thing: Any, state: Any) -> None:
+    """Give an object the state that `get_state` returned of it, or of one that was made in the same way.
+
+    Containers, arrays and generators are changed in place, for others may hold them.
+    """
+    kind: Any = type(thing)
+    for name in _names(kind):
+        before, value = getattr(thing, name, None), state[name]
+        after = _loaded(before, value)
+        if after is not before:
+            setattr(thing, name, after)
+    if "" in state:
+        thing.LoadState(state[""])
+
+
+def _saved(value: Any) -> Any:
+    kind: Any = type(value)
+    if kind in _PLAIN:
+        return value
+    if kind is list or kind is tuple:
+        return kind(map(_saved, value))
+    if kind is dict:
+        return {key: _saved(item) for key, item in value.items()}
+    if isinstance(value, np.random.Generator):
+        return value.bit_generator.state
+    if isinstance(value, random.Random):
+        return value.getstate()
+    return get_state(value) if declares(kind) else value
+
+
+def _loaded(before: Any, value: Any) -> Any:
+    """`value`, put into the object that was there where that can be changed."""
+    kind: Any = type(before)
+    if kind in _PLAIN:
+        return value
+    if isinstance(before, np.random.Generator):
+        before.bit_generator.state = value
+    elif isinstance(before, random.Random):
+        before.setstate(value)
+    elif declares(kind):
+        if value is None:
+            return None
+        set_state(before, value)
+    elif kind is list and type(value) is list:
+        before[:] = _matched(before, value)
+    elif kind is tuple and type(value) is tuple:
+        return _matched(before, value)
+    elif kind is dict and type(value) is dict:
+        items = {key: _loaded(before.get(key), item) for key, item in value.items()}
+        before.clear()
+        before.update(items)
+    elif kind is deque:
+        kept = tuple(value)
+        before.clear()
+        before.extend(kept)
+    elif kind is np.ndarray and before.shape == np.shape(value) and before.flags.writeable:
+        before[...] = value
+    else:
+        return value
+    return before
+
+
+def _matched(before: Any, value: Any) -> Any:
+    rest = [None] * (len(value) - len(before))
+    return type(value)(_loaded(old, new) for old, new in zip([*before, *rest], value, strict=False))
+
+
+# As bytes -----------------------------------------------------------------------------------------------------------
+
+
+def encode(state: Any) -> bytes:
+    """A state as bytes: equal states give equal bytes.
+
+    Raises:
+        ParameterError: something in it is not plain data.
+    """
+    buffer = io.BytesIO()
+    buffer.write(FORMAT)
+    pickler = pickle.Pickler(buffer, 5)
+    pickler.fast = True  # no references within the data, which would depend on which objects are identical
+    try:
+        pickler.dump(state)
+    except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
+        raise ParameterError(f"a state must be plain data: {error}") from error
+    return buffer.getvalue()
+
+
+class _Reader(pickle.Unpickler):
+    """Reads plain data, and nothing else."""
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) not in _ALLOWED:
+            raise ParameterError(f"a state must be plain data; this one has a {module}.{name}")
+        return super().find_class(module, name)
+
+
+def decode(data: bytes) -> Any:
+    """The state that `encode` gave these bytes for.
+
+    Raises:
+        ParameterError: they are not such bytes.
+    """
+    if not data.startswith(FORMAT):
+        raise ParameterError(f"these {len(data)} bytes are no state of this version of libgz")
+    try:
+        return _Reader(io.BytesIO(data[len(FORMAT) :])).load()
+    except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
+        raise ParameterError(f"the state is damaged: {error}") from error

@@ -37,6 +37,19 @@ def test_a_short_load_shows_nothing():
     assert terminal.getvalue() == ""
 
 
+SLOW = """
+import time
+from libgz import GZ_REGISTER_PLUGIN, Body, Model
+
+class Slow(Model):
+    def Load(self, file, node):
+        print("ready", flush=True)
+        self.AddBody(Body(self.world), True)
+        for _ in range(3000):
+            time.sleep(0.01)
+
+GZ_REGISTER_PLUGIN("Slow", Slow)
+"""
 READY = """
 from libgz.classic import *
 
@@ -51,28 +64,27 @@ GZ_REGISTER_SYSTEM_PLUGIN(Ready)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("command", ["gazebo", "gzserver"])
 def test_a_signal_ends_a_load_and_leaves_no_files(command, number, tmp_path, wire):
-    many = "".join(f"<unknown{i}/>\n" for i in range(400_000))
-    legacy = f"<gz:world xmlns:gz='g'>{many}</gz:world>"
-    world = tmp_path / "big.world"
-    world.write_text(legacy if command == "gazebo" else f"<sdf version='1.6'><world name='w'>{many}</world></sdf>")
-    (tmp_path / "Ready.py").write_text(READY)
-    free = {**os.environ, "GAZEBO_MASTER_URI": "localhost:0"}
-    arguments = ["-s", str(wire)] if command == "gazebo" else ["-s", "Ready.py", "--server-id", str(wire)]
+    world = tmp_path / "long.world"
+    if command == "gazebo":
+        (tmp_path / "Slow.py").write_text(SLOW)
+        world.write_text(
+            "<gz:world xmlns:gz='g' xmlns:model='m'><model:Slow><plugin>Slow.py</plugin></model:Slow></gz:world>"
+        )
+        arguments = ["-s", str(wire)]
+    else:
+        (tmp_path / "Ready.py").write_text(READY)
+        many = "".join(f"<unknown{i}/>\n" for i in range(400_000))
+        world.write_text(f"<sdf version='1.6'><world name='w'>{many}</world></sdf>")
+        arguments = ["-s", "Ready.py", "--server-id", str(wire)]
     process = subprocess.Popen(
         [sys.executable, "-m", f"libgz.apps.{command}", *arguments, str(world)],
-        env=free,
+        env={**os.environ, "GAZEBO_MASTER_URI": "localhost:0"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         cwd=tmp_path,
     )
-    if command == "gazebo":
-        served = Path(os.environ["TMP"]) / f"gazebo-tester-{wire}"
-        while not served.exists():  # `wire` checks that it is removed
-            assert process.poll() is None
-            time.sleep(0.02)
-    else:
-        while b"ready" not in process.stdout.readline():
-            assert process.poll() is None
+    while b"ready" not in process.stdout.readline():  # `wire` checks that all files are removed
+        assert process.poll() is None
     time.sleep(0.5)
     assert process.poll() is None
     process.send_signal(number)

@@ -15,6 +15,7 @@ from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
 from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
+from libgz.legacy.sweeps import warn_of_sweeps
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
@@ -133,7 +134,7 @@ class LegacyWorld(Era):
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
         models = [model for model in self.world.models if isinstance(model, Model)]
-        warn_of_overlaps(models)
+        warn_of_sweeps(models, warn_of_overlaps(models))
         warn_of_contacts(models)
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
@@ -187,7 +188,7 @@ class LegacyWorld(Era):
             if not added:
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
-            warn_of_overlaps(added)
+            warn_of_sweeps(added, warn_of_overlaps(added))
             warn_of_contacts(added)
             world.initialize(added)
         except BaseException:

@@ -11,7 +11,8 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
-from libgz.sdfworld.settings import SdfSettings, apply_physics, apply_settings, default_settings
+from libgz.sdfworld.physics import apply_physics
+from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity

@@ -74,8 +74,9 @@ def _kept(kind: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
 
 
-def _values(things: Iterable[Any]) -> list[tuple[Any, ...]]:
-    return [_getter(_type(thing))(thing) for thing in things]
+def _values(things: Sequence[Any]) -> list[tuple[Any, ...]]:
+    getters = {kind: _getter(kind) for kind in set(map(_type, things))}
+    return [getters[_type(thing)](thing) for thing in things]
 
 
 class EngineState:

@@ -174,3 +174,13 @@ def test_the_same_follows(form, seed):
         for i, (one, two) in enumerate(zip(first, world.run(), strict=True)):
             assert one == two, f"step {i}"
         assert world.engine.get_state() == end
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_equal_worlds_have_equal_states(form, seed):
+    def state():
+        world = RandomWorld(seed)
+        world.run()
+        return world.engine.get_state()
+
+    assert state() == state()

@@ -38,6 +38,7 @@ class NativeStep:
     def __init__(self, context: StepContext, path: Path) -> None:
         self._shared = self._bind(path)
         self._context = context
+        self._buffer = ctypes.create_string_buffer(0)  # of the last state
         self._address = ctypes.addressof(context)
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
@@ -112,9 +113,11 @@ class NativeStep:
     def get_state(self, parts: Parts) -> bytes:
         """The memory of ODE that decides what comes next."""
         address = ctypes.addressof(parts)
-        buffer = bytearray(self._shared.gz_state_size(address))
-        self._shared.gz_get_state(address, (ctypes.c_char * len(buffer)).from_buffer(buffer))
-        return bytes(buffer)
+        size = self._shared.gz_state_size(address)
+        if len(self._buffer) != size:
+            self._buffer = ctypes.create_string_buffer(size)
+        self._shared.gz_get_state(address, self._buffer)
+        return self._buffer.raw
 
     def set_state(self, parts: Parts, state: bytes) -> bool:
         """Put it back; false, and nothing has changed, if a geom is not where the state has it."""

@@ -17,6 +17,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
+from libgz.physics.meshes import Mesh
 from libgz.physics.space import Space
 
 __all__ = [
@@ -147,7 +148,8 @@ class TriMeshGeom(Geom):
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
     KEPT = ("changed_mesh",)
-    _first_mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None = None
+    _mesh: Mesh | None = None  # the present one
+    _first_mesh: Mesh | None = None
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
     @built
@@ -159,18 +161,16 @@ class TriMeshGeom(Geom):
         self.set_mesh(vertices, triangles)
 
     @property
-    def changed_mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]] | None:
-        """Vertices and triangles, if they are not the first ones."""
-        first = self._first_mesh
-        return None if first is None or first[0] is self.vertices else (self.vertices, self.triangles)
+    def changed_mesh(self) -> Mesh | None:
+        """The mesh, if it is not the first one."""
+        return None if self._mesh is self._first_mesh else self._mesh
 
     @changed_mesh.setter
-    def changed_mesh(self, mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None) -> None:
-        if mesh is not None:
-            self.set_mesh(*mesh)
-        elif self.changed_mesh is not None and self._first_mesh is not None:
-            self.set_mesh(*self._first_mesh)
-            self.vertices, self.triangles = self._first_mesh
+    def changed_mesh(self, mesh: Mesh | None) -> None:
+        mesh = mesh or self._first_mesh
+        if mesh is not None and mesh is not self._mesh:
+            self.set_mesh(mesh.vertices, mesh.triangles)
+            self._mesh = mesh
 
     @exclusive
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -189,7 +189,8 @@ class TriMeshGeom(Geom):
                 raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
         corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
-        self._first_mesh = self._first_mesh or (points, corners)
+        self._mesh = Mesh(points, corners)
+        self._first_mesh = self._first_mesh or self._mesh
         self._reshaped()
         if self.space is None:
             return  # it is only rendered

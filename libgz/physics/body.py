@@ -146,6 +146,7 @@ class Body:
             self._table.remove(self.row)
             ode().dBodyDestroy(self._id)
             self._id = None
+        self.engine.moved_dummies.discard(self)
         self._closed = True
 
     # State -------------------------------------------------------------------------------------------------------
@@ -193,6 +194,7 @@ class Body:
             self.engine.extend_range()
         if self.row < 0:
             self._pose = GzPose(position, rotation)
+            self.engine.moved_dummies.add(self)
             for geom in self.geoms:
                 geom.follow_dummy()
             self.engine.wake()

@@ -21,7 +21,7 @@ trials: setup
 	@$(BIN)/pytest -q -m trial
 
 bench: setup
-	@for figures in step robots ground wire camera plugins sdf; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+	@for figures in step robots ground wire observer camera plugins sdf; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
 
 setup:
 	@./scripts/setup.sh

@@ -135,7 +135,7 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
         "name": name,
         **shape_of(geom, store),
         "pose": pose_list(geom.GetRelativePose()),
-        "collides": bool(geom.id),
+        "collides": bool(geom.id) and geom.space is not None,
         "visible": look.visible,
         "scale": look.scale,
         "material": {

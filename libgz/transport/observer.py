@@ -481,7 +481,11 @@ class Observer:
         for entity in scene.entities:
             if entity.id == name:
                 body = scene.by_number.get(entity.body)
-                return entity.pose if body is None else GzCoordPoseAdd(entity.pose, _pose(state.bodies[body.row, :7]))
+                return (
+                    entity.pose
+                    if body is None
+                    else GzCoordPoseAdd(entity.pose, _pose(state.bodies[body.row, :7].tolist()))
+                )
         for body in scene.bodies:
             if f"{body.entity}::{body.name}" == name:
                 return _pose(state.bodies[body.row, :7].tolist())

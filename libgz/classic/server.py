@@ -292,6 +292,13 @@ class WorldServer:
         for plugin in (*self._other_plugins(), *system_plugins):
             plugin.reset()
 
+    def get_state(self) -> object:
+        """Nothing yet."""
+        return None
+
+    def set_state(self, state: object) -> None:
+        """Nothing yet."""
+
     def close(self) -> None:
         """Drop all plugins, and close sensors and topics."""
         for plugin in list(self.plugins()):

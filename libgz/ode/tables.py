@@ -38,6 +38,8 @@ class _Table:
         self.size = _FIRST_SIZE  # rows of the arrays
         self.changes = 0  # grows with each row that is taken or freed
         self._free: list[int] = []
+        self._made = 0  # how many there ever were
+        self._numbers: dict[int, int] = {}  # of objects by row: which one of all it was
 
     def _take_row(self, thing: object) -> int:
         self.changes += 1
@@ -50,7 +52,32 @@ class _Table:
             row = self.used
             self.used += 1
         self.objects[row] = thing
+        self._made += 1
+        self._numbers[row] = self._made
         return row
+
+    def census(self) -> tuple[tuple[int, ...], ...]:
+        """Rows in order of construction; numbers of the objects; free rows; rows in use and objects ever made."""
+        return tuple(self._numbers), tuple(self._numbers.values()), tuple(self._free), (self.used, self._made)
+
+    def arrange(self, rows: list[int], numbers: list[int], free: list[int], counts: tuple[int, int]) -> None:
+        """Give the present objects, in order of construction, the rows and numbers of another census.
+
+        Their columns are not moved: the caller fills them.
+        """
+        things = list(self.objects.values())
+        self.used, self._made = counts
+        self.changes += 1
+        while self.size < self.used:
+            self.size *= 2
+            self._grow()
+        self.objects.clear()
+        self._numbers.clear()
+        for thing, row, number in zip(things, rows, numbers, strict=True):
+            thing.row = row
+            self.objects[row] = thing
+            self._numbers[row] = number
+        self._free = list(free)
 
     def _grow(self) -> None:
         """Double the arrays."""
@@ -58,7 +85,7 @@ class _Table:
 
     def _free_row(self, row: int) -> None:
         self.changes += 1
-        del self.objects[row]
+        del self.objects[row], self._numbers[row]
         self._free.append(row)
 
 
@@ -184,6 +211,10 @@ class JointTable(_Table):
             self.sprung.add(row)
         else:
             self.sprung.discard(row)
+
+    def find_sprung(self) -> None:
+        """Find the rows with a spring or damper, after `springs` was changed."""
+        self.sprung = {row for row in self.objects if self.springs[row, 0] or self.springs[row, 1]}
 
     def publish(self, context: StepContext, fresh: bool) -> None:
         """Hand the arrays to the step; `fresh` is what rows are after one."""

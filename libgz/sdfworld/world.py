@@ -172,6 +172,10 @@ class SdfWorld(Era):
             companion.reset()
         world.events["WorldReset"]()
 
+    def press_reset(self, world: World) -> None:
+        """Reset the world, as `World.Reset` does."""
+        self.reset(world)
+
     def apply_profile(self, name: str) -> None:
         """Apply another `<physics>` of the file.
 

@@ -436,7 +436,8 @@ def test_observers_load_neither_ode_nor_opengl(wire):
 import sys, libgz
 o = libgz.Observer(int(sys.argv[1]))
 o.pose("a")
-loaded = [name for name in sys.modules if name.startswith(("libgz.ode", "libgz.physics", "libgz.simulation", "OpenGL", "lxml"))]
+parts = ("libgz.ode", "libgz.physics", "libgz.simulation", "OpenGL", "lxml")
+loaded = [name for name in sys.modules if name.startswith(parts)]
 print("ready" if not loaded else loaded, flush=True)
 """
     with legacy(SPHERE.format("a", "0 0 1"), server_id=wire), started(script, wire):

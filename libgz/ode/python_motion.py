@@ -52,7 +52,7 @@ class MotionLimits:
         return True
 
     def has_diverged(self, body: int, max_distance: float) -> bool:
-        """Whether a body has diverged in a step; copy_bodies in step.c."""
+        """Whether a body has diverged in a step; read_bodies in step.c."""
         for (x, y, z), _, most in (self._vectors.get(body) or self._find(body))[:3]:
             limit = min(most, max_distance)
             if not (-limit <= x <= limit and -limit <= y <= limit and -limit <= z <= limit):

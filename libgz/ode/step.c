@@ -664,7 +664,7 @@ static int is_beyond(double value, double most)
 }
 
 /* Copy the states of all bodies to a table; returns how many of them diverged. */
-static int64_t copy_bodies(const context *c, double *state)
+static int64_t read_bodies(const context *c, double *state)
 {
     int64_t i, diverged = 0;
     int k;
@@ -756,7 +756,7 @@ static void apply_springs(context *c)
 }
 
 /* Copy the states of all joints to a table; turns are counted on from those of the own table. */
-static void copy_joints(const context *c, double *state)
+static void read_joints(const context *c, double *state)
 {
     int64_t i;
     for (i = 0; i < c->joint_count; i++) {
@@ -954,8 +954,8 @@ static int solve(context *c)
     c->steps++;
     if (c->record_motion)
         finish_motion(c);
-    c->diverged = copy_bodies(c, c->body_state);
-    copy_joints(c, c->joint_state);
+    c->diverged = read_bodies(c, c->body_state);
+    read_joints(c, c->joint_state);
     if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
         return STEP_NEEDS_RECOVERY;
     return done != 0;
@@ -1022,8 +1022,8 @@ double gz_overlap(context *c, void *geom1, void *geom2)
 
 void gz_read(context *c)
 {
-    c->diverged = copy_bodies(c, c->body_state);
-    copy_joints(c, c->joint_state);
+    c->diverged = read_bodies(c, c->body_state);
+    read_joints(c, c->joint_state);
 }
 
 /* Tables for other processes ---------------------------------------------------------------------------------- */
@@ -1048,8 +1048,8 @@ void gz_publish(const context *c, const publication *p)
     atomic_thread_fence(memory_order_release);
     memcpy(p->target, p->header, (size_t)p->header_size);
     if (p->stale) {
-        copy_bodies(c, bodies);
-        copy_joints(c, joints);
+        read_bodies(c, bodies);
+        read_joints(c, joints);
     } else {
         memcpy(bodies, c->body_state, (size_t)c->body_count * 16 * sizeof(double));
         memcpy(joints, c->joint_state, (size_t)c->joint_count * 4 * sizeof(double));

@@ -28,12 +28,13 @@ import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "set_state"]
+__all__ = ["declares", "decode", "encode", "get_state", "set_state", "undeclared"]
 
 FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
 # What an encoded state may consist of besides the builtin types: decoding one never runs other code.
 _ALLOWED = {
+    ("builtins", "complex"),
     ("collections", "deque"),
     ("libgz.geometry", "GzColor"),
     ("libgz.geometry", "GzPose"),
@@ -44,6 +45,7 @@ _ALLOWED = {
     *((f"numpy.{core}.numeric", "_frombuffer") for core in ("core", "_core")),
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
+_NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 
 
@@ -57,6 +59,13 @@ def _names(kind: Any) -> tuple[str, ...]:
 def declares(kind: Any) -> bool:
     """Whether a class, or one of its bases, declares state."""
     return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
+
+
+@cache
+def undeclared(kind: Any) -> bool:
+    """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
+    own = [base for base in kind.__mro__ if base is not object and not base.__module__.startswith("libgz.")]
+    return bool(own) and not any("STATE" in vars(base) or "SaveState" in vars(base) for base in own)
 
 
 def get_state(thing: Any) -> Any:
@@ -147,13 +156,26 @@ def encode(state: Any) -> bytes:
     """
     buffer = io.BytesIO()
     buffer.write(FORMAT)
-    pickler = pickle.Pickler(buffer, 5)
+    pickler = _Writer(buffer, 5)
     pickler.fast = True  # no references within the data, which would depend on which objects are identical
     try:
         pickler.dump(state)
     except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
         raise ParameterError(f"a state must be plain data: {error}") from error
     return buffer.getvalue()
+
+
+class _Writer(pickle.Pickler):
+    """Writes plain data, and nothing else."""
+
+    def reducer_override(self, thing: Any) -> Any:
+        """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
+        if isinstance(thing, _NUMBERS):
+            return NotImplemented
+        kind = thing if hasattr(thing, "__qualname__") else type(thing)  # classes and functions stand for themselves
+        if (kind.__module__, kind.__qualname__) not in _ALLOWED:
+            raise pickle.PicklingError(f"{thing!r} is none")
+        return NotImplemented
 
 
 class _Reader(pickle.Unpickler):

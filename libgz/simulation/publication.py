@@ -27,7 +27,7 @@ __all__ = ["Publication"]
 
 log = logging.getLogger("libgz.simulation")
 
-LOOK_PERIOD = 0.1  # [s] between two searches for changed appearances
+LOOK_PERIOD = 0.2  # [s] between two searches for changed appearances
 LARGE = 100_000  # [byte]
 LOOK_SHARE = 100  # of the time that a search and its consequences took, at least that long is waited
 _NUMBERS = struct.Struct("=qqqddd")  # revision to real_time of the header
@@ -38,7 +38,7 @@ class Publication:
     """Copies the states of a world to shared memory after each step, and writes its scene whenever that changed.
 
     Bodies, joints, geoms and entities that come or go are in the scene of the same step; changed colours, names and
-    places of joints up to 0.1 s later.
+    places of joints up to 0.2 s later.
 
     Args:
         world: which runs.

@@ -2,6 +2,7 @@
 
 import contextlib
 import ctypes
+import errno
 import os
 import re
 import signal
@@ -18,13 +19,13 @@ import libgz
 from libgz.geometry import GzPose, GzQuatern, GzVector
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.world import SdfWorld
+from libgz.transport.directory import ServerDirectory
 from libgz.transport.stale_files import remove_stale
 from libgz.transport.tables import HEADER
 
 WORLDS = Path(__file__).parents[2] / "worlds"
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
 SPHERE = "<model:SimpleSolid><id>{0}</id><xyz>{1}</xyz><shape>sphere</shape></model:SimpleSolid>"
-LOOK = 0.5  # [s] in which a changed appearance is seen
 
 
 def legacy(body, **options):
@@ -318,6 +319,33 @@ def test_sensors_of_classic_worlds(wire):
         assert laser["rays"][0]["max"] == 9.0
         assert observer.scene["view"][:3] == [1, 2, 3]
         assert observer.scene["background"] == [0, 0, 1, 1]
+
+
+def test_a_full_disk(wire, monkeypatch, caplog):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    with legacy(SPHERE.format("a", "0 0 1"), server_id=wire) as world, libgz.Observer(wire) as observer:
+        monkeypatch.setattr(ServerDirectory, "write_file", full)
+        world.InsertModel(SPHERE.format("b", "3 0 1"))
+        world.step(3)
+        assert caplog.text.count("observers cannot see this world any more: No space left on device") == 1
+        assert not observer.alive
+        assert world.iterations == 3
+
+
+def test_a_restored_state_is_seen(wire):
+    wall = "<model name='wall'><static>true</static>" + sdf.link("link", sdf.collision()) + "</model>"
+    with classic(wall, lonely("box"), server_id=wire) as world, libgz.Observer(wire) as observer:
+        world.step(5)
+        kept = world.get_state()
+        world.SetModelPose(world.model("wall"), GzPose(GzVector(1.0, 2.0, 3.0), GzQuatern(1.0, 0.0, 0.0, 0.0)))
+        world.step(50)
+        world.set_state(kept)
+        world.step()
+        assert observer.state().steps == 6
+        assert_same(world, observer)
+        assert [*observer.pose("wall").pos] == [0.0, 0.0, 0.0]
 
 
 # Servers and observers that come and go --------------------------------------------------------------------------

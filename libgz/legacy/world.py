@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from weakref import WeakKeyDictionary
 
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
-from libgz.geometry import GzVector
+from libgz.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
@@ -41,6 +41,8 @@ class LegacyWorld(Era):
         factory: the model classes by their names in worldfiles.
         loader: builds models.
     """
+
+    name = "legacy"
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -199,6 +201,11 @@ class LegacyWorld(Era):
         for warning in file.diagnostics.warnings:
             log.warning("%s", warning)
         return added
+
+    def start_view(self, world: World) -> GzPose | None:
+        """The place of the first ObserverCam in the file."""
+        cameras = [model for model in world.models if model.GetName() == "ObserverCam"]
+        return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
     def save(self, world: World) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
-from libgz.ode.context import CONTACT, RayScan, StepContext
+from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
 
@@ -42,6 +42,7 @@ class NativeStep:
         self._address = ctypes.addressof(context)
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
+        self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
         self._scan = self._shared["gz_scan"]
         self._scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
@@ -128,6 +129,10 @@ class NativeStep:
     def read(self) -> None:
         """Copy all states out."""
         self._shared.gz_read(self._address)
+
+    def publish(self, publication: Publication) -> None:
+        """Copy header and states to a mapped file."""
+        self._publish(ctypes.byref(publication))
 
     def overlap(self, geom1: int, geom2: int) -> float:
         """The depth of the deepest contact point of two geoms [m]; -1 without any."""

@@ -249,6 +249,7 @@ class EngineState:
                 ctypes.memmove(ctypes.addressof(joint._feedback), state["feedback"][at : at + size], size)
                 at += size
         numbers = np.frombuffer(state["dummies"]).reshape(-1, 7).tolist()
+        engine.moved_dummies.update(engine.dummies)
         for dummy, place in zip(engine.dummies, numbers, strict=True):
             dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
         if engine.record_contacts:

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TypedDict, TypeVar, Unpack
 
 from libgz import models
+from libgz.errors import WorldFileError
+from libgz.files import exists
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
 from libgz.legacy.settings import GlobalAttributes
@@ -19,6 +21,7 @@ from libgz.simulation import world
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["World", "WorldOptions"]
 
@@ -84,11 +87,12 @@ class World(world.World):
         """Load a worldfile and make it ready to step.
 
         Args:
-            filename: the worldfile.
+            filename: the worldfile, or the name of one of libgz's worlds, such as ``"pioneer2at"``: a file of that name
+                in the current directory comes first, then one in a directory of GAZEBOPATH.
             **options: those of World.
 
         Raises:
-            WorldFileError: the worldfile has errors; the message lists them all.
+            WorldFileError: there is no such worldfile, or it has errors; the message lists them all.
             PluginError: a model's Init failed.
             ServerError: the server id is in use.
         """
@@ -117,10 +121,17 @@ class World(world.World):
     def LoadFile(self, filename: str | os.PathLike[str]) -> int:
         """Build all models of a legacy worldfile or an SDF file, distinguished by the root element; 0.
 
+        The file is found by its path or name, as by `from_file`.
+
         Raises:
             WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
         """
-        return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
+        path = find_worldfile(filename)
+        if is_sdf(path):
+            return self.load_sdf(SdfFile.load(path))
+        if not exists(path):
+            raise WorldFileError(f"cannot read worldfile {str(path)!r}: it does not exist{why_missing(filename)}")
+        return self.Load(WorldFile.from_file(path))
 
     @exclusive
     def load_sdf(self, file: SdfFile) -> int:

@@ -118,6 +118,19 @@ def test_every_sensor_class_is_known_to_type_checkers():
         assert f"import {name} as {name}" in source
 
 
+def test_constructors_give_units():
+    import libgz
+
+    for name in dir(libgz):
+        kind = getattr(libgz, name)
+        if not inspect.isclass(kind) or not kind.__module__.startswith("libgz") or "__init__" not in vars(kind):
+            continue
+        text = inspect.getdoc(kind) or ""
+        floats = [p for p in inspect.signature(kind).parameters.values() if str(p.annotation) == "float"]
+        if floats and name not in ("GzQuatern", "GzColor"):  # which have none
+            assert re.search(r"\[[\w /^]+\]", text), f"{name} gives no unit: {text}"
+
+
 def test_the_package_says_that_it_is_typed():
     import libgz
 

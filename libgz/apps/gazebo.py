@@ -26,6 +26,7 @@ from libgz.apps.record import Recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
+from libgz.files import exists, is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
@@ -33,6 +34,7 @@ from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
+from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["main"]
 
@@ -74,7 +76,7 @@ def make_parser() -> argparse.ArgumentParser:
         epilog=SERVING_HELP,
     )
     add = parser.add_argument
-    add("worldfile", help="the worldfile to run")
+    add("worldfile", help="the worldfile to run, or the name of a world of libgz, which `libgz worlds` lists")
     add(
         "-s",
         dest="server_id",
@@ -216,15 +218,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
     """
     options = make_parser().parse_args(arguments)
-    path = Path(options.worldfile)
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:
         return _report(str(error), USAGE_ERROR)
     if options.steps is not None and options.steps < 0:
         return _report(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
-    if not path.is_file():
-        what = "is a directory" if path.is_dir() else "is not a plain file" if path.exists() else "does not exist"
+    path = find_worldfile(options.worldfile)
+    if not is_file(path):
+        missing = f"does not exist{why_missing(path)}"
+        what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
         check_serving()

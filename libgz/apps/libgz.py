@@ -38,6 +38,7 @@ COMMANDS = {
     "stats": "print the real-time factor of a running SDF world",
     "topic": "list, print, measure and publish topics of a running gzserver",
     "upgrade": "convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7",
+    "worlds": "list the worlds that are installed with libgz",
 }
 
 

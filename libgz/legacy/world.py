@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import logging
 from collections.abc import Sequence
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
@@ -21,6 +22,7 @@ from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.search import is_ready_world
 
 __all__ = ["LegacyWorld"]
 
@@ -212,8 +214,14 @@ class LegacyWorld(Era):
         return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
     def save(self, world: World) -> int:
-        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""
+        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1.
+
+        Worlds of libgz that were found by name are not written to.
+        """
         if self.file is None:
+            return -1
+        if self.file.filename is not None and is_ready_world(Path(self.file.filename)):
+            log.error("%s belongs to libgz and is not written to; run a copy of it", self.file.filename)
             return -1
         for model in self.models:
             if model.parent is not None or model.node is None or model.node.file is not self.file:

@@ -17,6 +17,13 @@ class PID:
     error gives a negative command. The integral term (not the error) is limited to `imin` to `imax`. **Their defaults
     of 0 disable it**: set limits, or `imax` below `imin`, which means none. The command is limited to `cmdMin` to
     `cmdMax`; `cmdMax` below `cmdMin`, as by default, means no limits.
+
+    Args:
+        p: gain of the error [command / error]; of an angle's error [rad] and a torque [N m], in [N m/rad].
+        i: gain of its integral [command / (error s)].
+        d: gain of its rate [command s / error].
+        imax, imin: limits of the integral term, in units of the command.
+        cmdMax, cmdMin: limits of the command.
     """
 
     __slots__ = (

@@ -6,7 +6,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from pathlib import Path
 
@@ -15,17 +14,12 @@ from PIL import Image
 import libgz
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.rendering.camera import Camera
+from libgz.worldfile.search import ReadyWorld
 
 ROOT = Path(__file__).parents[1]
 SIZE = (400, 300)
 TIME = 1.0  # [s] of sim time: everything has come to rest, and nothing has moved far
 DEFAULT_VIEW = GzPose(GzVector(-3.2, 2.4, 2.4), GzQuaternFromEuler(0.0, 0.5, -0.62))  # of worlds without an observer
-
-
-def description(path: Path) -> str:
-    """The comment at the head of a worldfile, in one line."""
-    found = re.search(r"<!--\s*(.*?)\s*-->", path.read_text(), re.DOTALL)
-    return " ".join(found.group(1).split()) if found else ""
 
 
 def render(path: Path, image: Path) -> None:
@@ -48,8 +42,11 @@ def main() -> None:
     for path in sorted((ROOT / "worlds").glob("*.world")):
         if "--text" not in sys.argv[1:]:
             render(path, images / f"{path.stem}.png")
-        rows.append(f"## {path.name}\n\n{description(path)}\n\n![{path.stem}](worlds/{path.stem}.png)\n")
-    head = "# Ready worlds\n\n`gazebo worlds/NAME` runs one of them. `scripts/make_gallery.py` writes this page.\n"
+        rows.append(f"## {path.name}\n\n{ReadyWorld(path).summary}\n\n![{path.stem}](worlds/{path.stem}.png)\n")
+    head = (
+        "# Ready worlds\n\n`gazebo NAME` runs one of them, from any directory; `libgz worlds` lists them. "
+        "`scripts/make_gallery.py` writes this page.\n"
+    )
     (ROOT / "docs" / "worlds.md").write_text("\n".join([head, *rows]))
 
 

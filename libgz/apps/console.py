@@ -19,8 +19,10 @@ from libgz.errors import GazeboError, Interrupted, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
+    "NO_READER",
     "STRICT",
     "STRICT_HELP",
+    "TERMINATED",
     "USAGE_ERROR",
     "Hints",
     "LogFile",
@@ -38,7 +40,8 @@ USAGE_ERROR = 2
 STRICT = 3  # exit code of a run that --strict has ended
 STRICT_HELP = "end with exit code 3 at the first error of a model or plugin, or warning about the world"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # the exit codes of shells
+# The exit codes of shells.
+INTERRUPTED, NO_READER, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGPIPE, 128 + signal.SIGTERM
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 

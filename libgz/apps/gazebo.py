@@ -25,7 +25,7 @@ from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
-from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
+from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.files import exists, is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
@@ -33,7 +33,7 @@ from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
-from libgz.transport.server import free_server_id
+from libgz.transport.server import on_free_server_id
 from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["main"]
@@ -242,13 +242,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
         prefer(options.gl)
     if options.server_id is not None:
         return _serve(path, options, options.server_id)
-    while True:
-        server_id = free_server_id()
-        try:
-            return _serve(path, options, server_id)
-        except ServerError:
-            if free_server_id() == server_id:
-                raise  # the id is still free, so another process did not take it: the error has another cause
+    return on_free_server_id(lambda server_id: _serve(path, options, server_id))
 
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:

@@ -74,9 +74,8 @@ class _Lines(logging.Handler):
 
 def _describe(world: World) -> list[str]:
     """The state of a world, a line for each model."""
-    lines = [
-        f"world {world.name!r}, server id {world.server_id}, sim time {world.GetSimTime():.3f} s; models: x y z [m] roll pitch yaw [rad]"
-    ]
+    served = f"world {world.name!r}, server id {world.server_id}, sim time {world.GetSimTime():.3f} s"
+    lines = [served, "  models: x y z [m] roll pitch yaw [rad]"]
     for model in world.models:
         try:
             pose = model.GetPose()

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
@@ -49,7 +49,7 @@ class Entity:
         world: the World.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
+    STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
@@ -119,6 +119,19 @@ class Entity:
         self.modelSpaceId.close()
 
     # State -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def _homes(self) -> tuple[tuple[float, ...], ...]:
+        """The initial pose and the one in the parent body, as plain numbers."""
+        first, own = self.initPose, self.relPose
+        return tuple(first.pos), tuple(first.rot), tuple(own.pos), tuple(own.rot)
+
+    @_homes.setter
+    def _homes(self, numbers: tuple[tuple[float, ...], ...]) -> None:
+        if numbers != self._homes:
+            first, turn, own, own_turn = numbers
+            self.initPose = GzPose(GzVector(*first), GzQuatern(*turn))
+            self.relPose = GzPose(GzVector(*own), GzQuatern(*own_turn))
 
     def MasterSaveState(self) -> object:
         """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""

@@ -102,11 +102,9 @@ class World:
         "clock",
         "simSpeed",
         "utcOffset",
-        "utmZone",
-        "utmOffset",
-        "skyColor",
         "fogEnable",
         "fogDensity",
+        "_surroundings",
         "backdrop",
         "physics_enabled",
         "starts_paused",
@@ -719,6 +717,29 @@ class World:
             raise self._start
         self._warn_of_models()
         snapshot.restore(self, self._start)
+
+    @property
+    def _surroundings(self) -> tuple[tuple[float, ...], ...]:
+        """Vectors and colours as plain numbers."""
+        backdrop = self.backdrop
+        fog = backdrop.fog_color
+        return (
+            tuple(self.utmZone),
+            tuple(self.utmOffset),
+            tuple(self.skyColor),
+            tuple(backdrop.ambient),
+            () if fog is None else tuple(fog),
+            (backdrop.fog_start, backdrop.fog_end),
+        )
+
+    @_surroundings.setter
+    def _surroundings(self, numbers: tuple[tuple[float, ...], ...]) -> None:
+        zone, offset, sky, ambient, fog, reach = numbers
+        backdrop = self.backdrop
+        self.utmZone, self.utmOffset = GzVector(*zone), GzVector(*offset)
+        self.skyColor, backdrop.ambient = GzColor(*sky), GzColor(*ambient)
+        backdrop.fog_color = GzColor(*fog) if fog else None
+        backdrop.fog_start, backdrop.fog_end = reach
 
     @property
     def _fallen_rows(self) -> tuple[int, ...]:

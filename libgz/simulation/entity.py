@@ -121,17 +121,15 @@ class Entity:
     # State -----------------------------------------------------------------------------------------------------------
 
     @property
-    def _homes(self) -> tuple[tuple[float, ...], ...]:
+    def _homes(self) -> tuple[float, ...]:
         """The initial pose and the one in the parent body, as plain numbers."""
         first, own = self.initPose, self.relPose
-        return tuple(first.pos), tuple(first.rot), tuple(own.pos), tuple(own.rot)
+        return *first.pos, *first.rot, *own.pos, *own.rot
 
     @_homes.setter
-    def _homes(self, numbers: tuple[tuple[float, ...], ...]) -> None:
-        if numbers != self._homes:
-            first, turn, own, own_turn = numbers
-            self.initPose = GzPose(GzVector(*first), GzQuatern(*turn))
-            self.relPose = GzPose(GzVector(*own), GzQuatern(*own_turn))
+    def _homes(self, numbers: tuple[float, ...]) -> None:
+        self.initPose = GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:7]))
+        self.relPose = GzPose(GzVector(*numbers[7:10]), GzQuatern(*numbers[10:]))
 
     def MasterSaveState(self) -> object:
         """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""

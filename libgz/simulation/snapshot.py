@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, ParameterError, StateError
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
+from libgz.simulation.plugins import own_traceback
 
 if TYPE_CHECKING:
     from libgz.simulation.companion import Companion
@@ -28,7 +29,7 @@ def save(world: World) -> bytes:
     """The state of a world between two steps.
 
     Raises:
-        ParameterError: an object declares something as its state that is not plain data.
+        ParameterError: an object declares something as its state that is not plain data, or cannot be read.
     """
     number = {entity: index for index, entity in enumerate(world.entities)}
     sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
@@ -52,7 +53,7 @@ def save(world: World) -> bytes:
             try:
                 state.encode(entity.MasterSaveState())
             except ParameterError as own:
-                raise ParameterError(f"model {entity.GetId()!r} ({type(entity).__name__}): {own}") from error
+                raise ParameterError(f"{_described(entity)}: {own}") from error
         raise
 
 
@@ -114,8 +115,22 @@ def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, in
         "body": entity.parent.bodies.index(body) if entity.parent is not None and body is not None else None,
         "failed": _text_of(entity.failed),
         "plugin_error": _text_of(entity.plugin_error),
-        "state": entity.MasterSaveState(),
+        "state": _own_state(entity),
     }
+
+
+def _own_state(entity: Entity) -> object:
+    try:
+        return entity.MasterSaveState()
+    except GazeboError:
+        raise
+    except USER_ERRORS as error:
+        pass_interrupt(error)
+        raise ParameterError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
+
+
+def _described(entity: Entity) -> str:
+    return f"model {entity.GetId()!r} ({type(entity).__name__})"
 
 
 def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
@@ -126,7 +141,13 @@ def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
     for name in ("failed", "plugin_error"):
         if _text_of(getattr(entity, name)) != kept[name]:
             setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
-    entity.MasterLoadState(kept["state"])
+    try:
+        entity.MasterLoadState(kept["state"])
+    except GazeboError:
+        raise
+    except USER_ERRORS as error:
+        pass_interrupt(error)
+        raise StateError(f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}") from error
 
 
 def _text_of(error: object) -> str | None:

@@ -98,7 +98,7 @@ def _saved(value: Any) -> Any:
     if kind in _PLAIN:
         return value
     if kind is list or kind is tuple:
-        return kind(map(_saved, value))
+        return kind(value) if _PLAIN.issuperset(map(type, value)) else kind(map(_saved, value))
     if kind is dict:
         return {key: _saved(item) for key, item in value.items()}
     if isinstance(value, np.random.Generator):
@@ -141,6 +141,8 @@ def _loaded(before: Any, value: Any) -> Any:
 
 
 def _matched(before: Any, value: Any) -> Any:
+    if _PLAIN.issuperset(map(type, before)):
+        return value
     rest = [None] * (len(value) - len(before))
     return type(value)(_loaded(old, new) for old, new in zip([*before, *rest], value, strict=False))
 

@@ -384,3 +384,29 @@ def test_rewound_worlds_continue_to_the_bit(world):
     world.rewind(40 * world.engine.step_time)
     assert world.get_state() == kept
     assert difference(seen, run(world, 40, 2)) is None
+
+
+def test_errors_in_a_models_own_code_name_the_model(world, tmp_path):
+    plugin = tmp_path / "Wrong.py"
+    plugin.write_text(
+        "from libgz import Body, Model, GZ_REGISTER_PLUGIN\n"
+        "class Wrong(Model):\n"
+        "    STATE = ('later',)\n"
+        "    def Load(self, file, node):\n"
+        "        self.AddBody(Body(self.world, dummy=True), True)\n"
+        "    def Update(self, step):\n"
+        "        self.later = 1\n"
+        "    def LoadState(self, state):\n"
+        "        raise ValueError('no')\n"
+        "    def SaveState(self):\n"
+        "        return 1\n"
+        "GZ_REGISTER_PLUGIN('Wrong', Wrong)\n"
+    )
+    text = f"<model:Wrong><id>w</id><plugin>{plugin}</plugin></model:Wrong>"
+    with libgz.World.from_string(f"{HEAD}{text}</gz:world>") as wrong:  # it starts all the same
+        with pytest.raises(ParameterError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
+            wrong.Reset()
+        wrong.Step()
+        state = wrong.get_state()
+        with pytest.raises(StateError, match=r"model 'w' \(Wrong\): its state cannot be set"):
+            wrong.set_state(state)

@@ -61,6 +61,11 @@ class RayProximity:
         start, direction = self._rays[index, :3].tolist(), self._rays[index, 3:6].tolist()
         return GzCoordPositionAdd(start, pose.pos, pose.rot), rotate(pose.rot, direction)
 
+    @property
+    def rays(self) -> NDArray[np.float64]:
+        """Start [m], unit direction and length [m] of each ray in the body frame, shape (n, 7)."""
+        return self._rays
+
     def Update(self) -> None:
         """Cast all rays from where the body is now."""
         self._frame[:] = self.body.frame()

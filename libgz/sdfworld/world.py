@@ -6,12 +6,14 @@ import logging
 from collections.abc import Iterable
 
 from libgz.errors import Diagnostics, NotFoundError, WorldFileError, nearest
+from libgz.geometry import GzPose
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
-from libgz.sdfworld.settings import SdfSettings, apply_physics, apply_settings, default_settings
+from libgz.sdfworld.physics import apply_physics
+from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
@@ -31,6 +33,7 @@ class SdfWorld(Era):
         settings: what its `<world>` says beside the entities; SDF's defaults before.
     """
 
+    name = "classic"
     counts_at_start = True
 
     def __init__(self, world: World) -> None:
@@ -146,6 +149,15 @@ class SdfWorld(Era):
     def start(self, world: World) -> None:
         """Bring geoms into an order of their own, so that a run after a reset repeats this one."""
         world.engine.sort_geoms()
+
+    def start_view(self, world: World) -> GzPose | None:
+        """The pose of `<gui><camera>`."""
+        root = self.file.root if self.file is not None else None
+        for element in () if root is None else root.named("world"):
+            for gui in element.named("gui"):
+                for camera in gui.named("camera"):
+                    return camera.Get(GzPose, "pose") if camera.HasElement("pose") else None
+        return None
 
     def reset(self, world: World) -> None:
         """Reset the clock, random numbers and poses, then the companions, and signal it."""

@@ -42,6 +42,7 @@ from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
+from libgz.simulation.publication import Publication
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
@@ -157,6 +158,7 @@ class World:
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
+        self._publication: Publication | None = None  # while a server runs
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
@@ -266,6 +268,7 @@ class World:
         self._updating.append(entity)
         if entity.follows:
             self.followers.append(entity)
+        self._entities_changed()
         for companion in self.companions:
             companion.model_added(entity)
 
@@ -295,12 +298,17 @@ class World:
                 interface.destroy()
         for kept in (self.entities, self.models, self._updating, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
+        self._entities_changed()
         for companion in self.companions:
             for entity in leaving:
                 companion.model_removed(entity)
         for entity in reversed(leaving):
             entity.Detach()
             entity.close()
+
+    def _entities_changed(self) -> None:
+        if self._publication is not None:
+            self._publication.changed = True
 
     def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
@@ -347,6 +355,9 @@ class World:
         self.era.start(self)
         for companion in self.companions:
             companion.start()
+        if self.gz_server.shared is not None:
+            self._publication = Publication(self, self.gz_server.shared)
+            self._publication.publish(self.starts_paused)
         self.gz_server.post()
         self.problems.check()
         try:
@@ -374,6 +385,7 @@ class World:
             return 0
         self.clock.stop()
         remove_running(self)
+        self._publication = None
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
@@ -398,6 +410,7 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
             self.problems.check(again=False)
 
@@ -536,6 +549,8 @@ class World:
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
             self.sim.unlock()
+        if self._publication is not None:
+            self._publication.publish(paused)
         self.gz_server.post()
 
     def _advance(self) -> None:

@@ -172,7 +172,7 @@ def test_clients_stay_connected(wire):
         world.set_state(state)
         world.DeleteModel("one")
         assert not path.exists()
-        assert sorted(p.name for p in path.parent.glob(".*")) == []
+        assert sorted(p.name for p in path.parent.glob(".*.new")) == []
 
 
 def test_reset_is_a_fresh_load_and_the_button_returns_poses_only(wire):

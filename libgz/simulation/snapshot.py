@@ -107,16 +107,25 @@ def _name(thing: Any) -> str:
 
 
 def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, int]) -> dict[str, Any]:
-    origin, body = entity.origin, entity.parentBody
+    origin = entity.origin
+    parent, body = _holder(entity, number)
     return {
         "origin": (sources.index(origin.source), origin.place) if origin is not None else None,
         "id": entity.GetId(),
-        "parent": number.get(entity.parent) if entity.parent is not None else None,
-        "body": entity.parent.bodies.index(body) if entity.parent is not None and body is not None else None,
+        "parent": parent,
+        "body": body,
         "failed": _text_of(entity.failed),
         "plugin_error": _text_of(entity.plugin_error),
         "state": _own_state(entity),
     }
+
+
+def _holder(entity: Entity, number: dict[Entity, int]) -> tuple[int | None, int | None]:
+    """The numbers of the parent and of the body there that an entity is attached to; None for none."""
+    parent, body = entity.parent, entity.parentBody
+    if parent is None:
+        return None, None
+    return number.get(parent), parent.bodies.index(body) if body is not None else None
 
 
 def _own_state(entity: Entity) -> object:
@@ -164,11 +173,18 @@ def _restore_entities(world: World, saved: dict[str, Any]) -> None:
         Origin(sources[kept["origin"][0]], kept["origin"][1]) if kept["origin"] is not None else None
         for kept in saved["entities"]
     ]
-    present = [entity.origin for entity in world.entities]
-    if present == wanted:
+    number = {entity: index for index, entity in enumerate(world.entities)}
+    present = [(entity.origin, *_holder(entity, number)) for entity in world.entities]
+    then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, saved["entities"], strict=True)]
+    if present == then:
         return
-    same = next((i for i, (old, new) in enumerate(zip(present, wanted, strict=False)) if old != new), None)
-    same = min(len(present), len(wanted)) if same is None else same
+    pairs = enumerate(zip(present, then, strict=False))
+    same = next((i for i, (old, new) in pairs if old != new), min(len(present), len(then)))
+    # Whoever was attached to one of those that go is built again, too: the order of joints is part of the state.
+    while (
+        held := next((i for i, (_, at, _) in enumerate(present[:same]) if at is not None and at >= same), None)
+    ) is not None:
+        same = held
     missing: list[Origin] = []
     for kept, origin in zip(saved["entities"][same:], wanted[same:], strict=True):
         if origin is None:

@@ -118,6 +118,31 @@ def test_what_came_and_went(world, before, after):
     assert difference(seen, run(world, 45, 2)) is None
 
 
+def test_attachments_that_changed(world):
+    first = world.get_state()
+    seen = run(world, 45, 2)
+    world.model("laser").Detach()
+    run(world, 10, 3)
+    world.set_state(first)
+    assert difference(seen, run(world, 45, 2)) is None
+    world.model("laser").Detach()
+    box, two = world.model("box"), world.model("two")
+    box.SetParent(two, two.GetBody())
+    box.Attach()
+    run(world, 20, 4)
+    second = world.get_state()
+    then = run(world, 45, 5)
+    world.set_state(first)
+    assert world.get_state() == first
+    assert difference(seen, run(world, 45, 2)) is None
+    world.set_state(second)
+    assert world.get_state() == second
+    assert difference(then, run(world, 45, 5)) is None
+    with libgz.World.from_string(ROBOTS) as other:
+        other.set_state(second)
+        assert difference(then, run(other, 45, 5)) is None
+
+
 def test_what_goes_is_closed_and_what_stays_is_the_same(world):
     one, ground = world.model("one"), world.model("ground")
     state = world.get_state()

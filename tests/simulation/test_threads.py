@@ -34,7 +34,7 @@ CALLS = """
 one.SetPose(GzPose(GzVector(0, 0, 1), GzQuatern(1, 0, 0, 0)))
 world.SetModelPose(two, GzPose(GzVector(3, 0, 1), GzQuatern(1, 0, 0, 0)))
 one.GetBody().AddForce(1, 0, 0); one.GetBody().SetLinearVel((0, 0, 0.1))
-with world.lock: world.InsertModel(SOLID); world.DeleteModel("new")
+with world.lock: world.InsertModel("<model:SimpleSolid><id>new</id></model:SimpleSolid>"); world.DeleteModel("new")
 with world.lock: h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1,0,0)); h.close()
 with world.lock: libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
 world.Reset(); world.engine.gravity = (0, 0, -9.8)

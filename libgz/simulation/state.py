@@ -71,7 +71,11 @@ def undeclared(kind: Any) -> bool:
 def get_state(thing: Any) -> Any:
     """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
     kind: Any = type(thing)
-    state = {name: _saved(getattr(thing, name)) for name in _names(kind)}
+    plain = _PLAIN
+    state = {}
+    for name in _names(kind):
+        value = getattr(thing, name)
+        state[name] = value if type(value) in plain else _saved(value)
     save = getattr(thing, "SaveState", None)
     if save is not None:
         state[""] = save()

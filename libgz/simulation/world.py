@@ -771,7 +771,8 @@ class World:
     @property
     def _fallen_rows(self) -> tuple[int, ...]:
         """The rows of the bodies that were reported as fallen."""
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
+        fallen = self._fallen
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
 
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.classic import msgs
@@ -13,6 +13,7 @@ from libgz.classic.describe import contacts_of, model_message, poses_message, st
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
+from libgz.classic.transport.topic import Topic, sequence
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
@@ -82,6 +83,35 @@ class WorldTopics:
             "/gazebo/server/control": commands.server_control,
         }
         return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
+
+    def save(self) -> tuple[Any, ...]:
+        """Messages of this process that wait for delivery, and the last one of each publisher, as plain data."""
+        waiting, latest = [], []
+        for topic in self._own():
+            for number, publisher in enumerate(topic.live_publishers()):
+                waiting += [(sent, topic.name, message) for sent, message in publisher.waiting]
+                if publisher.latest is not None:
+                    latest.append((topic.name, number, publisher.latest[1]))
+        waiting.sort(key=lambda row: row[0])
+        return [row[1:] for row in waiting], sorted(latest, key=lambda row: row[:2])
+
+    def load(self, state: Sequence[Any]) -> None:
+        """Take what `save` returned. Messages that have come from other processes since still wait."""
+        waiting, rows = state
+        latest = {(name, number): message for name, number, message in rows}
+        for topic in self._own():
+            for number, publisher in enumerate(topic.live_publishers()):
+                publisher.ClearBuffer()
+                message = latest.get((topic.name, number))
+                publisher.latest = (next(sequence), message) if message is not None else None
+        for name, message in waiting:
+            topic = self._manager.topic(name)
+            self._manager.queue.append(functools.partial(topic.deliver, next(sequence), message))
+
+    def _own(self) -> list[Topic]:
+        """The topics of this world."""
+        prefix = f"/gazebo/{self._world.Name()}/"
+        return [topic for name, topic in list(self._manager.topics.items()) if name.startswith(prefix)]
 
     def model_added(self, model: Model) -> None:
         """Publish a model that was inserted."""

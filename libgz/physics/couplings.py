@@ -116,6 +116,8 @@ class Thread:
         pitch: [rad/m], not zero.
     """
 
+    STATE = ("pitch",)
+
     def __init__(self, piston: PistonJoint, pitch: float) -> None:
         self.piston = piston
         self.pitch = pitch
@@ -167,6 +169,8 @@ class Gears:
         ratio: not zero.
         reference: what carries both; None or a dummy for the world.
     """
+
+    STATE = ("ratio", "angles", "_speed", "_local", "_hubs", "_radii", "_mass")
 
     def __init__(
         self,

@@ -278,6 +278,8 @@ class LightGeom(Geom):
         range: nothing beyond is lit [m].
     """
 
+    STATE = ("attenuation", "kind", "direction", "spot", "range")
+
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)
         self.attenuation = GzVector(1.0, 0.0, 0.0)

@@ -23,6 +23,8 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
+    STATE = ("light", "cast_shadows")
+
     is_model = False
 
     def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from libgz.errors import Diagnostics
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import read_joint
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.model import load_joints
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
@@ -37,6 +40,14 @@ class WorldJoints(Entity):
                 self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
+
+    def SaveState(self) -> list[tuple[str, Any]]:
+        """The joints."""
+        return [(name, joint.save()) for name, joint in self.sdf_joints.items()]
+
+    def LoadState(self, state: list[tuple[str, Any]]) -> None:
+        """Take what SaveState returned."""
+        load_joints(self.world, self.sdf_joints, state)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

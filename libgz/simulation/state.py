@@ -21,14 +21,17 @@ import io
 import pickle
 import random
 from collections import deque
+from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "set_state"]
+__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state"]
+
+C = TypeVar("C", bound=Callable[..., Any])
 
 FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
@@ -45,6 +48,15 @@ _ALLOWED = {
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
+
+
+def plain(kind: C) -> C:
+    """Let the objects of a class be values in states, kept by pickling; or those that a function makes, which it names.
+
+    A layer above declares its vectors, times and messages by this. It must be safe to call with any arguments.
+    """
+    _ALLOWED.add((kind.__module__, kind.__qualname__))
+    return kind
 
 
 @cache

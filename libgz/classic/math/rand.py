@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from typing import ClassVar
+from typing import Any, ClassVar
 
 __all__ = ["Rand"]
 
@@ -24,6 +24,17 @@ class Rand:
             cls._seed = int(seed)
             cls._engine.seed(cls._seed)
         return cls._seed
+
+    @classmethod
+    def SaveState(cls) -> tuple[object, ...]:
+        """Seed and generator, for a snapshot of a world."""
+        return cls._seed, cls._engine.getstate()
+
+    @classmethod
+    def LoadState(cls, state: tuple[Any, ...]) -> None:
+        """Take what SaveState returned."""
+        cls._seed = state[0]
+        cls._engine.setstate(state[1])
 
     @classmethod
     def DblUniform(cls, low: float = 0.0, high: float = 1.0) -> float:

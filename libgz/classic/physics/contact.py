@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
+from libgz.sdfworld.joint import place_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
 
-__all__ = ["Contact", "JointWrench", "read_contacts"]
+__all__ = ["Contact", "JointWrench", "loaded_contacts", "read_contacts"]
 
 
 @dataclass
@@ -40,6 +42,18 @@ class Contact:
     normals: list[Vector3d] = field(default_factory=list)
     depths: list[float] = field(default_factory=list)
     wrench: list[JointWrench] = field(default_factory=list)
+
+    def save(self) -> tuple[Any, ...]:
+        """The contact as plain data, for `loaded_contacts`."""
+        wrenches = [
+            tuple(tuple(part) for part in (w.body1Force, w.body1Torque, w.body2Force, w.body2Torque))
+            for w in self.wrench
+        ]
+        geoms = tuple(
+            (*place_of(c.geom.body), c.geom.body.geoms.index(c.geom)) for c in (self.collision1, self.collision2)
+        )
+        vectors = [tuple(map(tuple, rows)) for rows in (self.positions, self.normals)]
+        return geoms, self.time.nanoseconds, vectors, self.depths, wrenches
 
     @property
     def count(self) -> int:
@@ -81,3 +95,19 @@ def _wrench(contact: Contact, point: np.void) -> JointWrench:
         turn2.RotateVectorReverse(Vector3d(*point["force2"].tolist())),
         turn2.RotateVectorReverse(Vector3d(*point["torque2"].tolist())),
     )
+
+
+def loaded_contacts(world: World, states: Iterable[Any]) -> list[Contact]:
+    """Contacts again from what `Contact.save` returned, without those of collisions that are not there any more."""
+    contacts = []
+    for geoms, nanoseconds, (positions, normals), depths, wrenches in states:
+        pair = [world.collision_of(world.core.model(owner).bodies[link].geoms[at]) for owner, link, at in geoms]
+        if pair[0] is None or pair[1] is None:
+            continue
+        contact = Contact(world, pair[0], pair[1], Time(0, nanoseconds))
+        contact.positions = [Vector3d(*vector) for vector in positions]
+        contact.normals = [Vector3d(*vector) for vector in normals]
+        contact.depths = list(depths)
+        contact.wrench = [JointWrench(*(Vector3d(*part) for part in wrench)) for wrench in wrenches]
+        contacts.append(contact)
+    return contacts

@@ -36,9 +36,9 @@ class Publisher:
         self._limit = queueLimit
         self._period = 1.0 / hzRate if hzRate else 0.0
         self._due = 0.0
-        self._outbox: deque[tuple[int, Message]] = deque()
+        self.waiting: deque[tuple[int, Message]] = deque()
         # Not a method of this object: waiting messages are delivered even if the publisher is dropped before.
-        self._send_one = functools.partial(_send_one, topic, self._outbox)
+        self._send_one = functools.partial(_send_one, topic, self.waiting)
         self._open = True
         self._warned = False
         self.latest: tuple[int, Message] | None = None
@@ -70,9 +70,9 @@ class Publisher:
         self.latest = entry = (next(sequence), message.copy())
         topic = self._topic
         if topic.subscribers:
-            if len(self._outbox) < self._limit or not self._drop():
+            if len(self.waiting) < self._limit or not self._drop():
                 self._manager.queue.append(self._send_one)
-            self._outbox.append(entry)
+            self.waiting.append(entry)
             if block:
                 self.SendMessage()
         if topic.remote and (remote := self._manager.remote) is not None:
@@ -83,7 +83,7 @@ class Publisher:
         if not self._manager.delivering.acquire(timeout=PATIENCE):
             return
         try:
-            while self._outbox:
+            while self.waiting:
                 self._send_one()
         finally:
             self._manager.delivering.release()
@@ -91,7 +91,7 @@ class Publisher:
     def _drop(self) -> bool:
         """Drop the oldest waiting message, so that another can take its place in the queue."""
         try:
-            self._outbox.popleft()
+            self.waiting.popleft()
         except IndexError:
             return False
         if not self._warned:
@@ -134,11 +134,11 @@ class Publisher:
 
     def GetOutgoingCount(self) -> int:
         """Return the number of messages that wait for delivery in this process."""
-        return len(self._outbox)
+        return len(self.waiting)
 
     def ClearBuffer(self) -> None:
         """Drop the waiting messages."""
-        self._outbox.clear()
+        self.waiting.clear()
 
     def Fini(self) -> None:
         """End the publication. Waiting messages are still delivered."""

@@ -11,6 +11,7 @@ from libgz.errors import (
     PluginError as PluginError,
     ServerError as ServerError,
     ServerGoneError as ServerGoneError,
+    StateError as StateError,
     StrictError as StrictError,
     WorldFileError as WorldFileError,
 )

@@ -28,6 +28,7 @@ __all__ = [
     "ServerError",
     "ServerGoneError",
     "Severity",
+    "StateError",
     "StrictError",
     "WorldFileError",
     "explain",
@@ -62,6 +63,10 @@ class WorldFileError(GazeboError):
 
 class PluginError(GazeboError):
     """A plugin file was not found, could not be loaded, or failed."""
+
+
+class StateError(GazeboError):
+    """A state does not fit the world that it is given to."""
 
 
 class StrictError(GazeboError):

@@ -302,8 +302,6 @@ class WorldServer:
 
     def reset(self) -> None:
         """Reset the plugins; all else was returned to the start with the world, or has no part in a start state."""
-        if self._first is not None:
-            self.set_state(self._first)
         for model in self.world.all_models():
             self.reset_plugins(model)
         for plugin in (*self._other_plugins(), *system_plugins):
@@ -316,7 +314,7 @@ class WorldServer:
 
         That of the start has no states of plugins, for a reset calls their Reset instead.
         """
-        core, starting = self.core, self.core.starting
+        starting = self.core.starting
         self.finish_added()
         if not starting:
             self._warn_of_undeclared()
@@ -334,8 +332,11 @@ class WorldServer:
             ],
         }
 
-    def set_state(self, state: dict[str, Any]) -> None:
-        """Take what `get_state` returned."""
+    def set_state(self, state: dict[str, Any] | None) -> None:
+        """Take what `get_state` returned; None, for what a world was before this was attached to it."""
+        state = self._first if state is None else state
+        if state is None:
+            return
         Rand.LoadState(state["random"])
         if state["sensors"] is not None:
             self.all_sensors().load(state["sensors"])
@@ -348,7 +349,7 @@ class WorldServer:
         if self.topics is not None and state["topics"] is not None:
             self.topics.load(state["topics"])
 
-    def rebuilt(self) -> None:
+    def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins.
 
         What these insert or delete meanwhile has no effect, for the state has it.
@@ -376,7 +377,7 @@ class WorldServer:
             self._match(kind, holder, [], plugins)
 
     def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Iterable[Any]) -> None:
-        """Have the plugins of a state: drop those that came since, load again those that ended, and set their states."""
+        """Drop plugins that came since a state, load again those that ended, and set their states."""
         left = [plugin for plugin in present if plugin.plugin is not None]
         found = []
         for filename, name, source, saved in rows:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 
 from libgz.errors import (
     USER_ERRORS,
@@ -21,6 +22,7 @@ from libgz.legacy.plugin_search import find_plugin
 from libgz.legacy.settings import is_settings
 from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
+from libgz.simulation.journal import Origin
 from libgz.simulation.plugins import load_plugin, own_place, own_traceback
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
@@ -39,11 +41,15 @@ class ModelLoader:
     Args:
         world: where.
         factory: the model classes by name.
+        origin_of: where a model of an element comes from.
     """
 
-    def __init__(self, world: World, factory: ModelFactory) -> None:
+    def __init__(
+        self, world: World, factory: ModelFactory, origin_of: Callable[[WorldFileNode], Origin | None]
+    ) -> None:
         self.world = world
         self.factory = factory
+        self.origin_of = origin_of
 
     def visit(self, node: WorldFileNode) -> None:
         """Load the models of an element and of what is in it; a model inside a model is its child."""
@@ -70,6 +76,19 @@ class ModelLoader:
 
         Problems are reported on the worldfile: an unknown model is a warning, anything else an error.
         """
+        model = self.load_one(node, parent)
+        if model is None:
+            _skip(node, models=True)
+            return None
+        for child in node.children:
+            if child.GetNSPrefix() == "model":
+                self.load_model(child, model)
+            else:
+                self.visit(child)
+        return model
+
+    def load_one(self, node: WorldFileNode, parent: Model | None = None) -> Model | None:
+        """Build the model of an element without those inside it; None if there is none to build."""
         model = None
         try:
             model = self._new_model(node)
@@ -86,14 +105,6 @@ class ModelLoader:
             else:
                 node.error(f"Load failed with\n{own_traceback(error)}")
             model = None
-        if model is None:
-            _skip(node, models=True)
-            return None
-        for child in node.children:
-            if child.GetNSPrefix() == "model":
-                self.load_model(child, model)
-            else:
-                self.visit(child)
         return model
 
     def _new_model(self, node: WorldFileNode) -> Model | None:
@@ -135,6 +146,7 @@ class ModelLoader:
             raise
         if model.fixed:
             model.modelSpaceId.set_fixed()
+        model.origin = self.origin_of(node)
         self.world.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
 

@@ -56,6 +56,8 @@ class Model(Entity):
     canonical body: ``self.AddBody(body, True)``.
     """
 
+    STATE = ("logPoses", "poses", "initialized", "_pick_id", "_gravity", "_enabled")
+
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
@@ -253,6 +255,13 @@ class Model(Entity):
             self._weld.close()
             self._weld = None
         super().Detach()
+
+    def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
+        """Attach it to a body of another model, or to none."""
+        self.Detach()
+        if isinstance(parent, Model) and body is not None:
+            self.SetParent(parent, body)
+            self.Attach()
 
     @property
     def follows(self) -> bool:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
+from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
-from libgz.errors import GazeboError, ParameterError, WorldFileError
+from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
 from libgz.geometry import GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
@@ -13,13 +16,16 @@ from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
 from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
 from libgz.simulation.era import Era
+from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
+from libgz.worldfile.node import WorldFileNode
 
 __all__ = ["LegacyWorld"]
 
 log = logging.getLogger("libgz.simulation")
 
+BUILDER = "legacy"  # in the journal
 PREFIXES = ("gz", "model", "param", "params", "window", "models")  # roots of files declare these
 
 
@@ -37,10 +43,73 @@ class LegacyWorld(Era):
 
     def __init__(self, world: World) -> None:
         self.world = world
+        self._text = b""  # of the file
         self.file: WorldFile | None = None
         self.settings = GlobalAttributes()
         self.factory = ModelFactory()
-        self.loader = ModelLoader(world, self.factory)
+        self.loader = ModelLoader(world, self.factory, self._origin_of)
+        self._sources: WeakKeyDictionary[WorldFile, Source] = WeakKeyDictionary()  # of the models that were built
+        world.journal.builders[BUILDER] = self
+
+    def _source_of(self, file: WorldFile) -> Source:
+        """The source that a worldfile is; one that is not known yet was inserted by code of users."""
+        if file not in self._sources:
+            self._sources[file] = self.world.journal.insertion(BUILDER, file.label, file.source)
+        return self._sources[file]
+
+    def _origin_of(self, node: WorldFileNode) -> Origin:
+        return Origin(self._source_of(WorldFile.of(node)), node.number)
+
+    def _file_of(self, source: Source) -> WorldFile:
+        """The worldfile of a source; what was inserted into another world or has no models left is parsed again."""
+        for file, known in self._sources.items():
+            if known == source:
+                return file
+        file = self._parse(source.text, source.label)
+        self._sources[file] = source
+        return file
+
+    def _parse(self, text: bytes, label: str) -> WorldFile:
+        """The worldfile of a text that is inserted."""
+        file = WorldFile()
+        file.LoadString(text, label)
+        if self.file is not None:
+            file.filename = self.file.filename  # files that the text names lie beside the world
+        return file
+
+    def rebuild(self, source: Source, places: Sequence[int]) -> None:
+        """Build models of a worldfile again, by the numbers of their elements.
+
+        Raises:
+            StateError: one of them cannot be built.
+        """
+        file = self._file_of(source)
+        nodes = {node.number: node for node in file.GetRootNode().walk()}
+        built = {e.origin.place: e for e in self.world.entities if e.origin is not None and e.origin.source == source}
+        for place in places:
+            node = nodes[place]
+            above = node.parent
+            while above is not None and above.prefix != "model":
+                above = above.parent
+            parent = built.get(above.number) if above is not None else None
+            model = self.loader.load_one(node, parent if isinstance(parent, Model) else None)
+            if model is None:
+                reasons = "; ".join(map(str, file.diagnostics.errors)) or node.place
+                raise StateError(f"a model of the state cannot be built again: {reasons}")
+            built[place] = model
+
+    def load_into(self, world: World) -> None:
+        """Load the worldfile, as it was read, into another world.
+
+        Raises:
+            StateError: there is no file.
+        """
+        if self.file is None:
+            super().load_into(world)
+            return
+        file = self._parse(self._text, self.file.label)
+        file.filename = self.file.filename
+        world.extension(LegacyWorld).load(file)
 
     def load(self, file: WorldFile) -> None:
         """Build all models of a worldfile.
@@ -50,6 +119,10 @@ class LegacyWorld(Era):
         Raises:
             WorldFileError: there are errors; the message lists them all, one a line.
         """
+        if self.file is None:
+            self._text = file.source
+            self.digest = hashlib.blake2b(file.source, digest_size=16).digest()
+            self._sources[file] = Source(BUILDER, 0, file.label, b"")
         self.file = file
         values, fog = read_global(file)
         self.world.engine.quirks = read_quirks(file, values.legacyQuirks)
@@ -102,10 +175,7 @@ class LegacyWorld(Era):
             return self._insert(text, label)
 
     def _insert(self, text: str, label: str) -> list[Model]:
-        file = WorldFile()
-        file.LoadString(_with_root(text), label)
-        if self.file is not None:
-            file.filename = self.file.filename  # files that the text names lie beside the world
+        file = self._parse(_with_root(text).encode(), label)
         world = self.world
         count, served = len(world.entities), set(world.gz_server.interfaces)
         try:

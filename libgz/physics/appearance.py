@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzVector
 
@@ -59,6 +59,8 @@ class Appearance:
 @dataclass
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("ambient", "fog_color", "fog_kind", "fog_start", "fog_end", "threaded")
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's

@@ -119,8 +119,7 @@ class SdfWorld(Era):
         self.settings = apply_settings(world, element, diagnostics)
         state = next(element.named("state"), None)
         built = [part for part in element.children if part.name in BUILT]
-        label = self.file.label if self.file is not None else ""
-        document = Document(Source(BUILDER, 0, label, b""), [*built, element])
+        document = Document(Source(BUILDER, 0, "", b""), [*built, element])
         self._documents.append(document)
         self._add(document, range(len(built)), diagnostics)
         if any(True for _ in element.named("joint")):
@@ -280,6 +279,10 @@ class SdfWorld(Era):
         for companion in world.companions:
             companion.reset()
         world.events["WorldReset"]()
+
+    def press_reset(self, world: World) -> None:
+        """Reset the world, as `World.Reset` does."""
+        self.reset(world)
 
     def apply_profile(self, name: str) -> None:
         """Apply another `<physics>` of the file.

@@ -20,6 +20,8 @@ class Clock:
         day_time: time since midnight at the start [s]; negative for the local clock's.
     """
 
+    STATE = ("sim_time", "pause_time", "iterations", "day_time")
+
     def __init__(self) -> None:
         self.sim_time = self.pause_time = 0.0
         self.iterations = 0

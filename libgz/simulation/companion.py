@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
     from libgz.simulation.entity import Entity
@@ -30,6 +30,15 @@ class Companion(Protocol):
 
     def reset(self) -> None:
         """Clock and entities were reset."""
+
+    def entities_rebuilt(self) -> None:
+        """The entities of a state are there, some of them built again; their states come next."""
+
+    def get_state(self) -> object:
+        """Its own state as plain data, for `World.get_state`; None if it has none."""
+
+    def set_state(self, state: Any) -> None:
+        """Take a state that `get_state` returned, or None. Entities may have been built again just before."""
 
     def close(self) -> None:
         """The world ends; its entities still exist."""

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, nearest, pass_interrupt
+from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
 from libgz.physics.space import Space
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
+from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
     from libgz.physics.joint import Joint
+    from libgz.simulation.journal import Origin
     from libgz.simulation.world import World
 
 __all__ = ["CANONICAL", "Entity"]
@@ -23,8 +24,6 @@ log = logging.getLogger("libgz.simulation")
 
 CANONICAL = "canonical"
 STILL = (0.0, 0.0, 0.0)
-
-_numbers = itertools.count(1)
 
 
 class _Error:
@@ -50,11 +49,14 @@ class Entity:
         world: the World.
     """
 
+    STATE = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
+
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
 
     def __init__(self, world: World) -> None:
         self.world = world
+        self.origin: Origin | None = None  # where it can be built from again; None if it was made by code
         self.modelSpaceId = Space(world.engine)
         self.parent: Entity | None = None
         self.parentBody: Body | None = None
@@ -69,7 +71,7 @@ class Entity:
         self._canonical: Body | None = None
         self._id = ""
         self._name = type(self).__name__
-        self._number = next(_numbers)
+        self._number = world.next_number()
 
     def __repr__(self) -> str:
         return f"<{self._name} {self._id!r}>"
@@ -115,6 +117,24 @@ class Entity:
         for body in self.bodies:
             body.close()
         self.modelSpaceId.close()
+
+    # State -----------------------------------------------------------------------------------------------------------
+
+    def MasterSaveState(self) -> object:
+        """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""
+        return get_state(self)
+
+    def MasterLoadState(self, state: Any) -> None:
+        """Take a state that `MasterSaveState` returned. Bodies and joints get theirs from the engine, later."""
+        set_state(self, state)
+
+    def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
+        """Attach it to the body of another entity that a state has as its parent, or to none.
+
+        Raises:
+            StateError: entities of this kind cannot be attached like this.
+        """
+        raise StateError(f"model {self._id!r} was attached to another parent since, which cannot be restored")
 
     # Bodies and joints -----------------------------------------------------------------------------------------------
 

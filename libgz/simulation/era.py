@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from libgz.errors import StateError
+
 if TYPE_CHECKING:
     from libgz.simulation.world import World
 
@@ -18,13 +20,26 @@ class Era:
     """
 
     counts_at_start = False
+    digest = b""  # of the text of the world's file: states are of worlds with one file
 
     def start(self, world: World) -> None:
         """Prepare the first step; all entities are initialized."""
 
     def reset(self, world: World) -> None:
         """Return the world to its beginning, between two steps."""
+        world.return_to_start()
+
+    def press_reset(self, world: World) -> None:
+        """Do what the button `reset` of interface `sim` means, between two steps: return the models to their poses."""
         world.ResetModelPoses()
+
+    def load_into(self, world: World) -> None:
+        """Load the file of this era's world into another, new world.
+
+        Raises:
+            StateError: there is no file.
+        """
+        raise StateError("this world was not loaded from a file, so there is nothing to make a second one from")
 
     def save(self, world: World) -> int:
         """Write the present poses to the world's file; 0, or -1 if there is none or it cannot be written."""

@@ -15,6 +15,8 @@ class UpdateRate:
     The period is 1 / (rate + 1e-6), the old server's formula: 10 Hz is every fifth step of 20 ms.
     """
 
+    STATE = ("period", "last")
+
     def __init__(self, rate: float) -> None:
         self.period = 1.0 / (rate + 1e-6)
         self.last = -math.inf

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -31,12 +31,14 @@ from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
 from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
+from libgz.simulation import snapshot
 from libgz.simulation.agenda import Agenda
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
 from libgz.simulation.event import WorldEvents, everywhere
+from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.running import add_running, remove_running, running_worlds
@@ -83,12 +85,31 @@ class World:
         problems: its errors and warnings.
         companions: what runs beside the world, notified of its events.
         era: how time is counted, and what a reset does.
+        journal: where entities come from, and what was inserted.
+        followers: the entities that are moved along with their parents after each step.
         facade: the object by which the API of a layer above presents this world; set by that layer.
 
     Raises:
         LibraryError: ODE is absent or unfit.
         ParameterError: there is no such solver or version, or the seed is negative.
     """
+
+    STATE = (
+        "name",
+        "clock",
+        "simSpeed",
+        "utcOffset",
+        "utmZone",
+        "utmOffset",
+        "skyColor",
+        "fogEnable",
+        "fogDensity",
+        "backdrop",
+        "physics_enabled",
+        "starts_paused",
+        "_numbers",
+        "_paused",
+    )
 
     def __init__(
         self,
@@ -115,6 +136,7 @@ class World:
         self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
         self.era = Era()
+        self.journal = Journal()
         self.companions: list[Companion] = []
         self.entities: list[Entity] = []
         self.models: list[Any] = []
@@ -124,9 +146,11 @@ class World:
         self.starts_paused = False
         self.facade: Any = None
         self._updating: list[Entity] = []
-        self._followers: list[Entity] = []
+        self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
         self._fallen: set[int] = set()  # numbers of bodies that were reported
+        self._numbers = 0  # of entities, that were given
+        self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
         self._begin, self._contact, self._end = (
@@ -163,6 +187,16 @@ class World:
             self._extensions[kind] = kind(self)
         extension: E = self._extensions[kind]
         return extension
+
+    @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
+
+    @property
+    def extensions(self) -> list[Any]:
+        """The objects that extend this world, in order of construction."""
+        return list(self._extensions.values())
 
     # What is in it ---------------------------------------------------------------------------------------------------
 
@@ -232,15 +266,15 @@ class World:
             self.models.append(entity)
         self._updating.append(entity)
         if entity.follows:
-            self._followers.append(entity)
+            self.followers.append(entity)
         for companion in self.companions:
             companion.model_added(entity)
 
     @exclusive
     def add_follower(self, entity: Entity) -> None:
         """Let an entity that was attached at run time, and without a joint, follow its parent."""
-        if entity in self.entities and entity not in self._followers:
-            self._followers.append(entity)
+        if entity in self.entities and entity not in self.followers:
+            self.followers.append(entity)
 
     @exclusive
     def DeleteModel(self, model: Entity | str) -> None:
@@ -260,7 +294,7 @@ class World:
             entity.MasterFini(removed=True)
             for interface in self._interfaces_of(entity):  # that its Fini forgot
                 interface.destroy()
-        for kept in (self.entities, self.models, self._updating, self._followers):
+        for kept in (self.entities, self.models, self._updating, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
         for companion in self.companions:
             for entity in leaving:
@@ -316,6 +350,10 @@ class World:
             companion.start()
         self.gz_server.post()
         self.problems.check()
+        try:
+            self._start = snapshot.save(self)
+        except GazeboError as error:  # of a model's own state; only a reset needs it
+            self._start = error
         return 0
 
     @exclusive
@@ -437,7 +475,7 @@ class World:
             lock.wait()
         try:
             if self._inside or self.agenda.holding or not self.clock.running:
-                self._check_ready()
+                self._check_ready("stepped")
             self._inside = True
             try:
                 self._step()
@@ -454,10 +492,11 @@ class World:
         """What distinguishes the step that runs now from others: (number, pause time [s]); None between steps."""
         return (self.clock.iterations, self.clock.pause_time) if self._inside else None
 
-    def _check_ready(self) -> None:
+    def _check_ready(self, what: str) -> None:
         if not self.clock.running:
-            raise ClosedError("the world is closed" if self._closed else "Initialize comes before the first step")
-        self._check_idle("stepped")
+            first = "Initialize comes before the first step" if what == "stepped" else "Initialize comes first"
+            raise ClosedError("the world is closed" if self._closed else first)
+        self._check_idle(what)
 
     def _check_idle(self, what: str) -> None:
         if self._inside:
@@ -508,7 +547,7 @@ class World:
         elif self.physics_enabled:
             engine.advance()
         try:
-            for entity in self._followers:
+            for entity in self.followers:
                 entity.follow()
         except ParameterError as error:
             raise GazeboError(f"{entity.MasterPlace()}{error}") from error
@@ -541,7 +580,7 @@ class World:
             data.reset = data.save = 0
         self.sim.unlock()
         if reset:
-            self.Reset()
+            self.after_step(lambda: self.era.press_reset(self))
         if save:
             self.Save()
         return self._paused
@@ -570,6 +609,88 @@ class World:
                     for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
                         interface.unlock()
             self._updating = [e for e in self._updating if not isinstance(e.failed, BaseException)]
+
+    # State -----------------------------------------------------------------------------------------------------------
+
+    def get_state(self) -> bytes:
+        """The whole state of the world, for `set_state`; equal states are equal bytes.
+
+        Raises:
+            GazeboError: a step is under way, or plugins load or are reset.
+            ClosedError: the world is closed, or `Initialize` was not called.
+            ParameterError: a model or plugin declares something as its state that is not plain data.
+        """
+        with self.lock:
+            self._check_ready("saved")
+            return snapshot.save(self)
+
+    def set_state(self, state: bytes) -> None:
+        """Bring the world into a state of itself, or of another world of the same file, in any process.
+
+        What happens from then on is equal to the bit to what happened after `get_state`. Models that came since are
+        removed. From the first one on that went, models are built again, in their order; references to the former ones
+        raise ClosedError. Clients stay connected.
+
+        Raises:
+            GazeboError: a step is under way, or plugins load or are reset.
+            ClosedError: the world is closed, or `Initialize` was not called.
+            StateError: the state is of another file, or something that cannot be built again is missing.
+            ParameterError: these bytes are no state of this version of libgz.
+        """
+        with self.lock:
+            self._check_ready("restored")
+            with self.hold():
+                snapshot.restore(self, state)
+
+    def clone(self) -> Self:
+        """An independent world of the same file in the same state, without a server for other processes.
+
+        Raises:
+            GazeboError: a step is under way, or plugins load or are reset.
+            StateError: the world was not loaded from a file.
+        """
+        with self.lock:
+            state = self.get_state()
+            clone = type(self)(
+                seed=self.seed,
+                solver=self.engine.solver,
+                wire_version=self.gz_server.version,
+                strict=self.problems.strict,
+            )
+            try:
+                self.era.load_into(clone)
+                clone.Initialize()
+                clone.set_state(state)
+            except BaseException:
+                clone.close()
+                raise
+            return clone
+
+    def return_to_start(self) -> None:
+        """Bring the world into its state at the end of Initialize.
+
+        Raises:
+            ClosedError: `Initialize` was not called.
+            GazeboError: that state could not be saved.
+        """
+        if self._start is None:
+            raise ClosedError("Initialize comes before the first reset")
+        if isinstance(self._start, GazeboError):
+            raise self._start
+        snapshot.restore(self, self._start)
+
+    def SaveState(self) -> object:
+        """What else is state: which bodies were reported as fallen."""
+        return sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen)
+
+    def LoadState(self, state: Any) -> None:
+        """Take what SaveState returned."""
+        self._fallen = {self.engine.bodies[row].number for row in state if row in self.engine.bodies}
+
+    def next_number(self) -> int:
+        """A number for a new entity."""
+        self._numbers += 1
+        return self._numbers
 
     # Changes ---------------------------------------------------------------------------------------------------------
 
@@ -629,7 +750,11 @@ class World:
             self.SetModelPose(entity, entity.initPose)
 
     def Reset(self) -> None:
-        """Reset a legacy world's poses; in a world of classic the clock and plugins, too. During a step, after it."""
+        """Return the world to its state at the end of Initialize. During a step, after it.
+
+        Models that were inserted since are removed, deleted ones are built again. In a world of classic, plugins are
+        not returned to an earlier state: their `Reset` is called.
+        """
         self.after_step(lambda: self.era.reset(self))
 
     reset = Reset

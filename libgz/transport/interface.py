@@ -233,11 +233,56 @@ class Interface(Generic[D]):
         head.parent_model_id = _int32(parent_model_id)
         self._head = bytes(head)
 
+    def get_bytes(self) -> bytes:
+        """All bytes of the struct, head included; under the lock, if a client does not hold it for long.
+
+        Raises:
+            ClosedError: the interface is not open.
+        """
+        with self._locked_if_possible():
+            memory: Any = self._memory
+            return bytes(memory[: self.size])
+
+    def set_bytes(self, state: bytes) -> None:
+        """Write bytes that `get_bytes` returned, head included.
+
+        Raises:
+            ClosedError: the interface is not open.
+        """
+        with self._locked_if_possible():
+            memory: Any = self._memory
+            memory[: self.size] = state
+            self._head = bytes(state[:_HEAD])
+            head = self.data.head
+            self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
+
+    @contextlib.contextmanager
+    def _locked_if_possible(self) -> Iterator[None]:
+        taken = self.lock()
+        try:
+            yield
+        finally:
+            if taken:
+                self.unlock()
+
     def destroy(self) -> None:
         """Remove the interface from its server. Can be called twice."""
         if self.server is not None:
             self.server.release(self)
         self._unmap()
+
+    def take_segment(self) -> Segment:
+        """Its memory, and its file with a descriptor and mapping of their own, which stay when it is destroyed.
+
+        Raises:
+            OSError: there are no descriptors left.
+        """
+        if self.descriptor is None:
+            memory: Any = self._memory
+            return Segment(memory)
+        descriptor = os.dup(self.descriptor)
+        os.ftruncate(descriptor, self.size)
+        return Segment(mmap.mmap(descriptor, self.size), descriptor)
 
     def post(self) -> None:
         """Wake the server's clients."""

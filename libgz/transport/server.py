@@ -6,6 +6,7 @@ import atexit
 import contextlib
 import logging
 import os
+from collections.abc import Iterator
 from typing import Any
 
 from libgz.errors import ParameterError, ServerError
@@ -41,6 +42,8 @@ class LocalServer:
         self.version = version
         self.patience = Patience()
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
+        self._kept: dict[tuple[str, str], Segment] | None = None  # of interfaces that may return
+        self._returned: set[tuple[str, str]] = set()  # that clients see already
 
     def start(self) -> None:
         """Nothing to do."""
@@ -61,7 +64,11 @@ class LocalServer:
                 *key,
             )
             return Segment(bytearray(interface.size))
-        segment = self._new_segment(file_name(*key), interface.size)
+        segment = self._kept.pop(key, None) if self._kept is not None else None
+        if segment is not None and len(segment.memory) == interface.size:
+            self._returned.add(key)
+        else:
+            segment = self._new_segment(file_name(*key), interface.size)
         self.interfaces[key] = interface
         return segment
 
@@ -79,6 +86,25 @@ class LocalServer:
         """Remove an interface, if it is registered."""
         if self.serves(interface):
             del self.interfaces[interface.type, interface.id]
+            if self._kept is not None:
+                self._kept[interface.type, interface.id] = interface.take_segment()
+
+    @contextlib.contextmanager
+    def keep_released(self) -> Iterator[None]:
+        """Keep the memory and files of interfaces that are removed until the end, for new ones of their names.
+
+        Clients that have such an interface open stay connected to the new one, and find the old content in it.
+        """
+        kept = self._kept = {}
+        try:
+            yield
+        finally:
+            self._kept = None
+            for key, segment in kept.items():
+                self._discard(file_name(*key), segment)
+
+    def _discard(self, name: str, segment: Segment) -> None:
+        """Free the memory of an interface that did not return."""
 
     def post(self) -> None:
         """Nothing to do: there are no clients."""
@@ -217,14 +243,22 @@ class Server(LocalServer):
         Raises:
             OSError: the file was removed.
         """
-        if self.serves(interface):
+        key = (interface.type, interface.id)
+        if key in self._returned:
+            self._returned.remove(key)
+        elif self.serves(interface):
             self._directory.show_file(file_name(interface.type, interface.id))
 
     def release(self, interface: Interface[Any]) -> None:
         """Remove an interface and its file, if it is registered."""
-        if self.serves(interface) and interface.descriptor is not None:
+        if self.serves(interface) and interface.descriptor is not None and self._kept is None:
             self._directory.unlink_file(file_name(interface.type, interface.id), interface.descriptor)
         super().release(interface)
+
+    def _discard(self, name: str, segment: Segment) -> None:
+        if segment.descriptor is not None:
+            self._directory.unlink_file(name, segment.descriptor)
+            os.close(segment.descriptor)
 
     # Run and stop ------------------------------------------------------------------------------------------------
 

@@ -212,6 +212,16 @@ class LogPlay:
         """Go back to the first state."""
         self.Rewind()
 
+    def entities_rebuilt(self) -> None:
+        """Nothing to do."""
+
+    def get_state(self) -> object:
+        """Nothing: a log is no part of the world."""
+        return None
+
+    def set_state(self, state: object) -> None:
+        """Nothing to do: the log continues."""
+
     def close(self) -> None:
         """Stop reading."""
         self._states, self._next = iter(()), None

@@ -192,6 +192,16 @@ class LogRecord:
         """Make the next state due, for the sim time restarts."""
         self._due = -float("inf")
 
+    def entities_rebuilt(self) -> None:
+        """Nothing to do."""
+
+    def get_state(self) -> object:
+        """Nothing: a log is no part of the world."""
+        return None
+
+    def set_state(self, state: object) -> None:
+        """Nothing to do: the log continues."""
+
     def close(self) -> None:
         """End the log."""
         self.Stop()

@@ -1,0 +1,172 @@
+"""Snapshots: the whole state of a world as bytes, and a world brought back to such a state."""
+
+from __future__ import annotations
+
+import contextlib
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from libgz.errors import GazeboError, StateError
+from libgz.simulation import state
+from libgz.simulation.journal import Journal, Origin, Source
+
+if TYPE_CHECKING:
+    from libgz.simulation.companion import Companion
+    from libgz.simulation.entity import Entity
+    from libgz.simulation.world import World
+    from libgz.transport.interface import Interface
+
+__all__ = ["restore", "save"]
+
+
+class StoppedError(GazeboError):
+    """What an entity had raised in the world that a state was saved of."""
+
+
+def save(world: World) -> bytes:
+    """The state of a world between two steps.
+
+    Raises:
+        ParameterError: an object declares something as its state that is not plain data.
+    """
+    engine: Any = world.engine
+    number = {entity: index for index, entity in enumerate(world.entities)}
+    sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
+    return state.encode(
+        {
+            "file": world.era.digest,
+            "world": state.get_state(world),
+            "spawned": world.random.n_children_spawned,
+            "inserted": world.journal.inserted,
+            "sources": [tuple(source) for source in sources],
+            "entities": [_saved_entity(entity, sources, number) for entity in world.entities],
+            "followers": [number[entity] for entity in world.followers],
+            "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+            "extensions": {_name(e): state.get_state(e) for e in world.extensions if _declares(e)},
+            "engine": engine.get_state() if hasattr(engine, "get_state") else None,
+            "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
+        }
+    )
+
+
+def restore(world: World, data: bytes) -> None:
+    """Bring a world into a state that `save` returned, of itself or of another world of the same file.
+
+    Raises:
+        StateError: the state is of another file, or something that cannot be built again is missing.
+        ParameterError: these bytes are no state.
+    """
+    saved = state.decode(data)
+    if saved["file"] != world.era.digest:
+        raise StateError("this state is of another world: its file has another text than this world's")
+    if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
+        world.attach_era()
+        for name in saved["companions"].keys() - set(map(_name, world.companions)):
+            raise StateError(f"this state has a part that this world has not: {name}")
+    _restore_entities(world, saved)
+    for companion in world.companions:
+        companion.entities_rebuilt()
+    state.set_state(world, saved["world"])
+    world.random = np.random.SeedSequence(world.seed, n_children_spawned=saved["spawned"])
+    world.journal.inserted = saved["inserted"]
+    for entity, kept in zip(world.entities, saved["entities"], strict=True):
+        _load_entity(world, entity, kept)
+    world.followers[:] = [world.entities[index] for index in saved["followers"]]
+    for companion in world.companions:
+        companion.set_state(saved["companions"].get(_name(companion)))
+    for extension in world.extensions:
+        if _name(extension) in saved["extensions"]:
+            state.set_state(extension, saved["extensions"][_name(extension)])
+    engine: Any = world.engine
+    if saved["engine"] is not None:
+        engine.set_state(saved["engine"])
+    for key, interface in _interfaces(world):
+        if key in saved["interfaces"]:
+            interface.set_bytes(saved["interfaces"][key])
+
+
+def _saved_companion(companion: Companion) -> tuple[str, object]:
+    return _name(companion), companion.get_state()
+
+
+def _declares(thing: Any) -> bool:
+    kind: Any = type(thing)
+    return state.declares(kind)
+
+
+def _name(thing: Any) -> str:
+    return f"{type(thing).__module__}.{type(thing).__qualname__}"
+
+
+# Entities -----------------------------------------------------------------------------------------------------------
+
+
+def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, int]) -> dict[str, Any]:
+    origin, body = entity.origin, entity.parentBody
+    return {
+        "origin": (sources.index(origin.source), origin.place) if origin is not None else None,
+        "id": entity.GetId(),
+        "parent": number.get(entity.parent) if entity.parent is not None else None,
+        "body": entity.parent.bodies.index(body) if entity.parent is not None and body is not None else None,
+        "failed": _text_of(entity.failed),
+        "plugin_error": _text_of(entity.plugin_error),
+        "state": entity.MasterSaveState(),
+    }
+
+
+def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
+    parent = world.entities[kept["parent"]] if kept["parent"] is not None else None
+    body = parent.bodies[kept["body"]] if parent is not None and kept["body"] is not None else None
+    if parent is not entity.parent or body is not entity.parentBody:
+        entity.MasterAttach(parent, body)
+    for name in ("failed", "plugin_error"):
+        if _text_of(getattr(entity, name)) != kept[name]:
+            setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
+    entity.MasterLoadState(kept["state"])
+
+
+def _text_of(error: object) -> str | None:
+    """An error as text; None for none, and for what models of users may keep under such a name."""
+    if not isinstance(error, BaseException):
+        return None
+    return str(error) if isinstance(error, StoppedError) else f"{type(error).__name__}: {error}"
+
+
+def _restore_entities(world: World, saved: dict[str, Any]) -> None:
+    """Make the world's entities those of a state: from the first one that differs, all are built again, in order."""
+    sources = [Source(*fields) for fields in saved["sources"]]
+    wanted = [
+        Origin(sources[kept["origin"][0]], kept["origin"][1]) if kept["origin"] is not None else None
+        for kept in saved["entities"]
+    ]
+    present = [entity.origin for entity in world.entities]
+    if present == wanted:
+        return
+    same = next((i for i, (old, new) in enumerate(zip(present, wanted, strict=False)) if old != new), None)
+    same = min(len(present), len(wanted)) if same is None else same
+    missing: list[Origin] = []
+    for kept, origin in zip(saved["entities"][same:], wanted[same:], strict=True):
+        if origin is None:
+            raise StateError(f"model {kept['id']!r} cannot be built again: it was made by code, not from a file")
+        if origin.source.builder not in world.journal.builders:
+            raise StateError(f"model {kept['id']!r} cannot be built again: this world has no {origin.source.builder}")
+        missing.append(origin)
+    with world.gz_server.keep_released() if missing else contextlib.nullcontext():
+        world.remove(world.entities[same:])
+        for source, places in Journal.runs(missing):
+            count = len(world.entities)
+            world.journal.builders[source.builder].rebuild(source, places)
+            world.initialize(world.entities[count:])
+        expected = set(missing)
+        surplus = [entity for entity in world.entities[same:] if entity.origin not in expected]
+        world.remove(surplus)  # what an Init inserted, and what was not there any more
+    if [entity.origin for entity in world.entities] != wanted:
+        raise StateError("the models of this state could not all be built again, or not in their order")
+
+
+# Interfaces ---------------------------------------------------------------------------------------------------------
+
+
+def _interfaces(world: World) -> list[tuple[tuple[str, str], Interface[Any]]]:
+    return sorted(world.gz_server.interfaces.items(), key=lambda item: item[0])

@@ -104,7 +104,8 @@ class LoadedPlugin:
         Raises:
             PluginError: an attribute that it declares is missing, or its SaveState failed.
         """
-        if self.plugin is None or not declares(self.plugin_class):
+        kind: Any = self.plugin_class
+        if self.plugin is None or not declares(kind):
             return None
         return self._guarded("saved", get_state, self.plugin)
 

@@ -24,9 +24,8 @@ from libgz.simulation.state import plain
 __all__ = ["PluginT"]
 
 # What the state of a plugin may hold as a value, beside plain data and messages.
-for _value in (Angle, AxisAlignedBox, Color, Inertiald, MassMatrix3d, Matrix3d, NumericKeyFrame, Pose3d, PoseKeyFrame):
-    plain(_value)
-for _value in (Quaterniond, Time, Vector2d, Vector2i, Vector3d):
+_VALUES: tuple[type, ...] = (Angle, AxisAlignedBox, Color, Inertiald, MassMatrix3d, Matrix3d, NumericKeyFrame, Pose3d)
+for _value in (*_VALUES, PoseKeyFrame, Quaterniond, Time, Vector2d, Vector2i, Vector3d):
     plain(_value)
 
 console = logging.getLogger("libgz.classic.console")

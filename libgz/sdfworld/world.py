@@ -127,7 +127,7 @@ class SdfWorld(Era):
         if state is not None:
             first = len(document.elements)
             inserted = [part for insertions in state.named("insertions") for part in insertions.children]
-            document.elements += [part for part in inserted if part.name in BUILT]
+            document.elements.extend(part for part in inserted if part.name in BUILT)
             self._add(document, range(first, len(document.elements)), diagnostics)
             apply_state(world, state, diagnostics)
 

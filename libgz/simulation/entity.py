@@ -49,7 +49,7 @@ class Entity:
         world: the World.
     """
 
-    STATE = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
+    STATE: ClassVar[tuple[str, ...]] = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models

@@ -97,7 +97,7 @@ class Message:
         return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return self._restored, (self._name, self.SerializeToString())
+        return Message._restored, (self._name, self.SerializeToString())
 
     # Presence and copies -----------------------------------------------------------------------------------------
 

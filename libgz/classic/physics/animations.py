@@ -104,13 +104,13 @@ class Animations:
         rows = {name: _checked(animation, NumericAnimation) for name, animation in dict(animations).items()}
         self._start(model, "joints", rows, done)
 
-    def _start(self, entity: Entity, what: str, rows: Mapping[str, Any], done: Callable[[], object] | None) -> None:
+    def _start(self, entity: Entity, what: str, rows: dict[str, Any], done: Callable[[], object] | None) -> None:
         call = Callback(f"the end of the animation of {entity.GetScopedName()}", done) if done is not None else None
         self._end((entity, what))
         self._count += 1
         self._runs[entity, what] = self._run(entity, what, rows, call, self._count)
 
-    def _run(self, entity: Any, what: str, rows: Mapping[str, Any], done: Callback | None, number: int) -> _Run:
+    def _run(self, entity: Any, what: str, rows: dict[str, Any], done: Callback | None, number: int) -> _Run:
         play = partial(_move, entity, rows[""]) if what == "pose" else partial(_move_joints, entity, rows)
         return _Run(self._world.core.GetSimTime(), play, rows, done, number)
 

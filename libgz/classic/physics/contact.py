@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from libgz.classic.common import Time
 from libgz.classic.math import Vector3d
-from libgz.sdfworld.joint import place_of
 
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
+    from libgz.physics.geom import Geom
 
 __all__ = ["Contact", "JointWrench", "loaded_contacts", "read_contacts"]
 
@@ -49,9 +49,7 @@ class Contact:
             tuple(tuple(part) for part in (w.body1Force, w.body1Torque, w.body2Force, w.body2Torque))
             for w in self.wrench
         ]
-        geoms = tuple(
-            (*place_of(c.geom.body), c.geom.body.geoms.index(c.geom)) for c in (self.collision1, self.collision2)
-        )
+        geoms = [_place(collision.geom) for collision in (self.collision1, self.collision2)]
         vectors = [tuple(map(tuple, rows)) for rows in (self.positions, self.normals)]
         return geoms, self.time.nanoseconds, vectors, self.depths, wrenches
 
@@ -95,6 +93,12 @@ def _wrench(contact: Contact, point: np.void) -> JointWrench:
         turn2.RotateVectorReverse(Vector3d(*point["force2"].tolist())),
         turn2.RotateVectorReverse(Vector3d(*point["torque2"].tolist())),
     )
+
+
+def _place(geom: Geom) -> tuple[str, int, int]:
+    """The id of a geom's entity, the number of its link, and its own number there."""
+    body = geom.body
+    return body.model.GetId(), body.model.bodies.index(body), body.geoms.index(geom)
 
 
 def loaded_contacts(world: World, states: Iterable[Any]) -> list[Contact]:

@@ -66,7 +66,7 @@ class PluginError(GazeboError):
 
 
 class StateError(GazeboError):
-    """A state does not fit the world that it is given to."""
+    """A state does not fit the world that it is to be set in."""
 
 
 class StrictError(GazeboError):

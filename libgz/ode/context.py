@@ -11,6 +11,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.ode.parts import Parts
+
 __all__ = [
     "CONTACT",
     "MAX_CONTACTS",
@@ -135,6 +137,15 @@ class Step(Protocol):
 
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step, as `CONTACT`; without forces until `solve`."""
+
+    def set_contacts(self, contacts: bytes) -> None:
+        """Replace the contact points recorded in the last step by others, as `CONTACT`."""
+
+    def get_state(self, parts: Parts) -> bytes:
+        """The memory of ODE that decides what comes next: bodies, joints, and the order of geoms."""
+
+    def set_state(self, parts: Parts, state: bytes) -> bool:
+        """Put it back; false, and nothing has changed, if a geom is not in the space or on the body of the state."""
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from libgz.errors import LibraryError
 from libgz.ode.context import CONTACT, RayScan, StepContext
 from libgz.ode.lib import ode
+from libgz.ode.parts import Parts
 
 __all__ = ["NativeStep", "native_path"]
 
@@ -65,7 +66,14 @@ class NativeStep:
         library.gz_read.argtypes = [c_void_p]
         library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
         library.gz_overlap.restype = ctypes.c_double
-        if library.gz_step_context_size() != ctypes.sizeof(StepContext):
+        library.gz_parts_size.restype = ctypes.c_size_t
+        library.gz_state_size.restype, library.gz_state_size.argtypes = c_int64, [c_void_p]
+        library.gz_get_state.restype, library.gz_get_state.argtypes = None, [c_void_p, c_void_p]
+        library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p]
+        library.gz_set_contacts.restype = None
+        library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
+        sizes = library.gz_step_context_size(), library.gz_parts_size()
+        if sizes != (ctypes.sizeof(StepContext), ctypes.sizeof(Parts)):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
         names = []
         for name in library.gz_step_needs():
@@ -96,6 +104,23 @@ class NativeStep:
             return np.empty(0, dtype=CONTACT)
         records = (ctypes.c_char * (count * CONTACT.itemsize)).from_address(self._context.records)
         return np.frombuffer(bytearray(records), dtype=CONTACT)
+
+    def set_contacts(self, contacts: bytes) -> None:
+        """Replace the contact points recorded in the last step."""
+        self._shared.gz_set_contacts(self._address, contacts, len(contacts) // CONTACT.itemsize)
+
+    def get_state(self, parts: Parts) -> bytes:
+        """The memory of ODE that decides what comes next."""
+        address = ctypes.addressof(parts)
+        buffer = bytearray(self._shared.gz_state_size(address))
+        self._shared.gz_get_state(address, (ctypes.c_char * len(buffer)).from_buffer(buffer))
+        return bytes(buffer)
+
+    def set_state(self, parts: Parts, state: bytes) -> bool:
+        """Put it back; false, and nothing has changed, if a geom is not where the state has it."""
+        address = ctypes.addressof(parts)
+        fits = len(state) == self._shared.gz_state_size(address)
+        return fits and bool(self._shared.gz_set_state(address, state))
 
     def read(self) -> None:
         """Copy all states out."""

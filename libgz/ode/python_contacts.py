@@ -100,6 +100,11 @@ class ContactLog:
             self._records[i] += (zero, zero, *first) if reversed_ else (*first, *second)
         self._joints = [(0, False)] * len(self._joints)
 
+    def set(self, contacts: NDArray[np.void]) -> None:
+        """Replace the points by others, with their forces."""
+        self.clear()
+        self._records = [tuple(contact[name].tolist() for name in CONTACT.names or ()) for contact in contacts]
+
     def contacts(self) -> NDArray[np.void]:
         """A copy of the points."""
         found = np.zeros(len(self._records), dtype=CONTACT)

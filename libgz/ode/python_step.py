@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.geometry import rotate
-from libgz.ode.context import MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, RayScan, StepContext
+from libgz.ode import python_state
+from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
 from libgz.ode.python_motion import MotionLimits, apply_spring, finish_motion, record_motion
 from libgz.ode.tables import Tables
@@ -63,6 +65,19 @@ class PythonStep:
     def contacts(self) -> NDArray[np.void]:
         """A copy of the contact points recorded in this step."""
         return self._full.log.contacts()
+
+    def set_contacts(self, contacts: bytes) -> None:
+        """Replace the contact points recorded in the last step."""
+        self._full.log.set(np.frombuffer(contacts, dtype=CONTACT))
+
+    def get_state(self, parts: Parts) -> bytes:
+        """The memory of ODE that decides what comes next."""
+        return python_state.get_state(self._ode, parts)
+
+    def set_state(self, parts: Parts, state: bytes) -> bool:
+        """Put it back; false, and nothing has changed, if a geom is not where the state has it."""
+        fits = len(state) == len(self.get_state(parts))
+        return fits and python_state.set_state(self._ode, parts, state)
 
     @staticmethod
     def release() -> None:

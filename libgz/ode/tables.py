@@ -37,6 +37,8 @@ class _Table:
         self.used = reserved  # rows in use, free ones between them included
         self._size = _FIRST_SIZE
         self._free: list[int] = []
+        self._made = 0  # how many there ever were
+        self._numbers: dict[int, int] = {}  # of objects by row: which one of all it was
 
     def _take_row(self, thing: object) -> int:
         if self._free:
@@ -48,14 +50,38 @@ class _Table:
             row = self.used
             self.used += 1
         self.objects[row] = thing
+        self._made += 1
+        self._numbers[row] = self._made
         return row
+
+    def census(self) -> tuple[tuple[int, ...], ...]:
+        """Rows in order of construction; numbers of the objects; free rows; rows in use and objects ever made."""
+        return tuple(self._numbers), tuple(self._numbers.values()), tuple(self._free), (self.used, self._made)
+
+    def arrange(self, rows: list[int], numbers: list[int], free: list[int], counts: tuple[int, int]) -> None:
+        """Give the present objects, in order of construction, the rows and numbers of another census.
+
+        Their columns are not moved: the caller fills them.
+        """
+        things = list(self.objects.values())
+        self.used, self._made = counts
+        while self._size < self.used:
+            self._size *= 2
+            self._grow()
+        self.objects.clear()
+        self._numbers.clear()
+        for thing, row, number in zip(things, rows, numbers, strict=True):
+            thing.row = row
+            self.objects[row] = thing
+            self._numbers[row] = number
+        self._free = list(free)
 
     def _grow(self) -> None:
         """Double the arrays."""
         raise NotImplementedError
 
     def _free_row(self, row: int) -> None:
-        del self.objects[row]
+        del self.objects[row], self._numbers[row]
         self._free.append(row)
 
 
@@ -177,6 +203,10 @@ class JointTable(_Table):
             self.sprung.add(row)
         else:
             self.sprung.discard(row)
+
+    def find_sprung(self) -> None:
+        """Find the rows with a spring or damper, after `springs` was changed."""
+        self.sprung = {row for row in self.objects if self.springs[row, 0] or self.springs[row, 1]}
 
     def publish(self, context: StepContext, fresh: bool) -> None:
         """Hand the arrays to the step; `fresh` is what rows are after one."""

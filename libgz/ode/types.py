@@ -106,6 +106,7 @@ class GeomClass(enum.IntEnum):
     BOX = 1
     CAPSULE = 2
     CYLINDER = 3
+    PLANE = 4
 
 
 class ContactRule(enum.IntEnum):

@@ -10,7 +10,7 @@ import itertools
 import logging
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import (
@@ -71,6 +71,8 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
+    KEPT: ClassVar[tuple[str, ...]] = ("bodyName", "kinematic", "auto_disable", "diverged", "damping", "_given_mass")
+
     @built
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
         self.engine: Engine = world.engine
@@ -94,6 +96,8 @@ class Body:
             handle = ode().dBodyCreate(self.engine.world)
             self._id = handle
             self.row = self.engine.tables.add_body(self, handle)
+        else:
+            self.engine.dummies[self] = None
 
     def __repr__(self) -> str:
         return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}>"
@@ -146,6 +150,7 @@ class Body:
             self._table.remove(self.row)
             ode().dBodyDestroy(self._id)
             self._id = None
+        self.engine.dummies.pop(self, None)
         self._closed = True
 
     # State -------------------------------------------------------------------------------------------------------

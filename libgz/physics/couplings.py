@@ -116,13 +116,14 @@ class Thread:
         pitch: [rad/m], not zero.
     """
 
-    STATE = ("pitch",)
+    KEPT = ("pitch",)
 
     def __init__(self, piston: PistonJoint, pitch: float) -> None:
         self.piston = piston
         self.pitch = pitch
         self._line = LineJoint(piston.engine, name=f"{piston.name} thread")
         self._line.Attach(*piston.bodies)
+        piston.engine.add_coupling(self)
 
     @property
     def broken(self) -> bool:
@@ -170,7 +171,7 @@ class Gears:
         reference: what carries both; None or a dummy for the world.
     """
 
-    STATE = ("ratio", "angles", "_speed", "_local", "_hubs", "_radii", "_mass")
+    KEPT = ("ratio", "angles", "_speed", "_radii", "_mass")
 
     def __init__(
         self,
@@ -199,6 +200,7 @@ class Gears:
         if reference is not None and not _is_still(reference):
             self._slider = SliderJoint(world, name="rack")
             self._slider.Attach(self.rack, reference)
+        self.engine.add_coupling(self)
 
     def _set_rack_mass(self) -> None:
         """Choose radii so large that the bodies get a torque and little force; set a share of the smaller mass."""

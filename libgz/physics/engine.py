@@ -20,12 +20,14 @@ from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.geometry import VectorLike
 from libgz.ode.context import RayScan, Step, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.memory import prepare
 from libgz.ode.step import choose_step
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactRule
 from libgz.physics.check import FAR, LARGEST, finite, finite_tuple, not_negative, positive
 from libgz.physics.lock import WorldLock, exclusive
 from libgz.physics.space import ALL_COLLIDE, LASER_COLLIDE, Space
+from libgz.physics.state import EngineState
 
 __all__ = ["SOLVERS", "Engine", "HasEngine"]
 
@@ -34,6 +36,7 @@ log = logging.getLogger("libgz.physics")
 MAX_ITERATIONS = 100_000
 MOST_COMPARED = 5_000  # geoms, when a crowd is searched for
 SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
+CELLS, WIDE_CELLS = (-3, 10), (2, 10)  # of the hash space, as powers of two [m]: ODE's default, and for far bodies
 SOLVERS = ("world", "quick")
 
 
@@ -56,6 +59,14 @@ class RayBundle(Protocol):
         """Global ends of all rays as far as they reached [m], shape (n, 2, 3)."""
 
 
+class Coupling(Protocol):
+    """What couples motions of joints."""
+
+    @property
+    def broken(self) -> bool:
+        """Whether a body or joint of it was closed."""
+
+
 class Sleeper(Protocol):
     """A body that may sleep."""
 
@@ -72,6 +83,9 @@ class Engine:
         bodies, joints, geoms: the objects of `physics.body`, `physics.joint` and `physics.geom` by their rows. These
             modules stand above this one, so their types are not named here.
         spaces: open spaces, in order of construction.
+        dummies: open bodies without a row, likewise.
+        attached: joints with bodies, in the order in which they were attached: ODE solves in it.
+        couplings: screws and gears, in order of construction.
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
@@ -96,6 +110,7 @@ class Engine:
         self, *, gravity: VectorLike = (0.0, 0.0, -9.8), step_time: float = 0.02, solver: str = "world", seed: int = 0
     ) -> None:
         lib = ode()
+        prepare()
         self._ode: OdeLibrary = lib
         self.lock = WorldLock()
         world, top, contacts = lib.dWorldCreate(), lib.dHashSpaceCreate(None), lib.dJointGroupCreate(0)
@@ -123,6 +138,10 @@ class Engine:
         self.joints: dict[int, Any] = self.tables.joints.objects
         self.geoms: dict[int, Any] = self.tables.geoms.objects
         self.spaces: dict[Space, None] = {}
+        self.dummies: dict[Any, None] = {}
+        self.attached: dict[Any, None] = {}
+        self.couplings: list[Coupling] = []
+        self._state = EngineState(self, self._context)
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
@@ -257,8 +276,13 @@ class Engine:
         Small cells beyond 2^28 m overflow ODE's count, which ends the process. The order in which contacts are found
         depends on the cells, so only worlds that need it have large ones.
         """
-        self._ode.dHashSpaceSetLevels(self.top.id, 2, 10)
-        self._context.max_distance = 2.0 * LARGEST
+        self.set_range(2.0 * LARGEST)
+
+    @exclusive
+    def set_range(self, distance: float) -> None:
+        """Set how far from the origin a body may be [m]; beyond 2e8 m the cells of ODE's hash space are large."""
+        self._ode.dHashSpaceSetLevels(self.top.id, *(WIDE_CELLS if distance > 2.0 * FAR else CELLS))
+        self._context.max_distance = distance
 
     # Contacts ----------------------------------------------------------------------------------------------------
 
@@ -377,6 +401,38 @@ class Engine:
         self._ode.dSpaceClean(self.top.id)
         for body in self.bodies.values():
             self._ode.dBodySetPosition(body.id, *body.GetCoMPose().pos)
+
+    def add_coupling(self, coupling: Coupling) -> None:
+        """Register a screw or gear; broken ones are forgotten."""
+        self.couplings = [*(known for known in self.couplings if not known.broken), coupling]
+
+    @exclusive
+    def get_state(self) -> dict[str, Any]:
+        """All that decides what the next steps do, as plain data; equal states are equal.
+
+        Between steps only. Bodies, geoms, joints and spaces are numbered in the order of their construction, so a state
+        also fits an engine of another process in which the same world was built.
+
+        Raises:
+            LibraryError: the loaded ODE keeps its state in a way that is not known.
+            ClosedError: the world was closed.
+        """
+        _ = self.world
+        return self._state.get()
+
+    @exclusive
+    def set_state(self, state: dict[str, Any]) -> None:
+        """Set a state of `get_state`: what follows is the same to the bit as what followed then.
+
+        Joints, geoms, bodies and spaces that are not in it are closed.
+
+        Raises:
+            StateError: bodies, geoms, joints or spaces of the state are missing, and nothing was changed; or it was
+                made with another build of ODE.
+            LibraryError, ClosedError: as `get_state`.
+        """
+        _ = self.world
+        self._state.set(state)
 
     # Step and scan -----------------------------------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from libgz.errors import ClosedError, ParameterError
 from libgz.files import is_file
@@ -56,6 +56,8 @@ class Geom:
     extra_rotation: GzQuatern | None = None  # between ODE's shape and this one
     scale: tuple[float, ...] = (1.0, 1.0, 1.0)  # multiple of its first size, as set by classic's SetScale
 
+    KEPT: ClassVar[tuple[str, ...]] = ("_relative", "_mass", "volume_mass", "scale", "_slip")
+
     @built
     def __init__(
         self,
@@ -72,7 +74,7 @@ class Geom:
         self.volume_mass = volume_mass
         self._mass = volume_mass
         self._relative = GzPose()
-        self._slip = [0.01, 0.01]
+        self._slip = (0.01, 0.01)
         self._closed = False
         self._id: int | None = None
         self.facade: Any = None
@@ -131,6 +133,11 @@ class Geom:
     def GetGeomId(self) -> int:
         """The ODE handle; 0 if the geom is only rendered."""
         return self.id
+
+    @property
+    def closed(self) -> bool:
+        """Whether it was destroyed."""
+        return self._closed
 
     @exclusive
     def close(self) -> None:
@@ -288,11 +295,11 @@ class Geom:
 
     def SetSlip1(self, slip: float) -> None:
         """Stored without effect: the old default would change every world."""
-        self._slip[0] = float(slip)
+        self._slip = (float(slip), self._slip[1])
 
     def SetSlip2(self, slip: float) -> None:
         """Stored without effect."""
-        self._slip[1] = float(slip)
+        self._slip = (self._slip[0], float(slip))
 
     def GetSlip1(self) -> float:
         """The value last set."""

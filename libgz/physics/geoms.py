@@ -42,6 +42,8 @@ def _space_id(space: Space | None) -> int | None:
 class BoxGeom(Geom):
     """A box of full lengths x, y, z [m]."""
 
+    KEPT = ("size",)
+
     @built
     def __init__(self, body: Body, space: Space | None, xDim: float, yDim: float, zDim: float) -> None:
         self.size = tuple(positive(length, "box length [m]") for length in (xDim, yDim, zDim))
@@ -60,6 +62,8 @@ class BoxGeom(Geom):
 class SphereGeom(Geom):
     """A sphere of the given radius [m]."""
 
+    KEPT = ("radius",)
+
     @built
     def __init__(self, body: Body, space: Space | None, radius: float) -> None:
         self.radius = positive(radius, "sphere radius [m]")
@@ -76,6 +80,8 @@ class SphereGeom(Geom):
 
 class CylinderGeom(Geom):
     """A cylinder along z, centred: radius and length [m]."""
+
+    KEPT = ("radius", "length")
 
     @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
@@ -140,6 +146,7 @@ class TriMeshGeom(Geom):
     normals: NDArray[np.float64] | None = None
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
+    KEPT = ("changed_mesh",)
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
     @built
@@ -147,6 +154,21 @@ class TriMeshGeom(Geom):
         super().__init__(body, space)
         self._data: int | None = None
         self.set_mesh(vertices, triangles)
+        self._first_mesh = self.vertices, self.triangles
+
+    @property
+    def changed_mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]] | None:
+        """Vertices and triangles, if they are not those of the constructor."""
+        mesh = self.vertices, self.triangles
+        return None if mesh[0] is self._first_mesh[0] else mesh
+
+    @changed_mesh.setter
+    def changed_mesh(self, mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None) -> None:
+        if mesh is not None:
+            self.set_mesh(*mesh)
+        elif self.changed_mesh is not None:
+            self.set_mesh(*self._first_mesh)
+            self.vertices, self.triangles = self._first_mesh
 
     @exclusive
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -278,7 +300,7 @@ class LightGeom(Geom):
         range: nothing beyond is lit [m].
     """
 
-    STATE = ("attenuation", "kind", "direction", "spot", "range")
+    KEPT = ("attenuation", "kind", "direction", "spot", "range")
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)

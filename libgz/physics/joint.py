@@ -18,6 +18,7 @@ from typing import Any, ClassVar, NamedTuple
 from libgz.errors import ClosedError, ParameterError
 from libgz.geometry import GzVector, VectorLike
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.memory import clear_joint
 from libgz.ode.types import (
     JointFeedback,
     JointType,
@@ -88,6 +89,7 @@ class Joint:
         name: for look-up.
     """
 
+    KEPT: ClassVar[tuple[str, ...]] = ("name",)
     kind: ClassVar[JointType]
     motors: ClassVar[tuple[int, ...]] = ()  # parameters that switch its motors off when 0
     bodies_needed: ClassVar[int] = 0  # which must be attached before anchor, axes and efforts, or ODE ends the process
@@ -102,6 +104,7 @@ class Joint:
         self._functions = self._ode_functions(ode())
         self._set_param = self._functions.set_param  # models set some in every step
         self._id: int | None = self._functions.create(self.engine.world, None)
+        clear_joint(self._id or 0, self.kind)
         self._table = self.engine.tables.joints
         self.row = self.engine.tables.add_joint(self, self.kind)
         if group is not None:
@@ -159,6 +162,7 @@ class Joint:
                 if body.auto_disable:
                     body.Enable(True)
         self.bodies = (None, None)
+        self.engine.attached.pop(self, None)
 
     @exclusive
     def reset_turns(self) -> None:
@@ -205,9 +209,13 @@ class Joint:
             return
         if ids[0] == ids[1]:
             raise ParameterError(f"{self!r} cannot join {one!r} with itself")
+        self._join(one, two)
+
+    def _join(self, one: Body | None, two: Body | None) -> None:
         self._forget_bodies()
-        ode().dJointAttach(self.id, *ids)
+        ode().dJointAttach(self.id, *(0 if body is None else body.id for body in (one, two)))
         self.bodies = (one, two)
+        self.engine.attached[self] = None
         for body in (one, two):
             if body is not None:
                 body.joints[self] = None
@@ -332,6 +340,7 @@ class AxisJoint(Joint):
 class HingeJoint(AxisJoint):
     """One axis of rotation."""
 
+    KEPT = ("_stops", "_stopped")
     kind, motors = JointType.HINGE, (dParamFMax,)
     _stops: tuple[float, float] = (-math.inf, math.inf)  # as set by callers
     _stopped = False  # whether ODE ever had stops

@@ -48,6 +48,7 @@ class Space:
     def __init__(self, engine: SpaceOwner, handle: int | None = None, parent: Space | None = None) -> None:
         self.engine = engine
         self._id = handle
+        self.parent = parent or (engine.top if handle is None else None)
         self._parts: list[Space] = []
         if handle is None:
             self._id = ode().dSimpleSpaceCreate((parent or engine.top).id)

@@ -36,7 +36,6 @@ from libgz.sdfworld.mechanism import (
     mechanism_class,
     ode_number,
 )
-from libgz.simulation.state import get_state, set_state
 
 __all__ = ["Place", "SdfJoint", "place_of"]
 
@@ -195,7 +194,6 @@ class SdfJoint:
             (self.acts, self._engine_springs, self._step_time),
             (self._applied, self._applied_at, self._before, self._before_at),
             (self._set, self._stop_turns, self._spring_stops),
-            get_state(mechanism) if mechanism is not None else None,
         )
 
     @classmethod
@@ -230,7 +228,7 @@ class SdfJoint:
             find: returns a link by its place.
         """
         self.release_deleted()
-        name, ends, _, (pitch, ratio, feedback), axes, frame, local, flags, applied, tables, inner = state
+        name, ends, _, (pitch, ratio, feedback), axes, frame, local, flags, applied, tables = state
         plan = self.plan
         plan.pitch, plan.ratio = pitch, ratio
         self._in_child = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
@@ -250,8 +248,6 @@ class SdfJoint:
         self.acts, self._engine_springs, self._step_time = flags
         self._applied, self._applied_at, self._before, self._before_at = map(_copied, applied)
         self._set, self._stop_turns, self._spring_stops = map(dict, tables)
-        if self._mechanism is not None:
-            set_state(self._mechanism, inner)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
         """Release what it holds, and join other links as they stand, if it `holds` links at all."""

@@ -23,7 +23,7 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
-    STATE = ("light", "cast_shadows")
+    STATE = ("cast_shadows",)
 
     is_model = False
 

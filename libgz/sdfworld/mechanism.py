@@ -102,8 +102,6 @@ class Mechanism:
         anchor: global point of the joint's frame [m].
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ()
-
     needed_axes: ClassVar[int] = 1
     ode_class: ClassVar[type[Joint]]
     engine_springs: ClassVar[bool] = False  # whether the engine applies springs of its own to this kind
@@ -391,8 +389,6 @@ class Hinge2Mechanism(_TwoAxes):
 class ScrewMechanism(Mechanism):
     """`screw`: an angle, and the way along the axis that a thread makes of it."""
 
-    STATE = ("thread",)
-
     ode_class = PistonJoint
     joint: PistonJoint
 
@@ -470,8 +466,6 @@ class ScrewMechanism(Mechanism):
 
 class GearboxMechanism(Mechanism):
     """`gearbox`: the angles of parent and child against a reference body, in a fixed ratio. It has no ODE joint."""
-
-    STATE = ("gears",)
 
     def __init__(self, engine: Engine, plan: JointPlan, links: Links, anchor: GzVector) -> None:
         if len(links.movable) < 2 or links.parent is None or links.child is None:

@@ -1,0 +1,471 @@
+"""EngineState: what an engine's next steps depend on, as plain data.
+
+ODE's own memory is copied by the step (`Step.get_state`), the tables are copied as arrays. What Python knows besides
+(names, sizes, stops, who is attached to whom) changes rarely: it is collected as tuples at each call, and only encoded
+again when one of them differs from the last time.
+
+Objects are numbered in the order of their construction, so that a state fits another process that built the same world.
+"""
+
+from __future__ import annotations
+
+import base64
+import ctypes
+import functools
+import json
+import weakref
+from array import array
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from libgz.errors import StateError
+from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
+from libgz.ode.context import StepContext
+from libgz.ode.lib import ode
+from libgz.ode.memory import layout
+from libgz.ode.parts import Parts
+from libgz.ode.types import ContactRule, JointFeedback, Mass
+
+__all__ = ["EngineState"]
+
+MOST_NAMED = 5  # missing objects in a message
+
+# Attributes of an engine that are numbers, and those that are settings.
+COUNTERS = ("collisions", "abandoned")
+SETTINGS = (
+    "step_time",
+    "solver",
+    "seed",
+    "gravity",
+    "count_turns",
+    "check_divergence",
+    "contact_rule",
+    "max_contacts",
+    "cone",
+    "record_contacts",
+    "record_motion",
+)
+_settings = attrgetter(*SETTINGS)
+_counters = attrgetter(*COUNTERS)
+_solver = attrgetter("iterations", "over_relaxation")
+_constraints = attrgetter("erp", "cfm", "correcting_velocity")
+_progress = attrgetter("steps", "contact_count", "max_distance")
+
+
+@functools.cache
+def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
+    """Reads what a class and its bases keep: their attributes KEPT."""
+    names = _kept(kind)
+    get = attrgetter(*names)
+    return get if len(names) > 1 else lambda thing: (get(thing),)
+
+
+@functools.cache
+def _kept(kind: Any) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
+
+
+def _values(things: Iterable[Any]) -> list[tuple[Any, ...]]:
+    return [_getter(type(thing))(thing) for thing in things]
+
+
+class EngineState:
+    """Gets and sets the state of an engine.
+
+    Args:
+        engine: the `Engine`, which is not named here: it stands above this module.
+        context: its context.
+    """
+
+    def __init__(self, engine: Any, context: StepContext) -> None:
+        self._owner = weakref.ref(engine)
+        self._context = context
+        self._collected: list[Any] = []  # at the last encoding
+        self._block = b""  # that encoding
+
+    @property
+    def _engine(self) -> Any:
+        return self._owner()
+
+    # Get ---------------------------------------------------------------------------------------------------------
+
+    def get(self) -> dict[str, Any]:
+        """The state; see `Engine.get_state`."""
+        engine, tables = self._engine, self._engine.tables
+        turning = engine.count_turns
+        _refresh(tables.bodies)
+        if not turning:  # else reading would count turns
+            _refresh(tables.joints)
+        body_rows, joint_rows = _rows(tables.bodies), _rows(tables.joints)
+        joints = list(engine.joints.values())
+        return {
+            "ode": layout().digest,
+            "settings": _settings(engine),
+            "counters": _counters(engine),
+            "solver": _solver(engine),
+            "constraints": _constraints(engine),
+            "context": _progress(self._context),
+            "quirks": sorted(engine.quirks),
+            "objects": self._objects(),
+            "memory": engine.step_form.get_state(self._parts()),
+            "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
+            "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
+            "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
+            "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
+            "surfaces": tables.geoms.surface[_rows(tables.geoms)].tobytes(),
+            "dummies": array("d", [n for d in engine.dummies for n in (*d._pose.pos, *d._pose.rot)]).tobytes(),
+            "couplings": [list(_plain_values(coupling)) for coupling in engine.couplings if not coupling.broken],
+            "feedback": b"".join(bytes(joint._feedback) for joint in joints if joint._feedback is not None),
+            "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
+        }
+
+    def _parts(self) -> Parts:
+        engine = self._engine
+        geoms = [0] * engine.tables.geoms.used
+        for row, geom in engine.geoms.items():
+            geoms[row] = geom._id or 0
+        return Parts(
+            layout(),
+            [body._id for body in engine.bodies.values()],
+            [joint._id for joint in engine.joints.values()],
+            geoms,
+            [engine.top.id, *(space._id for space in engine.spaces)],
+        )
+
+    def _objects(self) -> bytes:
+        """What Python knows of the objects, as JSON."""
+        engine, tables = self._engine, self._engine.tables
+        bodies, dummies = list(engine.bodies.values()), list(engine.dummies)
+        geoms, joints, attached = list(engine.geoms.values()), list(engine.joints.values()), list(engine.attached)
+        collected = [
+            *(bodies, dummies, geoms, joints, attached, list(engine.spaces)),
+            *([table.census() for table in (tables.bodies, tables.joints, tables.geoms)]),
+            *(_values(bodies), _values(dummies), _values(geoms), _values(joints)),
+            [tuple(vars(geom.appearance).values()) for geom in geoms],
+            [joint._feedback is not None for joint in joints],
+        ]
+        if collected != self._collected:
+            self._block = self._encode(bodies, dummies, geoms, joints, attached)
+            self._collected = collected
+        return self._block
+
+    def _encode(
+        self, bodies: list[Any], dummies: list[Any], geoms: list[Any], joints: list[Any], attached: list[Any]
+    ) -> bytes:
+        engine, tables = self._engine, self._engine.tables
+        codes = _codes(bodies, dummies)
+        spaces = [engine.top, *engine.spaces]
+        number = {joint: i for i, joint in enumerate(joints)}
+        plain = {
+            "rows": [table.census() for table in (tables.bodies, tables.joints, tables.geoms)],
+            "bodies": [[body.label, _named(body)] for body in bodies],
+            "dummies": [[body.label, _named(body)] for body in dummies],
+            "geoms": [
+                [type(geom).__name__, codes[geom.body], _named(geom), _appearance(geom.appearance)] for geom in geoms
+            ],
+            "joints": [
+                [type(joint).__name__, [codes.get(body) for body in joint.bodies], _named(joint)] for joint in joints
+            ],
+            "feedback": [joint._feedback is not None for joint in joints],
+            "attached": [number[joint] for joint in attached],
+            "spaces": [spaces.index(space.parent) for space in engine.spaces],
+        }
+        return json.dumps(plain, separators=(",", ":")).encode()
+
+    # Set ---------------------------------------------------------------------------------------------------------
+
+    def set(self, state: dict[str, Any]) -> None:
+        """Set a state; see `Engine.set_state`."""
+        engine = self._engine
+        if state.get("ode") != layout().digest:
+            raise StateError("this state was made with another build of ODE")
+        block = state["objects"]
+        if block != self._objects():
+            self._restore_objects(json.loads(block))
+        self._restore_settings(state)
+        if not engine.step_form.set_state(self._parts(), state["memory"]):
+            raise StateError("geoms are in other spaces, or on other bodies, than in this state")
+        self._restore_tables(state)
+        self._restore_parts(state)
+
+    def _restore_settings(self, state: dict[str, Any]) -> None:
+        engine, context = self._engine, self._context
+        for name, value, present in zip(SETTINGS, state["settings"], _settings(engine), strict=True):
+            if value != present:
+                setattr(engine, name, ContactRule(value) if name == "contact_rule" else value)
+        for name, value in zip(COUNTERS, state["counters"], strict=True):
+            setattr(engine, name, value)
+        if tuple(state["solver"]) != _solver(engine):
+            engine.set_quick_step(*state["solver"])
+        if tuple(state["constraints"]) != _constraints(engine):
+            engine.set_constraints(*state["constraints"])
+        engine.quirks = frozenset(state["quirks"])
+        steps, contact_count, max_distance = state["context"]
+        if max_distance != context.max_distance:
+            engine.set_range(max_distance)
+        context.steps, context.contact_count = steps, contact_count
+
+    def _restore_tables(self, state: dict[str, Any]) -> None:
+        engine, tables = self._engine, self._engine.tables
+        bodies, joints, geoms = tables.bodies, tables.joints, tables.geoms
+        rows = _rows(bodies)
+        for table, data in zip((bodies.com, bodies.state), state["bodies"], strict=True):
+            _put(table, rows, data)
+        if state["motion"]:
+            _put(bodies.motion, rows, state["motion"])
+        rows = _rows(joints)
+        for table, data in zip((joints.state, joints.springs), state["joints"], strict=True):
+            _put(table, rows, data)
+        joints.find_sprung()
+        bodies.fresh[:] = b"\1" * len(bodies.fresh)
+        joints.fresh[:] = b"\1" * len(joints.fresh)
+        for joint, fresh in zip(engine.joints.values(), state["fresh"], strict=bool(state["fresh"])):
+            joints.fresh[joint.row] = fresh
+        _put(geoms.surface, _rows(geoms), state["surfaces"])
+        geoms.edits += 1
+        tables.touched = True
+
+    def _restore_parts(self, state: dict[str, Any]) -> None:
+        engine = self._engine
+        for coupling, values in zip(engine.couplings, state["couplings"], strict=True):
+            for name, value in zip(_kept(type(coupling)), values, strict=True):
+                setattr(coupling, name, value)
+        size, at = ctypes.sizeof(JointFeedback), 0
+        for joint in engine.joints.values():
+            if joint._feedback is not None:
+                ctypes.memmove(ctypes.addressof(joint._feedback), state["feedback"][at : at + size], size)
+                at += size
+        numbers = np.frombuffer(state["dummies"]).reshape(-1, 7).tolist()
+        for dummy, place in zip(engine.dummies, numbers, strict=True):
+            dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
+        if engine.record_contacts:
+            engine.step_form.set_contacts(state["contacts"])
+
+    # Objects -----------------------------------------------------------------------------------------------------
+
+    def _restore_objects(self, saved: dict[str, Any]) -> None:
+        engine, tables = self._engine, self._engine.tables
+        matched = self._match(saved)
+        keep = set(map(id, (thing for things in matched for thing in things)))
+        present = (engine.joints.values(), engine.geoms.values(), engine.bodies.values(), engine.dummies)
+        for things in present:
+            for thing in reversed(list(things)):
+                if id(thing) not in keep and not thing.closed:
+                    thing.close()
+        for space in reversed(list(engine.spaces)[len(saved["spaces"]) :]):
+            space.close()
+        engine.couplings = [coupling for coupling in engine.couplings if not coupling.broken]
+        bodies, dummies, geoms, joints = matched
+        for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
+            if table.census() != _tuples(census):
+                table.arrange(*census)
+        for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
+            _assign(body, values)
+        engine.auto_disabled.clear()
+        engine.auto_disabled.update(body for body in bodies if body.auto_disable)
+        for geom, (_, _, values, look) in zip(geoms, saved["geoms"], strict=True):
+            self._restore_geom(geom, values, look)
+        self._restore_joints(saved, joints, [*bodies, *dummies], len(bodies))
+        tables.publish()
+
+    def _restore_geom(self, geom: Any, values: list[Any], look: dict[str, Any]) -> None:
+        if geom._id is not None:
+            ode().dGeomSetData(geom._id, geom.row)
+        self._engine.tables.geoms.owner[geom.row] = geom.body.number
+        changed = _assign(geom, values)
+        if look != _appearance(geom.appearance):
+            for name, value in look.items():
+                setattr(geom.appearance, name, _value(value))
+            changed = True
+        geom.appearance.version += changed
+
+    def _restore_joints(self, saved: dict[str, Any], joints: list[Any], bodies: list[Any], count: int) -> None:
+        engine, table = self._engine, self._engine.tables.joints
+        found = {i if i < count else count - 1 - i: body for i, body in enumerate(bodies)}
+        for joint, (_, _, values), feedback in zip(joints, saved["joints"], saved["feedback"], strict=True):
+            _assign(joint, values)
+            joint.provide_feedback(feedback)
+        pairs = [tuple(None if code is None else found[code] for code in codes) for _, codes, _ in saved["joints"]]
+        order = [(joints[i], pairs[i]) for i in saved["attached"]]
+        same = 0
+        for joint, (other, pair) in zip(list(engine.attached), order, strict=False):
+            if joint is not other or joint.bodies != pair:
+                break
+            same += 1
+        for joint in list(engine.attached)[same:]:
+            joint.Detach()
+        for joint, pair in order[same:]:
+            joint._join(*pair)
+        for joint in joints:
+            table.ids[joint.row] = joint._id if joint in engine.attached else 0
+            table.types[joint.row] = int(joint.kind)
+
+    def _match(self, saved: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+        """The objects that are in the state: bodies, dummies, geoms, joints; nothing is changed yet."""
+        engine, tables = self._engine, self._engine.tables
+        censuses = dict(zip(("bodies", "joints", "geoms"), saved["rows"], strict=True))
+        missing: list[str] = []
+
+        def find(
+            kind: str, wanted: list[Any], things: list[Any], trait: Callable[[Any], Any], name: Callable[[Any], str]
+        ) -> list[Any]:
+            table = getattr(tables, kind, None)
+            if table is not None:
+                numbers = dict(zip(table.census()[1], things, strict=True))
+                same = [numbers.get(number) for number in censuses[kind][1]]
+                if all(t is not None and trait(t) == w for t, w in zip(same, wanted, strict=True)):
+                    return same
+            result, rest = [], iter(things)
+            for want in wanted:
+                result.append(next((thing for thing in rest if trait(thing) == want), None))
+            if None in result:
+                lost = Counter(map(json.dumps, wanted)) - Counter(json.dumps(trait(thing)) for thing in things)
+                lost = lost or Counter([json.dumps(wanted[result.index(None)])])
+                missing.extend(name(json.loads(want)) for want in lost.elements())
+            return result
+
+        names = [label for label, _ in (*saved["bodies"], *saved["dummies"])]
+        bodies = find("bodies", [b[1][0] for b in saved["bodies"]], list(engine.bodies.values()), _name, _body_text)
+        dummies = find("dummies", [b[1][0] for b in saved["dummies"]], list(engine.dummies), _name, _body_text)
+        codes = _codes(bodies, dummies)
+
+        def geom_trait(geom: Any) -> Any:
+            return [type(geom).__name__, codes.get(geom.body)]
+
+        def geom_text(trait: Any) -> str:
+            kind, code = trait
+            return f"{kind} of body {names[code if code >= 0 else len(bodies) - 1 - code]!r}"
+
+        geoms = find("geoms", [g[:2] for g in saved["geoms"]], list(engine.geoms.values()), geom_trait, geom_text)
+        joints = find(
+            "joints",
+            [[j[0], j[2][0]] for j in saved["joints"]],
+            list(engine.joints.values()),
+            _joint_trait,
+            _joint_text,
+        )
+        if len(engine.spaces) < len(saved["spaces"]):
+            missing.append(f"{len(saved['spaces']) - len(engine.spaces)} spaces of geoms")
+        if missing:
+            more = len(missing) - MOST_NAMED
+            listed = ", ".join(missing[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
+            raise StateError(f"this state has what the world has not (any more): {listed}")
+        return bodies, dummies, geoms, joints
+
+
+def _name(body: Any) -> Any:
+    return body.bodyName
+
+
+def _body_text(name: Any) -> str:
+    return f"body {name or 'unnamed'!r}"
+
+
+def _joint_trait(joint: Any) -> Any:
+    return [type(joint).__name__, joint.name]
+
+
+def _joint_text(trait: Any) -> str:
+    return f"{trait[0]} {trait[1] or 'unnamed'!r}"
+
+
+def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:
+    """Bodies by numbers from 0 on, dummies by -1 and less."""
+    return {body: i for i, body in enumerate(bodies)} | {body: ~i for i, body in enumerate(dummies)}
+
+
+# Tables -------------------------------------------------------------------------------------------------------------
+
+
+def _rows(table: Any) -> Any:
+    """The rows in use, in order of construction: a slice where that is the same."""
+    rows = list(table.objects)
+    if rows and rows == list(range(rows[0], rows[0] + len(rows))):
+        return slice(rows[0], rows[0] + len(rows))
+    return rows
+
+
+def _put(table: Any, rows: Any, data: bytes) -> None:
+    table[rows] = np.frombuffer(data).reshape(-1, table.shape[1])
+
+
+def _refresh(table: Any) -> None:
+    """Read stale rows from ODE."""
+    fresh = table.fresh
+    if fresh.find(0, 0, table.used) >= 0:
+        for row in table.objects:
+            if not fresh[row]:
+                table.read(row)
+
+
+# Plain data ---------------------------------------------------------------------------------------------------------
+
+
+def _plain_values(thing: Any) -> Iterable[Any]:
+    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(type(thing))(thing))
+
+
+def _named(thing: Any) -> list[Any]:
+    """What an object keeps, in the order of its KEPT."""
+    return [_plain(value) for value in _getter(type(thing))(thing)]
+
+
+def _appearance(look: Any) -> dict[str, Any]:
+    return {name: _plain(value) for name, value in vars(look).items() if name != "version"}
+
+
+def _assign(thing: Any, values: list[Any]) -> bool:
+    """Set what an object keeps; returns whether something was different."""
+    changed = False
+    for name, value, present in zip(_kept(type(thing)), values, _named(thing), strict=True):
+        if value != present:
+            setattr(thing, name, _value(value))
+            changed = True
+    return changed
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has them; others than numbers, texts and lists as {kind: data}."""
+    if isinstance(value, GzPose):
+        return {"pose": [*value.pos, *value.rot]}
+    if isinstance(value, (GzVector, GzQuatern, GzColor)):
+        return {type(value).__name__: list(value)}
+    if isinstance(value, Mass):
+        return {"mass": [value.mass, *value.c, *value.I]}
+    if isinstance(value, np.ndarray):
+        return {"array": [value.dtype.str, list(value.shape), base64.b64encode(value.tobytes()).decode()]}
+    if isinstance(value, Path):
+        return {"path": str(value)}
+    if isinstance(value, (tuple, list)):
+        return [_plain(item) for item in value]
+    return value
+
+
+def _value(plain: Any) -> Any:
+    """The value that `_plain` was made of; lists become tuples."""
+    if isinstance(plain, list):
+        return tuple(map(_value, plain))
+    if not isinstance(plain, dict):
+        return plain
+    ((kind, data),) = plain.items()
+    if kind == "pose":
+        return GzPose(GzVector(*data[:3]), GzQuatern(*data[3:]))
+    if kind == "mass":
+        mass = Mass(data[0])
+        mass.c[:], mass.I[:] = data[1:5], data[5:]
+        return mass
+    if kind == "array":
+        kind_of_number, shape, text = data
+        return np.frombuffer(base64.b64decode(text), dtype=kind_of_number).reshape(shape).copy()
+    if kind == "path":
+        return Path(data)
+    return {"GzVector": GzVector, "GzQuatern": GzQuatern, "GzColor": GzColor}[kind](*data)
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value

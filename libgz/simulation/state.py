@@ -39,6 +39,7 @@ FORMAT = b"libgz state 1\n"  # at the start of encoded states
 _ALLOWED = {
     ("collections", "deque"),
     ("libgz.geometry", "GzColor"),
+    ("libgz.ode.types", "ContactRule"),
     ("libgz.geometry", "GzPose"),
     ("libgz.geometry", "GzQuatern"),
     ("libgz.geometry", "GzVector"),

@@ -6,6 +6,8 @@ libgz.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
 from libgz.legacy.model import Model
@@ -47,6 +49,8 @@ class JointServo:
         command: wanted angle of each axis [rad].
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("command",)
+
     def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
         self.joint = joint
         self.command = (0.0, 0.0)
@@ -80,6 +84,8 @@ class Bandit(Model):
     LOWERARM and WRIST, the same of the right, and HEAD. Wrists and head turn about two axes: x and y, z and y.
     Dimensions and layout chosen for libgz.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "servos")
 
     behaviour = "motors that move and hold its joints (arms and head hang down)"
     example = """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.serving import serve
@@ -17,6 +19,8 @@ class Battery:
         level: voltage at the start [V].
         curve: voltage lost with time [V/s] and with squared wheel travel [V/m^2].
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("level",)
 
     def __init__(self, model: Model, level: float, curve: tuple[float, ...]) -> None:
         self.model = model

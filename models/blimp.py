@@ -50,6 +50,8 @@ class Blimp(MobileRobot):
     cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2]. Dimensions and layout chosen for libgz.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("start", "globalPose", "hullVelocity", "hullRate")
+
     behaviour = "thrust, drag, and the torque that keeps it upright (it drifts and turns freely); odometry"
     example = """
     <model:Blimp>

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,6 +101,8 @@ def add_frustum(model: Model, body: Body, values: RobotCameraAttributes, pose: G
 class FrameSaver:
     """Writes numbered images, 0000.pnm and on, to a directory, which is created with the first one."""
 
+    STATE: ClassVar[tuple[str, ...]] = ("count",)
+
     def __init__(self, directory: str) -> None:
         self.directory = Path(directory)
         self.count = 0
@@ -123,6 +126,8 @@ class CameraServer:
     Attributes:
         eye: the rendering camera, with `image`, `depth` and `segmentation`; None before `Init` and after `Fini`.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "saver")
 
     def __init__(self, model: Model, values: CameraAttributes) -> None:
         self.model, self.values = model, values
@@ -182,6 +187,18 @@ class CameraServer:
             self.interface.post()
         if self.values.saveFrames:
             self.saver.save(image)
+
+    def SaveState(self) -> object:
+        """Nothing: an image that is not published yet is published now."""
+        if self.eye is not None and self._taken is not None:
+            self._publish(self.eye, self._taken)
+        return None
+
+    def LoadState(self, state: object) -> None:
+        """Drop an image that is not published yet."""
+        if self.eye is not None and self._taken is not None:
+            self.eye.Finish()
+        self._taken = None
 
     def Fini(self) -> None:
         """Destroy the interface and the rendering camera."""

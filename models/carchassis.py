@@ -44,6 +44,8 @@ class CarChassis(MobileRobot):
     Dimensions and layout chosen for libgz.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("odometry",)
+
     behaviour = "motors that drive and steer its wheels, and hold the steering straight; odometry"
     attributes: ClassVar[type[RobotAttributes]] = CarChassisAttributes
     values: CarChassisAttributes

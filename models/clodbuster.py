@@ -44,6 +44,8 @@ class ClodBuster(DifferentialRobot):
     Dimensions as published for the real machine; layout chosen for libgz.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("steeringAngle", "counts")
+
     behaviour = "motors that drive its wheels and steer both axles; odometry"
     attributes: ClassVar[type[RobotAttributes]] = ClodBusterAttributes
     values: ClodBusterAttributes

@@ -68,6 +68,8 @@ class DifferentialDrive:
 class DifferentialRobot(MobileRobot):
     """A robot with a differential drive; it has a battery if its attributes are BatteryAttributes."""
 
+    STATE: ClassVar[tuple[str, ...]] = ("odometry", "_driven")
+
     attributes: ClassVar[type[RobotAttributes]] = BatteryAttributes
     wheelSep: ClassVar[float]  # between left and right wheels [m]
     wheelDiam: ClassVar[float]  # [m]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
+from typing import ClassVar
 from xml.sax.saxutils import unescape
 
 from libgz.errors import GazeboError
@@ -28,6 +29,8 @@ class Factory(Model):
     A text is read when it has not changed for two steps, because old clients write it without the lock. Then the string
     is cleared. An invalid text is reported as a warning and leaves the world unchanged.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_seen",)
 
     behaviour = "adding and removing models on request"
     interfaces = ("factory",)

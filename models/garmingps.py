@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from libgz.geometry import GzColor
 from libgz.interfaces.gps import Gps
@@ -35,6 +36,8 @@ class GarminGPS(Model):
     The origin is the centre of its bottom. Its UTM coordinates are its position plus the world's utmOffset; latitude
     and longitude follow from them and utmZone, on WGS84. Without utmZone they stay 0.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "zone")
 
     attributes = GarminGPSAttributes
     interfaces = ("gps",)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 from libgz.geometry import GzColor, GzQuaternFromAxis
 from libgz.legacy.model import Model
@@ -21,6 +22,8 @@ class MonoCam(Model):
 
     It looks along its x axis; the origin is the centre of its bottom.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("camera",)
 
     attributes = RobotCameraAttributes
     interfaces = ("camera",)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +83,8 @@ class ObserverCam(Model):
     It has no shape; nested in another model, it moves with that model. With `saveFrames` it saves every image; at the
     request of clients, `save_frames`, at most 1000.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "saver", "switches", "_requested", "_distance", "_dragging")
 
     attributes = ObserverCamAttributes
     interfaces = ("guicam",)
@@ -181,6 +184,21 @@ class ObserverCam(Model):
         else:
             eye.SetPose(self.GetPose())
         self.spot = spot
+
+    @property
+    def _dragging(self) -> tuple[Any, ...] | None:
+        """The drag in progress, as plain data, with the pose of the rendering camera."""
+        if self.spot is None or self.eye is None:
+            return None
+        return self.spot.mode, self.spot.a, self.spot.b, self.eye.GetPose()
+
+    @_dragging.setter
+    def _dragging(self, value: tuple[Any, ...] | None) -> None:
+        self.spot = None
+        if value is not None and self.eye is not None:
+            mode, a, b, pose = value
+            self.spot = Spot(mode, a, b)
+            self.eye.SetPose(pose)
 
     def _depth_at(self, eye: Eye, spot: Spot) -> float:
         """Depth of the point at the start of a drag [m]; the far clip for the sky."""

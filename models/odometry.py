@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 from libgz.interfaces.position import PositionData
 
@@ -16,6 +17,8 @@ class Odometry:
         pose: x [m], y [m], yaw [rad].
         velocity: forward [m/s], turning [rad/s].
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("pose", "velocity")
 
     def __init__(self) -> None:
         self.pose = [0.0, 0.0, 0.0]

@@ -55,6 +55,8 @@ class PtzServer:
         command: pan, tilt and field of view that the client wants [rad].
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("command",)
+
     def __init__(self, model: Model) -> None:
         self.model = model
         self.interface = Ptz()
@@ -96,6 +98,8 @@ class PtzServer:
 
 class PanTiltCamera(Model):
     """Three bodies: a base, a middle part that pans on it, and a head that tilts on the middle part."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "zoom", "ptz", "camera", "_shown_view")
 
     behaviour = "motors that turn and hold its head (it tilts by its weight); zoom"
     attributes = PanTiltAttributes
@@ -144,6 +148,16 @@ class PanTiltCamera(Model):
     def fieldOfView(self) -> float:
         """The horizontal field of view at the present zoom [rad]."""
         return self.values.hfov / self.zoom
+
+    @property
+    def _shown_view(self) -> float | None:
+        """The field of view that the frustum has [rad]; None without one."""
+        return self.frustum.fov if self.frustum is not None else None
+
+    @_shown_view.setter
+    def _shown_view(self, view: float | None) -> None:
+        if self.frustum is not None and view is not None:
+            self.frustum.SetFOV(view)
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.ptz.Init(self.fieldOfView)

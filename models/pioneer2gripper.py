@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from libgz.geometry import GzColor, GzVector
 from libgz.interfaces import gripper as codes
@@ -55,6 +56,8 @@ class GripperAttributes:
 
 class _Slide:
     """A driven slider that moves from 0 to the end of its travel [m], which is negative if it moves backwards."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("direction", "rate", "_before")
 
     def __init__(
         self,
@@ -123,6 +126,8 @@ class Pioneer2Gripper(Model):
     command arrives, and all are 1 before the first one; the inner beam detects nothing, the outer one detects the right
     paddle when the paddles are shut and begins inside of what they hold, and limits are never reached.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("lift", "left", "right", "beams", "commanded", "slow_for")
 
     behaviour = "motors that move and hold its paddles and its lift; the beams between the paddles"
     attributes = GripperAttributes

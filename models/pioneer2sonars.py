@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
@@ -17,6 +19,8 @@ class Pioneer2Sonars(Model):
 
     The robot keeps its own sonar interface. On all models but a Pioneer2AT the layout is that of a Pioneer2DX.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "sonars")
 
     interfaces = ("sonar",)
     example = """

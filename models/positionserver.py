@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 from libgz.interfaces.position import Position, PositionData
 from libgz.legacy.model import Model
@@ -26,6 +27,8 @@ class PositionServer:
         enabled: whether the client has the motors switched on.
         wanted: the command in force: `command`, or zeros while the motors are off.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("command", "enabled", "wanted")
 
     def __init__(self, model: Model, fields: tuple[tuple[str, int], ...]) -> None:
         self.model, self.fields = model, fields

@@ -9,6 +9,7 @@ from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
 from libgz.models.positionserver import PositionServer
 from libgz.simulation.rate import UpdateRate
+from libgz.simulation.state import declares
 from libgz.worldfile.attributes import number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -43,6 +44,8 @@ class MobileRobot(Model):
     publishes. A command holds until the next one.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices")
+
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     interfaces: ClassVar[tuple[str, ...]] = ("position",)
@@ -73,6 +76,11 @@ class MobileRobot(Model):
         self.position = PositionServer(self, self.commands)
         self.devices: list[Device] = []
         self.build()
+
+    @property
+    def _kept_devices(self) -> list[Device]:
+        """The devices that declare a state."""
+        return [device for device in self.devices if declares(type(device))]
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.position.Init()

@@ -45,6 +45,8 @@ class SegwayRMP(DifferentialRobot):
     cm: the tires damp the impact, and while it falls the wheels only counteract its pitching.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("pitch", "pitchRate", "_velocity", "_lag", "_turn_error", "_turn_error_sum")
+
     behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     wheelSep, wheelDiam = 0.54, 0.48

@@ -39,6 +39,8 @@ class Shrimp(DifferentialRobot):
     Dimensions as published for the real machine; layout chosen for libgz.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("endAngle",)
+
     behaviour = "motors that drive and steer its wheels; the spring of its fork; odometry"
     example = """
     <model:Shrimp>

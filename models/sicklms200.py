@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +45,8 @@ class SickAttributes:
 
 class SickLMS200(Model):
     """SICK's scanning laser range-finder with a mass of 7 kg; the origin is the centre of its bottom."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "_wanted_scan", "rays")
 
     attributes = SickAttributes
     interfaces = ("laser", "fiducial")
@@ -97,6 +100,18 @@ class SickLMS200(Model):
         self._first: NDArray[np.intp] = np.floor(place).astype(np.intp)
         self._second = np.minimum(self._first + 1, count - 1)
         self._share = place - self._first
+
+    @property
+    def _wanted_scan(self) -> tuple[float, ...]:
+        """What clients can change."""
+        return self.minAngle, self.maxAngle, self.rangeMax, self.rangeCount
+
+    @_wanted_scan.setter
+    def _wanted_scan(self, value: tuple[float, ...]) -> None:
+        if value != self._wanted_scan:
+            self.minAngle, self.maxAngle, self.rangeMax = value[:3]
+            self.rangeCount = int(value[3])
+            self._aim()
 
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         quirks = self.world.engine.quirks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 
@@ -40,6 +41,8 @@ class SonarRing:
         body: the body that they are fixed to.
         poses: (x, y, z [m], direction [rad]) of each sonar, in the body frame.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("rays",)
 
     def __init__(self, model: Model, body: Body, poses: Sequence[tuple[float, float, float, float]]) -> None:
         self.model = model

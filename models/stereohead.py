@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,8 @@ HIDDEN = 1.0  # [px]; difference of disparities from which on a nearer point occ
 
 class StereoHead(Model):
     """Two cameras side by side in one housing of 0.3 kg; the origin is the centre of its bottom."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "savers")
 
     attributes = StereoHeadAttributes
     interfaces = ("stereo",)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 from libgz.geometry import GzVectorMag, GzVectorSub
 from libgz.interfaces.wifi import GAZEBO_WIFI_MAX_LINKS, GAZEBO_WIFI_QUAL_DBM, Wifi
@@ -40,6 +41,8 @@ class WiFi(Model):
     minus 10 pathLoss log10(distance / 1 m): the log-distance model. Obstacles have no effect. The strongest link comes
     first, and there are at most 16.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("ip", "rate")
 
     attributes = WiFiAttributes
     interfaces = ("wifi",)

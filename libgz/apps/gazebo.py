@@ -23,6 +23,7 @@ from libgz.apps.console import (
 )
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
+from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.front import World
@@ -147,6 +148,7 @@ def make_parser() -> argparse.ArgumentParser:
         help="ODE's solver: world, the exact one (default), or quick, the iterative one, which holds stacks",
     )
     add("--strict", action="store_true", help=STRICT_HELP)
+    add_rewind_option(parser)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
 
@@ -162,6 +164,7 @@ class Run:
         self.pacer = Pacer(rate)
         self.stopped = False
         self.recorders: list[Recorder] = []
+        self.control: SnapshotControl | None = None
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
     def stop(self, number: int) -> None:
@@ -177,6 +180,8 @@ class Run:
             done += 1
             for recorder in self.recorders:
                 recorder.take()
+            if self.control is not None:
+                self.control.act()
             while not self.over(done) and not self.pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass
             if self._next_status <= time.monotonic():
@@ -261,7 +266,8 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             run.recorders += [Recorder(world, request) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
-            run.loop()
+            with SnapshotControl(world, options.rewind) as run.control:
+                run.loop()
             if sys.stdout.isatty():
                 run.print_status()
                 print()

@@ -23,6 +23,7 @@ from libgz.apps.classic_command import (
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.progress import show_loading
 from libgz.apps.server_log import add_log_options, keep_log
+from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
@@ -71,6 +72,7 @@ def make_parser() -> Parser:
     add("--server-id", type=whole_number("number"), help="serve the interfaces of legacy models under this server id")
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
+    add_rewind_option(parser)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]
@@ -171,16 +173,23 @@ class Server:
     def _loop(self, core: World, control: PlaybackControl | None) -> None:
         """Step until a signal, World.Stop, or the number of iterations ends the run."""
         server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
+        with SnapshotControl(core, self.options.rewind) as snapshots:
+            self._steps(core, control, server, snapshots)
+        core.events["Stop"]()
+        if self._stopped:
+            core.events["SigInt"]()
+
+    def _steps(
+        self, core: World, control: PlaybackControl | None, server: WorldServer | None, snapshots: SnapshotControl
+    ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
             done += self._step(core, control)
+            snapshots.act()
             if pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)
             while not self._over(server, done) and not pacer.sleep(core.GetSimTime() + core.GetPauseTime()):
                 pass
-        core.events["Stop"]()
-        if self._stopped:
-            core.events["SigInt"]()
 
     def _step(self, core: World, control: PlaybackControl | None) -> int:
         """One step; returns the number of iterations: 0 while the world is paused."""

@@ -34,6 +34,7 @@ COMMANDS = {
     "schema": "print a RELAX NG grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
     "set": "write fields of an interface of a running server",
+    "snapshot": "save and restore the state of a running server, or rewind it",
     "stats": "print the real-time factor of a running SDF world",
     "topic": "list, print, measure and publish topics of a running gzserver",
     "upgrade": "convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7",

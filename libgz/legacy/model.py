@@ -56,7 +56,7 @@ class Model(Entity):
     canonical body: ``self.AddBody(body, True)``.
     """
 
-    STATE = ("logPoses", "poses", "initialized", "_pick_id", "_gravity", "_enabled")
+    STATE: ClassVar[tuple[str, ...]] = ("logPoses", "poses", "initialized", "_pick_id", "_gravity", "_enabled")
 
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes

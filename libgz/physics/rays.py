@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from typing import TypeVar
+from typing import ClassVar, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,8 @@ class RayProximity:
         body: what the rays are fixed to.
         rayCount: how many.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_rays", "ranges", "rows")
 
     def __init__(self, world: HasEngine, body: Body, rayCount: int) -> None:
         if rayCount < 1:

@@ -147,7 +147,7 @@ class EngineState:
             *([table.census() for table in (tables.bodies, tables.joints, tables.geoms)]),
             *(_values(bodies), _values(dummies), _values(geoms), _values(joints)),
             [tuple(vars(geom.appearance).values()) for geom in geoms],
-            [joint._feedback is not None for joint in joints],
+            [(joint._feedback is not None, joint.bodies) for joint in joints],
         ]
         if collected != self._collected:
             self._block = self._encode(bodies, dummies, geoms, joints, attached)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from typing import ClassVar
 
 from libgz.physics.check import finite
 
@@ -20,7 +21,7 @@ class Clock:
         day_time: time since midnight at the start [s]; negative for the local clock's.
     """
 
-    STATE = ("sim_time", "pause_time", "iterations", "day_time")
+    STATE: ClassVar[tuple[str, ...]] = ("sim_time", "pause_time", "iterations", "day_time")
 
     def __init__(self) -> None:
         self.sim_time = self.pause_time = 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 __all__ = ["TIME_SLACK", "OldRate", "UpdateRate"]
 
@@ -15,7 +16,7 @@ class UpdateRate:
     The period is 1 / (rate + 1e-6), the old server's formula: 10 Hz is every fifth step of 20 ms.
     """
 
-    STATE = ("period", "last")
+    STATE: ClassVar[tuple[str, ...]] = ("period", "last")
 
     def __init__(self, rate: float) -> None:
         self.period = 1.0 / (rate + 1e-6)

@@ -30,7 +30,6 @@ def save(world: World) -> bytes:
     Raises:
         ParameterError: an object declares something as its state that is not plain data.
     """
-    engine: Any = world.engine
     number = {entity: index for index, entity in enumerate(world.entities)}
     sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
     return state.encode(
@@ -44,7 +43,7 @@ def save(world: World) -> bytes:
             "followers": [number[entity] for entity in world.followers],
             "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
             "extensions": {_name(e): state.get_state(e) for e in world.extensions if _declares(e)},
-            "engine": engine.get_state() if hasattr(engine, "get_state") else None,
+            "engine": world.engine.get_state(),
             "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
         }
     )
@@ -78,9 +77,7 @@ def restore(world: World, data: bytes) -> None:
     for extension in world.extensions:
         if _name(extension) in saved["extensions"]:
             state.set_state(extension, saved["extensions"][_name(extension)])
-    engine: Any = world.engine
-    if saved["engine"] is not None:
-        engine.set_state(saved["engine"])
+    world.engine.set_state(saved["engine"])
     for key, interface in _interfaces(world):
         if key in saved["interfaces"]:
             interface.set_bytes(saved["interfaces"][key])

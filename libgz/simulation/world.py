@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, Self, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from libgz.errors import (
     InterfaceError,
     NotFoundError,
     ParameterError,
+    StateError,
     nearest,
     pass_interrupt,
 )
@@ -41,6 +42,7 @@ from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
+from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.transport.guard import Guard
@@ -94,7 +96,7 @@ class World:
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    STATE = (
+    STATE: ClassVar[tuple[str, ...]] = (
         "name",
         "clock",
         "simSpeed",
@@ -107,6 +109,7 @@ class World:
         "backdrop",
         "physics_enabled",
         "starts_paused",
+        "_fallen_rows",
         "_numbers",
         "_paused",
     )
@@ -151,6 +154,7 @@ class World:
         self._fallen: set[int] = set()  # numbers of bodies that were reported
         self._numbers = 0  # of entities, that were given
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
+        self._rewind: Rewind | None = None
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
         self._begin, self._contact, self._end = (
@@ -483,6 +487,8 @@ class World:
                 self._inside = self.agenda.stepping = False
             if self.problems.failure is not None:
                 self.problems.check()
+            if self._rewind is not None and self._rewind.due(self.clock.sim_time):
+                self._rewind.keep(self.clock.sim_time, snapshot.save(self))
         finally:
             lock.release()
         return 0
@@ -642,6 +648,42 @@ class World:
             with self.hold():
                 snapshot.restore(self, state)
 
+    def keep_rewind(self, seconds: float, interval: float = 0.1, megabytes: float = 512.0) -> None:
+        """Keep the states of the last seconds of sim time from now on, for `rewind`; 0 seconds end that.
+
+        Args:
+            seconds: how far `rewind` can go back [s].
+            interval: between two states [s]; 0 for one after each step.
+            megabytes: what all states may take; beyond that the oldest ones are dropped.
+
+        Raises:
+            ParameterError: a number is negative, or not finite.
+            GazeboError: the world's state cannot be saved; see `get_state`.
+        """
+        for value, what in ((seconds, "seconds"), (interval, "interval [s]"), (megabytes, "megabytes")):
+            finite(not_negative(value, what), what)
+        with self.lock:
+            self._rewind = Rewind(seconds, interval, megabytes) if seconds > 0.0 else None
+            if self._rewind is not None:
+                self._rewind.keep(self.clock.sim_time, self.get_state())
+
+    def rewind(self, seconds: float) -> float:
+        """Bring the world back to the last state that was kept `seconds` or more before now; its sim time [s].
+
+        Raises:
+            ParameterError: the number is negative, or not finite.
+            StateError: no state was kept, or none that old.
+            GazeboError: a step is under way; and the errors of `set_state`.
+        """
+        finite(not_negative(seconds, "seconds"), "seconds")
+        with self.lock:
+            self._check_ready("rewound")
+            if self._rewind is None:
+                raise StateError("no states are kept to rewind to: call keep_rewind first, or start with --rewind SEC")
+            self.set_state(self._rewind.at(self.clock.sim_time - seconds))
+            self._rewind.due(self.clock.sim_time)
+            return self.clock.sim_time
+
     def clone(self) -> Self:
         """An independent world of the same file in the same state, without a server for other processes.
 
@@ -679,13 +721,14 @@ class World:
             raise self._start
         snapshot.restore(self, self._start)
 
-    def SaveState(self) -> object:
-        """What else is state: which bodies were reported as fallen."""
-        return sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen)
+    @property
+    def _fallen_rows(self) -> tuple[int, ...]:
+        """The rows of the bodies that were reported as fallen."""
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
 
-    def LoadState(self, state: Any) -> None:
-        """Take what SaveState returned."""
-        self._fallen = {self.engine.bodies[row].number for row in state if row in self.engine.bodies}
+    @_fallen_rows.setter
+    def _fallen_rows(self, rows: tuple[int, ...]) -> None:
+        self._fallen = {self.engine.bodies[row].number for row in rows if row in self.engine.bodies}
 
     def next_number(self) -> int:
         """A number for a new entity."""

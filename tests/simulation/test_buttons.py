@@ -12,7 +12,7 @@ def test_random_numbers_do_not_pause_reset_or_save(wire, paused, caplog):
         world.paused = paused
         world.Step()
         resets = []
-        world.Reset = lambda: resets.append(1)
+        world.era.press_reset = lambda _: resets.append(1)
         with libgz.Client(wire, 0) as client:
             data = client.sim().data
             for number in (2, -1, 1 << 30, 0x5A):

@@ -1,0 +1,59 @@
+"""libgz snapshot: save and restore the state of a running server, or rewind it: libgz snapshot save before.state."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from libgz.apps.console import number_from_zero
+from libgz.apps.target import add_server
+from libgz.errors import ParameterError
+from libgz.files import write_whole
+from libgz.transport.control import ask
+
+__all__ = ["configure", "run"]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the subcommands and options."""
+    commands = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
+    save = commands.add_parser("save", help="write the state of the running world to a file")
+    save.add_argument("file", metavar="FILE")
+    restore = commands.add_parser("restore", help="bring the running world into the state of a file")
+    restore.add_argument("file", metavar="FILE", help="written by `save`, of a server with the same world")
+    rewind = commands.add_parser("rewind", help="bring the running world back by some seconds of sim time")
+    rewind.add_argument(
+        "seconds",
+        metavar="SECONDS",
+        type=number_from_zero("number of seconds"),
+        help="how far back; the server was started with --rewind",
+    )
+    for command in (save, restore, rewind):
+        add_server(command)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Send the request, and print what was done.
+
+    Raises:
+        ServerError: there is no such server, or it cannot do it.
+        ParameterError: the file cannot be read or written.
+    """
+    if options.action == "save":
+        state = ask(options.server_id, "save")
+        try:
+            write_whole(Path(options.file), state)
+        except OSError as error:
+            raise ParameterError(f"cannot write {options.file!r}: {error.strerror}") from None
+        print(f"saved {len(state)} bytes to {options.file}")
+        return 0
+    if options.action == "restore":
+        try:
+            state = Path(options.file).read_bytes()
+        except OSError as error:
+            raise ParameterError(f"cannot read {options.file!r}: {error.strerror}") from None
+        now = ask(options.server_id, "restore", content=state)
+    else:
+        now = ask(options.server_id, "rewind", repr(options.seconds))
+    print(f"sim time is {now.decode()} s")
+    return 0

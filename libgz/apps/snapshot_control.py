@@ -1,0 +1,84 @@
+"""Shared by gazebo and gzserver: answers to `libgz snapshot`, and the option --rewind."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+from types import TracebackType
+
+from libgz.apps.console import number_above_zero
+from libgz.errors import GazeboError, ServerError
+from libgz.front import World
+from libgz.transport.control import Control, Request
+from libgz.transport.server import Server
+
+__all__ = ["SnapshotControl", "add_rewind_option"]
+
+log = logging.getLogger("libgz.gazebo")
+
+
+def add_rewind_option(parser: argparse.ArgumentParser) -> None:
+    """Add --rewind."""
+    parser.add_argument(
+        "--rewind",
+        type=number_above_zero("number of seconds"),
+        metavar="SEC",
+        help="keep the states of the last seconds of sim time, for `libgz snapshot rewind`",
+    )
+
+
+class SnapshotControl:
+    """Saves, restores and rewinds a world that runs, when other processes ask for it.
+
+    Args:
+        world: it is initialized.
+        rewind: how many seconds of sim time are kept for rewinding [s]; None for none.
+    """
+
+    def __init__(self, world: World, rewind: float | None = None) -> None:
+        self.world = world
+        self._control: Control | None = None
+        if rewind is not None:
+            world.keep_rewind(rewind)
+        if isinstance(world.gz_server, Server):
+            try:
+                self._control = Control(world.gz_server.path)
+            except ServerError as error:
+                log.warning("`libgz snapshot` cannot reach this server: %s", error)
+
+    def __enter__(self) -> SnapshotControl:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._control is not None:
+            self._control.close()
+
+    def act(self) -> None:
+        """Answer what was asked for; between two steps."""
+        while self._control is not None and self._control.waiting:
+            request = self._control.waiting.popleft()
+            try:
+                request.answer(self._obey(request))
+            except GazeboError as error:
+                request.answer(error=str(error))
+            except BaseException:
+                request.answer(error="the server failed; its log says why")
+                raise
+
+    def _obey(self, request: Request) -> bytes:
+        world = self.world
+        if request.verb == "save":
+            return world.get_state()
+        if request.verb == "restore":
+            world.set_state(request.content)
+        elif request.verb == "rewind":
+            try:
+                world.rewind(float(request.argument))
+            except ValueError as error:
+                raise GazeboError(str(error)) from None
+        else:
+            raise GazeboError(f"there is no request {request.verb!r}")
+        log.info("%s: sim time is %g s", request.verb, world.GetSimTime())
+        return f"{world.GetSimTime():g}".encode()

@@ -1,0 +1,77 @@
+"""Rewind: the states of the last seconds of a world."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from libgz.errors import StateError
+
+__all__ = ["Rewind"]
+
+SLACK = 1e-9  # [s]; the error of a sum of step times is less
+MEGABYTE = 1 << 20
+
+
+class _Moment(NamedTuple):
+    sim_time: float  # [s]
+    state: bytes
+
+
+class Rewind:
+    """A ring of states, a fixed sim time apart.
+
+    Args:
+        seconds: how far it reaches back [s of sim time].
+        interval: between two states [s]; 0 for a state after each step.
+        megabytes: what all states may take together; when they take more, the oldest ones go.
+    """
+
+    def __init__(self, seconds: float, interval: float, megabytes: float) -> None:
+        self.seconds, self.interval = seconds, interval
+        self._most = megabytes * MEGABYTE
+        self._moments: deque[_Moment] = deque()
+        self._size = 0
+
+    @property
+    def reach(self) -> float:
+        """The sim time of the oldest state [s].
+
+        Raises:
+            StateError: there is none yet.
+        """
+        if not self._moments:
+            raise StateError("no state was kept yet to rewind to")
+        return self._moments[0].sim_time
+
+    def due(self, now: float) -> bool:
+        """Whether a state is to be kept at sim time `now` [s]; those of later times are dropped."""
+        while self._moments and self._moments[-1].sim_time > now + SLACK:
+            self._drop(self._moments.pop())
+        if not self._moments:
+            return True
+        passed = now - self._moments[-1].sim_time
+        return passed > SLACK and passed >= self.interval - SLACK
+
+    def keep(self, now: float, state: bytes) -> None:
+        """Add a state of sim time `now` [s]."""
+        self._moments.append(_Moment(now, state))
+        self._size += len(state)
+        while len(self._moments) > 1 and (
+            self._size > self._most or self._moments[1].sim_time <= now - self.seconds + SLACK
+        ):
+            self._drop(self._moments.popleft())
+
+    def _drop(self, moment: _Moment) -> None:
+        self._size -= len(moment.state)
+
+    def at(self, sim_time: float) -> bytes:
+        """The last state at or before a sim time [s].
+
+        Raises:
+            StateError: it is before the oldest one.
+        """
+        for moment in reversed(self._moments):
+            if moment.sim_time <= sim_time + SLACK:
+                return moment.state
+        raise StateError(f"sim time {sim_time:g} s is before the oldest state that was kept, of {self.reach:g} s")

@@ -12,6 +12,7 @@ from libgz.classic.loading import LoadedPlugin, new_plugin
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.ids import Ids
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
@@ -64,6 +65,7 @@ class WorldServer:
     Attributes:
         element: the `<world>` element; None if the world was not loaded from SDF.
         world: the view on the world.
+        ids: the numbers of views.
         activity: joint controllers, batteries, animations and attached models.
         physics, presets: settings of the engine, and their profiles.
         paused_steps: requested iterations of a paused world.
@@ -78,6 +80,7 @@ class WorldServer:
         root = file.root if file is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = core.facade = World(core, self)
+        self.ids = Ids(self.world)
         self.activity = Activity(self.world)
         self.physics = PhysicsEngine(self.world)
         self.presets = PresetManager(self.world)
@@ -323,11 +326,12 @@ class WorldServer:
             "physics": get_state(self.physics),
             "presets": get_state(self.presets),
             "paused_steps": get_state(self.paused_steps),
+            "ids": self.ids.save(),
             "activity": self.activity.save(),
             "sensors": self.sensors.save() if self.sensors is not None else None,
             "topics": self.topics.save() if self.topics is not None and not starting else None,
             "plugins": [
-                (kind, holder, [_saved(plugin, starting) for plugin in plugins])
+                (kind, holder, [_saved(plugin, starting) for plugin in plugins if plugin.plugin is not None])
                 for kind, holder, plugins in self._plugins_by_holder()
             ],
         }
@@ -344,6 +348,7 @@ class WorldServer:
             self.sensors.load((0.0, -math.inf, ()))
         self.activity.load(state["activity"])
         self._load_plugins(state["plugins"])
+        self.ids.load(state["ids"])
         for part in ("physics", "presets", "paused_steps"):
             set_state(getattr(self, part), state[part])
         if self.topics is not None and state["topics"] is not None:

@@ -19,6 +19,8 @@ __all__ = ["DrivePlugin"]
 class DrivePlugin(ModelPlugin):
     """Receives commands, and runs the wheels in every iteration."""
 
+    STATE = ("command",)
+
     command = (0.0, 0.0)  # speed forward [m/s], yaw rate [rad/s] with the sign of the message
 
     def listen(self, model: Model) -> None:

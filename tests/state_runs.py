@@ -88,7 +88,7 @@ class Run:
     def parts(self) -> list[bytes]:
         """The same in parts."""
         world, view = self.world, self.view
-        parts = [repr(world.GetSimTime()).encode(), world.engine.states.tobytes()]
+        parts = [repr(world.GetSimTime()).encode(), world.engine.states[list(world.engine.bodies)].tobytes()]
         for model in view.all_models():
             parts.append(repr(tuple(model.WorldPose())).encode() if hasattr(model.WorldPose(), "__iter__") else b"")
             for joint in model.GetJoints():

@@ -1,115 +1,99 @@
-"""Runs of SDF worlds with commands, recorded to the bit, for tests of states."""
+"""Runs of legacy worlds that show whether a state is all there is: traces of all states and interface bytes.
+
+As a program, it runs a world on from a state, in a process of its own, and prints the digest of the trace.
+
+python state_runs.py WORLD STATE STEPS SEED
+"""
 
 from __future__ import annotations
 
 import hashlib
 import random
+import sys
 from pathlib import Path
-from typing import Any
 
-from libgz import World
-from libgz.classic import msgs
-from libgz.classic.server import attach
-from libgz.classic.transport import Node
+import numpy as np
 
-WALL_CLOCK = ("world_stats", "pose/info", "pose/local/info", "diagnostics", "response", "request", "sim_events")
+import libgz
+from libgz.interfaces.sim import Sim
 
-
-class Run:
-    """Steps a world with commands that depend on the number of the step only, and records what happens.
-
-    Args:
-        world: a world that runs.
-        seed: of the commands.
-    """
-
-    def __init__(self, world: World, seed: int = 1) -> None:
-        self.world, self.seed = world, seed
-        self.view = attach(world).world
-        self.messages: list[bytes] = []
-        self._node = Node()
-        self._node.Init(self.view.Name())
-        self._subscribers: list[Any] = []
-        self._publishers: dict[str, Any] = {}
-
-    def watch(self) -> None:
-        """Activate all sensors, and subscribe to their topics and those of plugins."""
-        from libgz.classic.transport import TopicManager
-
-        sensors = self.view.server.sensors
-        for sensor in sensors.sensors.values() if sensors is not None else ():
-            sensor.SetActive(True)
-        prefix = f"/gazebo/{self.view.Name()}/"
-        for topic in list(TopicManager.Instance().AdvertisedTopics()):
-            if topic.startswith(prefix) and not topic.endswith(WALL_CLOCK):
-                self._subscribers.append(self._node.Subscribe(topic, self._keep))
-
-    def _keep(self, message: Any) -> None:
-        self.messages.append(message.SerializeToString())
-
-    def command(self, number: int) -> None:
-        """Apply the commands of a step: forces, joint targets, messages."""
-        rng = random.Random(self.seed * 100_003 + number)
-        models = [model for model in self.view.all_models() if not model.IsStatic()]
-        if not models:
-            return
-        model = models[rng.randrange(len(models))]
-        joints, links = model.GetJoints(), model.GetLinks()
-        if number % 7 == 0 and links:
-            links[0].AddForce((rng.uniform(-2, 2), rng.uniform(-2, 2), 0.0))
-        if number % 11 == 0 and joints and joints[0].DOF():
-            joints[0].SetForce(0, rng.uniform(-0.2, 0.2))
-        if number % 50 == 1 and joints and joints[0].DOF():
-            model.GetJointController().SetPositionTarget(joints[0].GetScopedName(), rng.uniform(-0.5, 0.5))
-        if number % 40 == 3:
-            topic = f"~/{model.GetName()}/vel_cmd"
-            if topic not in self._publishers:
-                self._publishers[topic] = self._node.Advertise(msgs.Pose, topic)
-            message = msgs.Pose()
-            message.position.x, message.orientation.w = rng.uniform(-0.3, 0.3), 1.0
-            self._publishers[topic].Publish(message)
-
-    def steps(self, count: int, *, every: int = 1) -> list[bytes]:
-        """Run steps with commands; what the world was like after each of them, as digests."""
-        self.messages.clear()
-        record = []
-        for _ in range(count):
-            number = self.world.iterations
-            self.command(number)
-            self.world.Step()
-            if not number % every:
-                record.append(self.digest())
-        return record
-
-    def digest(self) -> bytes:
-        """All that can be seen of the world now: engine, joints, sensors, images, messages since the run began."""
-        return hashlib.blake2b(b"".join(self.parts()), digest_size=16).digest()
-
-    def parts(self) -> list[bytes]:
-        """The same in parts."""
-        world, view = self.world, self.view
-        parts = [repr(world.GetSimTime()).encode(), world.engine.states[list(world.engine.bodies)].tobytes()]
-        for model in view.all_models():
-            parts.append(repr(tuple(model.WorldPose())).encode() if hasattr(model.WorldPose(), "__iter__") else b"")
-            for joint in model.GetJoints():
-                values = [(joint.Position(i), joint.GetVelocity(i), joint.GetForce(i)) for i in range(joint.DOF())]
-                parts.append(repr(values).encode())
-            for link in model.GetLinks():
-                parts.append(repr([battery.Voltage() for battery in link.batteries]).encode())
-        sensors = view.server.sensors
-        for sensor in sensors.sensors.values() if sensors is not None else ():
-            parts.append(repr((sensor.LastMeasurementTime().Double(), sensor.IsActive())).encode())
-            if sensor.message_type is not None:
-                parts.append(sensor.message().SerializeToString())
-        return [*parts, *self.messages]
+PERIOD = 20  # steps between commands
 
 
-def first_difference(one: list[bytes], other: list[bytes]) -> int | None:
-    """The number of the first step that differs; None if none does."""
-    assert len(one) == len(other)
-    return next((i for i, (a, b) in enumerate(zip(one, other, strict=True)) if a != b), None)
+def command(world, rng):
+    """Command everything that takes commands, some of it wrongly."""
+    for (kind, _), interface in sorted(world.gz_server.interfaces.items()):
+        data = interface.data
+        if kind == "position":
+            interface.command(vx=rng.uniform(-0.4, 0.6), vyaw=rng.uniform(-0.6, 0.6))
+            data.cmd_enable_motors = rng.random() < 0.9
+        elif kind == "gripper":
+            interface.command(rng.randrange(1, 9))
+        elif kind == "ptz":
+            interface.command(pan=rng.uniform(-1.0, 1.0), tilt=rng.uniform(-0.4, 0.4), zoom=rng.uniform(0.3, 1.0))
+        elif kind == "joint":
+            for joint in data.joints[: data.joint_count]:
+                joint.cmd_angle, joint.cmd_angle2 = rng.uniform(-0.5, 0.5), rng.uniform(-0.2, 0.2)
+        elif kind == "laser" and rng.random() < 0.3:
+            data.cmd_min_angle, data.cmd_max_angle = -rng.uniform(0.5, 1.5), rng.uniform(0.5, 1.5)
+            data.cmd_max_range, data.cmd_range_count = rng.uniform(4.0, 8.0), rng.randrange(20, 181)
+            data.cmd_new_angle = data.cmd_new_length = 1
+        elif kind == "guicam":
+            data.display_rays = rng.random() < 0.5
+            data.cmd_spot_state, data.cmd_spot_mode = rng.randrange(2), rng.randrange(3)
+            data.cmd_spot_a[:], data.cmd_spot_b[:] = (10.0, 10.0), (rng.uniform(5, 15), rng.uniform(5, 15))
+        elif kind == "truth" and rng.random() < 0.1:
+            x, y = rng.uniform(-2, 2), rng.uniform(-2, 2)
+            data.cmd_pos[:], data.cmd_rot[:], data.cmd_new = (x, y, 0.5), (1.0, 0.0, 0.0, 0.0), 1
 
 
-def opened(path: str | Path, **options: Any) -> Run:
-    """A run of a world of a file."""
-    return Run(World.from_file(path, **options))
+def look(world):
+    """Everything that can be seen of a world, as bytes by name: states, joints, clock, all bytes of interfaces."""
+    engine = world.engine
+    clock = (world.GetSimTime(), world.GetPauseTime(), world.iterations)
+    found = {"clock": repr(clock).encode(), "models": repr([entity.GetId() for entity in world.entities]).encode()}
+    found["states"] = b"".join(np.ascontiguousarray(engine.states[row]).tobytes() for row in engine.bodies)
+    found["joints"] = b"".join(engine.tables.joints.state[row].tobytes() for row in engine.joints)
+    for (kind, name), interface in sorted(world.gz_server.interfaces.items()):
+        content = bytearray(interface.get_bytes())
+        if kind == Sim.type:
+            at = type(interface.data).real_time.offset
+            content[at : at + 8] = bytes(8)
+        found[f"{kind}.{name}"] = bytes(content)
+    return found
+
+
+def run(world, steps, seed):
+    """Step with commands; what is seen after each step, as short digests by name."""
+    rng, trace = random.Random(seed), []
+    for step in range(steps):
+        if step % PERIOD == 0:
+            command(world, rng)
+        world.Step()
+        trace.append({name: hashlib.blake2b(data, digest_size=8).hexdigest() for name, data in look(world).items()})
+    return trace
+
+
+def difference(one, other):
+    """Where two traces differ first, or None."""
+    for step, (a, b) in enumerate(zip(one, other, strict=True)):
+        if a != b:
+            names = sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
+            return f"step {step}: {', '.join(names[:6])}"
+    return None
+
+
+def digest(trace):
+    """One digest of a trace."""
+    return hashlib.blake2b(repr(trace).encode()).hexdigest()
+
+
+def main(world, state, steps, seed):
+    """Continue from a state, and print the digest."""
+    with libgz.World.from_file(world) as found:
+        found.set_state(Path(state).read_bytes())
+        print(digest(run(found, int(steps), int(seed))))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

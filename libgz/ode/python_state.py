@@ -121,7 +121,8 @@ def _coded(parts: Parts, code: int) -> int:
 def _read_orders(ode_: OdeLibrary, parts: Parts, state: bytes) -> tuple[list[list[int]] | None, int]:
     """The geoms of each space, then of each body, and where the rest of the state begins; None: they do not fit."""
     bodies, _, _, spaces = parts.handles
-    orders, at = [], 0
+    orders: list[list[int]] = []
+    at = 0
     for owner in (*reversed(spaces), *bodies):
         is_space = len(orders) < len(spaces)
         present = ode_.dSpaceGetNumGeoms(owner) if is_space else len(_geoms_of(ode_, owner))

@@ -536,8 +536,8 @@ static int deepest(contact *points, int count, int most)
     return count;
 }
 
-/* Make room for so many records; 0 without memory. */
-static int room_for_records(context *c, int64_t capacity)
+/* Allocate so many records; 0 without memory. */
+static int have_records(context *c, int64_t capacity)
 {
     contact_record *records;
     pending_contact *pending;
@@ -560,7 +560,7 @@ static void record_point(context *c, const contact *point, void *geom1, void *ge
 {
     contact_record *r;
     if (c->record_count == c->record_capacity &&
-        !room_for_records(c, c->record_capacity ? 2 * c->record_capacity : 64))
+        !have_records(c, c->record_capacity ? 2 * c->record_capacity : 64))
         return;
     r = c->records + c->record_count;
     memset(r, 0, sizeof *r);
@@ -834,7 +834,7 @@ static void collect_feedback(context *c)
 void gz_set_contacts(context *c, const contact_record *records, int64_t count)
 {
     int64_t i;
-    c->record_count = room_for_records(c, count) ? count : 0;
+    c->record_count = have_records(c, count) ? count : 0;
     if (!c->record_count)
         return;
     memcpy(c->records, records, (size_t)count * sizeof(contact_record));
@@ -1199,14 +1199,14 @@ typedef struct {
 static void copy(tape *t, void *object, int64_t begin, int64_t end)
 {
     unsigned char *memory = (unsigned char *)object + begin;
-    int64_t size = end - begin, room = (size + 7) / 8 * 8;
+    int64_t size = end - begin, padded = (size + 7) / 8 * 8;
     if (t->bytes && t->reading)
         memcpy(memory, t->bytes + t->at, (size_t)size);
     else if (t->bytes) {
-        memset(t->bytes + t->at + size, 0, (size_t)(room - size));
+        memset(t->bytes + t->at + size, 0, (size_t)(padded - size));
         memcpy(t->bytes + t->at, memory, (size_t)size);
     }
-    t->at += room;
+    t->at += padded;
 }
 
 static int64_t number(tape *t, int64_t value)

@@ -40,6 +40,12 @@ class Appearance:
     pick_id: int = 0
     render_order: int = RENDER_OPAQUE
     version: int = 0  # grows with each change; a renderer then rebuilds the geom
+    edits: int = field(default=0, init=False, compare=False)  # grows with each assignment
+
+    def __setattr__(self, name: str, value: object) -> None:
+        values = vars(self)
+        values[name] = value
+        values["edits"] = values.get("edits", 0) + 1
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""

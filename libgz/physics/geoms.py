@@ -147,6 +147,7 @@ class TriMeshGeom(Geom):
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
     KEPT = ("changed_mesh",)
+    _first_mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None = None
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
     @built
@@ -154,19 +155,18 @@ class TriMeshGeom(Geom):
         super().__init__(body, space)
         self._data: int | None = None
         self.set_mesh(vertices, triangles)
-        self._first_mesh = self.vertices, self.triangles
 
     @property
     def changed_mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]] | None:
-        """Vertices and triangles, if they are not those of the constructor."""
-        mesh = self.vertices, self.triangles
-        return None if mesh[0] is self._first_mesh[0] else mesh
+        """Vertices and triangles, if they are not the first ones."""
+        first = self._first_mesh
+        return None if first is None or first[0] is self.vertices else (self.vertices, self.triangles)
 
     @changed_mesh.setter
     def changed_mesh(self, mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None) -> None:
         if mesh is not None:
             self.set_mesh(*mesh)
-        elif self.changed_mesh is not None:
+        elif self.changed_mesh is not None and self._first_mesh is not None:
             self.set_mesh(*self._first_mesh)
             self.vertices, self.triangles = self._first_mesh
 
@@ -187,6 +187,7 @@ class TriMeshGeom(Geom):
                 raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
         corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
+        self._first_mesh = self._first_mesh or (points, corners)
         self._reshaped()
         if self.space is None:
             return  # it is only rendered

@@ -57,6 +57,9 @@ _constraints = attrgetter("erp", "cfm", "correcting_velocity")
 _progress = attrgetter("steps", "contact_count", "max_distance")
 
 
+_type: Any = type  # mypy takes a class for no key of a cache
+
+
 @functools.cache
 def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
     """Reads what a class and its bases keep: their attributes KEPT."""
@@ -71,7 +74,7 @@ def _kept(kind: Any) -> tuple[str, ...]:
 
 
 def _values(things: Iterable[Any]) -> list[tuple[Any, ...]]:
-    return [_getter(type(thing))(thing) for thing in things]
+    return [_getter(_type(thing))(thing) for thing in things]
 
 
 class EngineState:
@@ -87,6 +90,7 @@ class EngineState:
         self._context = context
         self._collected: list[Any] = []  # at the last encoding
         self._block = b""  # that encoding
+        self._parts: Parts | None = None
 
     @property
     def _engine(self) -> Any:
@@ -105,14 +109,14 @@ class EngineState:
         joints = list(engine.joints.values())
         return {
             "ode": layout().digest,
-            "settings": _settings(engine),
+            "settings": [int(value) if isinstance(value, ContactRule) else value for value in _settings(engine)],
             "counters": _counters(engine),
             "solver": _solver(engine),
             "constraints": _constraints(engine),
             "context": _progress(self._context),
             "quirks": sorted(engine.quirks),
             "objects": self._objects(),
-            "memory": engine.step_form.get_state(self._parts()),
+            "memory": engine.step_form.get_state(self._present_parts()),
             "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
             "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
             "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
@@ -124,18 +128,20 @@ class EngineState:
             "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
         }
 
-    def _parts(self) -> Parts:
+    def _present_parts(self) -> Parts:
         engine = self._engine
         geoms = [0] * engine.tables.geoms.used
         for row, geom in engine.geoms.items():
             geoms[row] = geom._id or 0
-        return Parts(
-            layout(),
+        handles = (
             [body._id for body in engine.bodies.values()],
             [joint._id for joint in engine.joints.values()],
             geoms,
             [engine.top.id, *(space._id for space in engine.spaces)],
         )
+        if self._parts is None or self._parts.handles != handles:
+            self._parts = Parts(layout(), *handles)
+        return self._parts
 
     def _objects(self) -> bytes:
         """What Python knows of the objects, as JSON."""
@@ -146,7 +152,7 @@ class EngineState:
             *(bodies, dummies, geoms, joints, attached, list(engine.spaces)),
             *([table.census() for table in (tables.bodies, tables.joints, tables.geoms)]),
             *(_values(bodies), _values(dummies), _values(geoms), _values(joints)),
-            [tuple(vars(geom.appearance).values()) for geom in geoms],
+            [geom.appearance.edits for geom in geoms],
             [(joint._feedback is not None, joint.bodies) for joint in joints],
         ]
         if collected != self._collected:
@@ -188,7 +194,7 @@ class EngineState:
         if block != self._objects():
             self._restore_objects(json.loads(block))
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._parts(), state["memory"]):
+        if not engine.step_form.set_state(self._present_parts(), state["memory"]):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
@@ -233,7 +239,7 @@ class EngineState:
     def _restore_parts(self, state: dict[str, Any]) -> None:
         engine = self._engine
         for coupling, values in zip(engine.couplings, state["couplings"], strict=True):
-            for name, value in zip(_kept(type(coupling)), values, strict=True):
+            for name, value in zip(_kept(_type(coupling)), values, strict=True):
                 setattr(coupling, name, value)
         size, at = ctypes.sizeof(JointFeedback), 0
         for joint in engine.joints.values():
@@ -264,6 +270,9 @@ class EngineState:
         for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
             if table.census() != _tuples(census):
                 table.arrange(*census)
+        tables.bodies.ids[:] = tables.joints.ids[:] = 0
+        for body in bodies:
+            tables.bodies.ids[body.row] = body._id
         for body, (_, values) in zip((*bodies, *dummies), (*saved["bodies"], *saved["dummies"]), strict=True):
             _assign(body, values)
         engine.auto_disabled.clear()
@@ -407,22 +416,22 @@ def _refresh(table: Any) -> None:
 
 
 def _plain_values(thing: Any) -> Iterable[Any]:
-    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(type(thing))(thing))
+    return (list(v) if isinstance(v, (list, tuple)) else v for v in _getter(_type(thing))(thing))
 
 
 def _named(thing: Any) -> list[Any]:
     """What an object keeps, in the order of its KEPT."""
-    return [_plain(value) for value in _getter(type(thing))(thing)]
+    return [_plain(value) for value in _getter(_type(thing))(thing)]
 
 
 def _appearance(look: Any) -> dict[str, Any]:
-    return {name: _plain(value) for name, value in vars(look).items() if name != "version"}
+    return {name: _plain(value) for name, value in vars(look).items() if name not in ("version", "edits")}
 
 
 def _assign(thing: Any, values: list[Any]) -> bool:
     """Set what an object keeps; returns whether something was different."""
     changed = False
-    for name, value, present in zip(_kept(type(thing)), values, _named(thing), strict=True):
+    for name, value, present in zip(_kept(_type(thing)), values, _named(thing), strict=True):
         if value != present:
             setattr(thing, name, _value(value))
             changed = True

@@ -1,0 +1,71 @@
+"""The cost of states, in steps of the same world.
+
+    python benchmarks/state.py
+
+Times are of the processor, medians taken in turn within one run, and their ratios to the time of a step.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections.abc import Callable
+
+from step import build
+
+import libgz
+from libgz.physics.engine import Engine
+
+ROUNDS = 15
+STEPS, STATES = 100, 30  # in a round
+MOST_GET, MOST_SET = 3.0, 10.0
+BOX = """<model name="b{0}"><pose>{1} {2} {3} 0 0 0</pose><link name="link">
+<collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision>
+<visual name="v"><geometry><box><size>1 1 1</size></box></geometry></visual></link></model>"""
+GROUND = """<model name="ground"><static>1</static><link name="link"><collision name="c"><geometry><plane>
+<normal>0 0 1</normal><size>100 100</size></plane></geometry></collision></link></model>"""
+
+
+def boxes(count: int) -> libgz.World:
+    """An SDF world of boxes on the ground, in stacks of two."""
+    models = [BOX.format(i, 1.5 * (i // 2 % 5), 1.5 * (i // 10), 0.5 + i % 2) for i in range(count)]
+    return libgz.World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{''.join(models)}</world></sdf>")
+
+
+def _time(work: Callable[[], object], count: int) -> float:
+    start = time.process_time()
+    for _ in range(count):
+        work()
+    return (time.process_time() - start) / count
+
+
+def measure(name: str, engine: Engine, steps: int = 200) -> None:
+    """Print what a step, a state and its restoration take, after so many steps."""
+    for _ in range(steps):
+        engine.step()
+    state = engine.get_state()
+    samples = []
+    for _ in range(ROUNDS):
+        step = _time(engine.step, STEPS)
+        get = _time(engine.get_state, STATES)
+        put = _time(lambda: engine.set_state(state), STATES)
+        samples.append((step, get, put))
+    step, get, put = (statistics.median(column) for column in zip(*samples, strict=True))
+    size = sum(len(value) for value in state.values() if isinstance(value, bytes))
+    print(
+        f"{name:12} step {step * 1e6:7.1f} us   get_state {get / step:5.2f} steps (limit {MOST_GET:g})   "
+        f"set_state {put / step:5.2f} steps (limit {MOST_SET:g})   {size / 1024:.0f} KiB"
+    )
+
+
+def main() -> None:
+    """Measure worlds of robots on a plane, and of boxes in a pile."""
+    measure("1 robot", build(1))
+    measure("10 robots", build(10))
+    with boxes(50) as world:
+        measure("50 SDF boxes", world.engine)
+        measure("  asleep", world.engine, 3000)
+
+
+if __name__ == "__main__":
+    main()

@@ -44,6 +44,8 @@ class ExampleAttributes:
 class ExampleModel(Model):
     """Two driven wheels and a skid; the origin is on the ground below the axle."""
 
+    STATE = ("rate", "x", "y", "yaw")  # what changes while it runs: states and resets of the world keep it
+
     def Load(self, file, node):
         """Create bodies and joints in the model's own frame: x forward, y left, z up."""
         values = read(ExampleAttributes, node)

@@ -29,7 +29,7 @@ import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state"]
+__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
 
 C = TypeVar("C", bound=Callable[..., Any])
 
@@ -70,6 +70,13 @@ def _names(kind: Any) -> tuple[str, ...]:
 def declares(kind: Any) -> bool:
     """Whether a class, or one of its bases, declares state."""
     return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
+
+
+@cache
+def undeclared(kind: Any) -> bool:
+    """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
+    own = [base for base in kind.__mro__ if base is not object and not base.__module__.startswith("libgz.")]
+    return bool(own) and not any("STATE" in vars(base) or "SaveState" in vars(base) for base in own)
 
 
 def get_state(thing: Any) -> Any:

@@ -45,6 +45,7 @@ from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
+from libgz.simulation.state import undeclared
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -155,6 +156,7 @@ class World:
         self._numbers = 0  # of entities, that were given
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._rewind: Rewind | None = None
+        self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
         self._begin, self._contact, self._end = (
@@ -628,6 +630,7 @@ class World:
         """
         with self.lock:
             self._check_ready("saved")
+            self._warn_of_models()
             return snapshot.save(self)
 
     def set_state(self, state: bytes) -> None:
@@ -719,6 +722,7 @@ class World:
             raise ClosedError("Initialize comes before the first reset")
         if isinstance(self._start, GazeboError):
             raise self._start
+        self._warn_of_models()
         snapshot.restore(self, self._start)
 
     @property
@@ -729,6 +733,22 @@ class World:
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:
         self._fallen = {self.engine.bodies[row].number for row in rows if row in self.engine.bodies}
+
+    def warn_of_undeclared(self, what: str, kind: type) -> None:
+        """Warn once of a class of users that does not declare its state; `what` is what it is, such as ``model``."""
+        if kind in self._undeclared or not undeclared(kind):
+            return
+        self._undeclared.add(kind)
+        log.warning(
+            "%s %s declares no state, so states and resets keep only its bodies, joints and interfaces: add STATE = "
+            '("name", ...) with the attributes that change while it runs, or STATE = () if none does',
+            what,
+            kind.__name__,
+        )
+
+    def _warn_of_models(self) -> None:
+        for kind in {type(entity): None for entity in self.entities}:
+            self.warn_of_undeclared("model", kind)
 
     def next_number(self) -> int:
         """A number for a new entity."""

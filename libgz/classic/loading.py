@@ -92,12 +92,6 @@ class LoadedPlugin:
 
     # State -------------------------------------------------------------------------------------------------------
 
-    @property
-    def declares_state(self) -> bool:
-        """Whether its class declares its state itself, or is one of libgz's own."""
-        own = vars(self.plugin_class)
-        return "STATE" in own or "SaveState" in own or self.plugin_class.__module__.startswith("libgz.")
-
     def save(self) -> Any:
         """The plugin's declared state; None without one.
 

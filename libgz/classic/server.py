@@ -22,7 +22,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.state import get_state, set_state
+from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -315,7 +315,7 @@ class WorldServer:
     def get_state(self) -> dict[str, Any]:
         """The state of sensors, plugins, topics and all else of classic, as plain data.
 
-        That of the start has no states of plugins, for a reset calls their Reset instead.
+        That of the start has neither plugins, for a reset calls their Reset, nor messages.
         """
         starting = self.core.starting
         self.finish_added()
@@ -330,10 +330,7 @@ class WorldServer:
             "activity": self.activity.save(),
             "sensors": self.sensors.save() if self.sensors is not None else None,
             "topics": self.topics.save() if self.topics is not None and not starting else None,
-            "plugins": [
-                (kind, holder, [_saved(plugin, starting) for plugin in plugins if plugin.plugin is not None])
-                for kind, holder, plugins in self._plugins_by_holder()
-            ],
+            "plugins": self._saved_plugins() if not starting else None,
         }
 
     def set_state(self, state: dict[str, Any] | None) -> None:
@@ -347,7 +344,8 @@ class WorldServer:
         elif self.sensors is not None:
             self.sensors.load((0.0, -math.inf, ()))
         self.activity.load(state["activity"])
-        self._load_plugins(state["plugins"])
+        if state["plugins"] is not None:
+            self._load_plugins(state["plugins"])
         self.ids.load(state["ids"])
         for part in ("physics", "presets", "paused_steps"):
             set_state(getattr(self, part), state[part])
@@ -373,6 +371,12 @@ class WorldServer:
         for part in (self.sensors, self.visuals):
             if part is not None:
                 yield from part.plugins_by_holder()
+
+    def _saved_plugins(self) -> list[tuple[Any, ...]]:
+        return [
+            (kind, holder, [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None])
+            for kind, holder, plugins in self._plugins_by_holder()
+        ]
 
     def _load_plugins(self, rows: Iterable[Any]) -> None:
         wanted = {(kind, holder): plugins for kind, holder, plugins in rows}
@@ -424,8 +428,8 @@ class WorldServer:
     def _warn_of_undeclared(self) -> None:
         for *_, plugins in self._plugins_by_holder():
             for plugin in plugins:
-                kind = plugin.plugin_class
-                if kind not in self._undeclared and not plugin.declares_state:
+                kind: Any = plugin.plugin_class
+                if kind not in self._undeclared and undeclared(kind):
                     self._undeclared.add(kind)
                     log.warning(
                         "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
@@ -455,10 +459,6 @@ def _names(element: Element) -> tuple[str, str]:
 def _source(sdf: Element | None, holder: Element | None) -> str:
     """The text of a plugin's element; empty if it stands in its holder's element, or if there is none."""
     return "" if sdf is None or sdf.GetParent() is holder else upgraded(sdf).ToString()
-
-
-def _saved(plugin: LoadedPlugin, starting: bool) -> tuple[str, str, str, Any]:
-    return plugin.filename, plugin.name, plugin.source, None if starting else plugin.save()
 
 
 def _named(element: Element | None, name: str) -> Iterator[Element]:

@@ -272,10 +272,19 @@ class SdfWorld(Era):
         world.engine.sort_geoms()
 
     def reset(self, world: World) -> None:
-        """Return to the state at the end of loading, then reset the companions, and signal it; a pause stays."""
-        paused = world.paused
+        """Return to the state at the end of loading, then reset the companions, and signal it.
+
+        A pause stays, and so do the initial poses that models were given since.
+        """
+        paused, poses = world.paused, {entity: entity.initPose for entity in world.entities}
         world.return_to_start()
         world.paused = paused
+        moved = [entity for entity in world.entities if poses.get(entity, entity.initPose) != entity.initPose]
+        for entity in moved:
+            entity.initPose = poses[entity]
+        for entity in moved:
+            if entity.parent is None:
+                entity.restore()
         for companion in world.companions:
             companion.reset()
         world.events["WorldReset"]()

@@ -315,7 +315,7 @@ class WorldServer:
     def get_state(self) -> dict[str, Any]:
         """The state of sensors, plugins, topics and all else of classic, as plain data.
 
-        That of the start has neither plugins, for a reset calls their Reset, nor messages.
+        That of the start has no plugins, for a reset calls their Reset.
         """
         starting = self.core.starting
         self.finish_added()
@@ -329,7 +329,7 @@ class WorldServer:
             "ids": self.ids.save(),
             "activity": self.activity.save(),
             "sensors": self.sensors.save() if self.sensors is not None else None,
-            "topics": self.topics.save() if self.topics is not None and not starting else None,
+            "topics": self.topics.save() if self.topics is not None else None,
             "plugins": self._saved_plugins() if not starting else None,
         }
 
@@ -350,7 +350,7 @@ class WorldServer:
         for part in ("physics", "presets", "paused_steps"):
             set_state(getattr(self, part), state[part])
         if self.topics is not None and state["topics"] is not None:
-            self.topics.load(state["topics"])
+            self.topics.load(state["topics"], replace=state["plugins"] is not None)
 
     def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins.

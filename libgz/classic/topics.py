@@ -84,27 +84,33 @@ class WorldTopics:
         }
         return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
 
-    def save(self) -> tuple[Any, ...]:
-        """Messages of this process that wait for delivery, and the last one of each publisher, as plain data."""
-        waiting, latest = [], []
-        for topic in self._own():
-            for number, publisher in enumerate(topic.live_publishers()):
-                waiting += [(sent, topic.name, message) for sent, message in publisher.waiting]
-                if publisher.latest is not None:
-                    latest.append((topic.name, number, publisher.latest[1]))
-        waiting.sort(key=lambda row: row[0])
-        return [row[1:] for row in waiting], sorted(latest, key=lambda row: row[:2])
+    def save(self) -> list[tuple[str, Any]]:
+        """The messages of this process that wait for delivery, as plain data.
 
-    def load(self, state: Sequence[Any]) -> None:
-        """Take what `save` returned. Messages that have come from other processes since still wait."""
-        waiting, rows = state
-        latest = {(name, number): message for name, number, message in rows}
-        for topic in self._own():
-            for number, publisher in enumerate(topic.live_publishers()):
+        Those of other processes are not the world's, nor is the last message that a publisher keeps for late
+        subscribers.
+        """
+        waiting = [
+            (number, topic.name, message)
+            for topic in self._own()
+            for publisher in topic.live_publishers()
+            for number, message in publisher.waiting
+        ]
+        return [row[1:] for row in sorted(waiting, key=lambda row: row[0])]
+
+    def load(self, state: Sequence[tuple[str, Any]], *, replace: bool) -> None:
+        """Take what `save` returned.
+
+        Args:
+            state: what it returned.
+            replace: whether the messages of this process that wait now are dropped.
+        """
+        self._world.Physics().GetContactManager().release(self)
+        self._records = False  # until the next update finds subscribers
+        for topic in self._own() if replace else ():
+            for publisher in topic.live_publishers():
                 publisher.ClearBuffer()
-                message = latest.get((topic.name, number))
-                publisher.latest = (next(sequence), message) if message is not None else None
-        for name, message in waiting:
+        for name, message in state:
             topic = self._manager.topic(name)
             self._manager.queue.append(functools.partial(topic.deliver, next(sequence), message))
 

@@ -13,7 +13,7 @@ from libgz.classic.describe import contacts_of, model_message, poses_message, st
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
-from libgz.classic.transport.topic import Topic, sequence
+from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
@@ -90,13 +90,7 @@ class WorldTopics:
         Those of other processes are not the world's, nor is the last message that a publisher keeps for late
         subscribers.
         """
-        waiting = [
-            (number, topic.name, message)
-            for topic in self._own()
-            for publisher in topic.live_publishers()
-            for number, message in publisher.waiting
-        ]
-        return [row[1:] for row in sorted(waiting, key=lambda row: row[0])]
+        return waiting_messages(self._prefix)
 
     def load(self, state: Sequence[tuple[str, Any]], *, replace: bool) -> None:
         """Take what `save` returned.
@@ -107,17 +101,15 @@ class WorldTopics:
         """
         self._world.Physics().GetContactManager().release(self)
         self._records = False  # until the next update finds subscribers
-        for topic in self._own() if replace else ():
-            for publisher in topic.live_publishers():
-                publisher.ClearBuffer()
+        if replace:
+            drop_waiting(self._prefix)
         for name, message in state:
-            topic = self._manager.topic(name)
-            self._manager.queue.append(functools.partial(topic.deliver, next(sequence), message))
+            queue_message(name, message)
 
-    def _own(self) -> list[Topic]:
-        """The topics of this world."""
-        prefix = f"/gazebo/{self._world.Name()}/"
-        return [topic for name, topic in list(self._manager.topics.items()) if name.startswith(prefix)]
+    @property
+    def _prefix(self) -> str:
+        """Of the names of this world's topics."""
+        return f"/gazebo/{self._world.Name()}/"
 
     def model_added(self, model: Model) -> None:
         """Publish a model that was inserted."""

@@ -13,7 +13,7 @@ from libgz.classic.transport.manager import PATIENCE, TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.errors import ClosedError, ParameterError
 
-__all__ = ["Publisher"]
+__all__ = ["Publisher", "drop_waiting", "queue_message", "waiting_messages"]
 
 POLL = 0.002  # [s] between checks for a subscriber
 
@@ -36,9 +36,9 @@ class Publisher:
         self._limit = queueLimit
         self._period = 1.0 / hzRate if hzRate else 0.0
         self._due = 0.0
-        self.waiting: deque[tuple[int, Message]] = deque()
+        self._outbox: deque[tuple[int, Message]] = deque()
         # Not a method of this object: waiting messages are delivered even if the publisher is dropped before.
-        self._send_one = functools.partial(_send_one, topic, self.waiting)
+        self._send_one = functools.partial(_send_one, topic, self._outbox)
         self._open = True
         self._warned = False
         self.latest: tuple[int, Message] | None = None
@@ -70,9 +70,9 @@ class Publisher:
         self.latest = entry = (next(sequence), message.copy())
         topic = self._topic
         if topic.subscribers:
-            if len(self.waiting) < self._limit or not self._drop():
+            if len(self._outbox) < self._limit or not self._drop():
                 self._manager.queue.append(self._send_one)
-            self.waiting.append(entry)
+            self._outbox.append(entry)
             if block:
                 self.SendMessage()
         if topic.remote and (remote := self._manager.remote) is not None:
@@ -83,7 +83,7 @@ class Publisher:
         if not self._manager.delivering.acquire(timeout=PATIENCE):
             return
         try:
-            while self.waiting:
+            while self._outbox:
                 self._send_one()
         finally:
             self._manager.delivering.release()
@@ -91,7 +91,7 @@ class Publisher:
     def _drop(self) -> bool:
         """Drop the oldest waiting message, so that another can take its place in the queue."""
         try:
-            self.waiting.popleft()
+            self._outbox.popleft()
         except IndexError:
             return False
         if not self._warned:
@@ -134,11 +134,11 @@ class Publisher:
 
     def GetOutgoingCount(self) -> int:
         """Return the number of messages that wait for delivery in this process."""
-        return len(self.waiting)
+        return len(self._outbox)
 
     def ClearBuffer(self) -> None:
         """Drop the waiting messages."""
-        self.waiting.clear()
+        self._outbox.clear()
 
     def Fini(self) -> None:
         """End the publication. Waiting messages are still delivered."""
@@ -159,3 +159,45 @@ def _send_one(topic: Topic, outbox: deque[tuple[int, Message]]) -> None:
     except IndexError:
         return
     topic.deliver(*entry)
+
+
+# States of worlds -----------------------------------------------------------------------------------------------------
+
+
+def waiting_messages(prefix: str) -> list[tuple[str, Message]]:
+    """Return (topic, message) of all that waits in this process on topics with a prefix, in the order of delivery."""
+    found: dict[int, tuple[str, Message]] = {}
+    for deliver in list(TopicManager.Instance().queue):
+        if isinstance(deliver, functools.partial) and deliver.func is _send_one:
+            topic, outbox = deliver.args
+            found.update({number: (topic.name, message) for number, message in outbox})
+        elif isinstance(deliver, _Waiting):
+            found[deliver.number] = deliver.topic, deliver.message
+    return [entry for _, entry in sorted(found.items()) if entry[0].startswith(prefix)]
+
+
+def drop_waiting(prefix: str) -> None:
+    """Drop the messages that `waiting_messages` returns."""
+    queue = TopicManager.Instance().queue
+    for deliver in list(queue):
+        if isinstance(deliver, functools.partial) and deliver.func is _send_one:
+            topic, outbox = deliver.args
+            if topic.name.startswith(prefix):
+                outbox.clear()
+        elif isinstance(deliver, _Waiting) and deliver.topic.startswith(prefix):
+            queue.remove(deliver)
+
+
+def queue_message(topic: str, message: Message) -> None:
+    """Let a message wait on a topic, for those that have subscribed by now."""
+    TopicManager.Instance().queue.append(_Waiting(topic, message))
+
+
+class _Waiting:
+    """A message whose publisher is not known any more."""
+
+    def __init__(self, topic: str, message: Message) -> None:
+        self.topic, self.message, self.number = topic, message, next(sequence)
+
+    def __call__(self) -> None:
+        TopicManager.Instance().topic(self.topic).deliver(self.number, self.message)

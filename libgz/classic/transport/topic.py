@@ -51,7 +51,6 @@ class LocalPublisher(Protocol):
 
     id: int
     latest: tuple[int, Message] | None  # the last message and its number
-    waiting: deque[tuple[int, Message]]  # for delivery in this process, with their numbers
 
     def GetMsgType(self) -> str:
         """Return the full name of the messages' type."""

@@ -10,9 +10,10 @@ from typing import Any
 from libgz import World
 from libgz.classic import msgs
 from libgz.classic.server import attach
-from libgz.classic.transport import Node
+from libgz.classic.transport import Node, TopicManager
 
-WALL_CLOCK = ("world_stats", "pose/info", "pose/local/info", "diagnostics", "response", "request", "sim_events")
+# Topics that depend on the wall clock, announce what a restore builds again, or have this module's own commands.
+LEFT_OUT = ("world_stats", "pose/info", "pose/local/info", "response", "request", "sim_events", "model/info", "vel_cmd")
 
 
 class Run:
@@ -34,15 +35,22 @@ class Run:
 
     def watch(self) -> None:
         """Activate all sensors, and subscribe to their topics and those of plugins."""
-        from libgz.classic.transport import TopicManager
+        self.activate()
+        self.listen()
 
+    def listen(self) -> None:
+        """Subscribe to the topics of sensors and plugins that there are now."""
+        self._subscribers.clear()
+        prefix = f"/gazebo/{self.view.Name()}/"
+        for topic in list(TopicManager.Instance().AdvertisedTopics()):
+            if topic.startswith(prefix) and not topic.endswith(LEFT_OUT):
+                self._subscribers.append(self._node.Subscribe(topic, self._keep))
+
+    def activate(self) -> None:
+        """Activate all sensors."""
         sensors = self.view.server.sensors
         for sensor in sensors.sensors.values() if sensors is not None else ():
             sensor.SetActive(True)
-        prefix = f"/gazebo/{self.view.Name()}/"
-        for topic in list(TopicManager.Instance().AdvertisedTopics()):
-            if topic.startswith(prefix) and not topic.endswith(WALL_CLOCK):
-                self._subscribers.append(self._node.Subscribe(topic, self._keep))
 
     def _keep(self, message: Any) -> None:
         self.messages.append(message.SerializeToString())
@@ -90,7 +98,7 @@ class Run:
         world, view = self.world, self.view
         parts = [repr(world.GetSimTime()).encode(), world.engine.states[list(world.engine.bodies)].tobytes()]
         for model in view.all_models():
-            parts.append(repr(tuple(model.WorldPose())).encode() if hasattr(model.WorldPose(), "__iter__") else b"")
+            parts.append(repr(model.WorldPose()).encode())
             for joint in model.GetJoints():
                 values = [(joint.Position(i), joint.GetVelocity(i), joint.GetForce(i)) for i in range(joint.DOF())]
                 parts.append(repr(values).encode())

@@ -312,10 +312,14 @@ class SdfModel(Entity):
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         return frame, added, joints
 
-    def _start_of(self, name: str) -> tuple[tuple[float, ...], ...]:
-        """Where a link began: in the model frame, and global."""
+    def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
+        """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
         places = next(places for body, *places in self._places if body is self.links[name])
-        return tuple((*place.pos, *place.rot) for place in places)
+        return (*((*place.pos, *place.rot) for place in places), self._number_of(name))
+
+    def _number_of(self, name: str) -> int:
+        bodies = list(self.world.engine.bodies.values())
+        return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
     def LoadState(self, state: Sequence[Any]) -> None:
         """Take what SaveState returned: links and joints that came since go, those that went are made again."""
@@ -327,7 +331,9 @@ class SdfModel(Entity):
             self.remove_joint(name)
         for name in [name for name in self._added if name not in places]:
             self.remove_link(name)
-        for name, start in places.items():
+        for name, (*start, number) in places.items():
+            if name in self.links and self._number_of(name) != number:
+                self.remove_link(name)  # it came before what was built again
             body = self.links[name] if name in self.links else self.create_link(name)
             local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]

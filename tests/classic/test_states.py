@@ -48,8 +48,9 @@ def box(name, pose, inside="", link="", plugin=""):
 <visual name='v'><geometry><box><size>.4 .4 .4</size></box></geometry></visual>{link}</link>{inside}{plugin}</model>"""
 
 
-ARM = """<link name='arm'><pose>.3 0 0 0 0 0</pose><collision name='c'><geometry><box><size>.2 .1 .1</size></box></geometry>
-</collision></link><joint name='hinge' type='revolute'><parent>l</parent><child>arm</child><axis><xyz>0 1 0</xyz>
+ARM = """<link name='arm'><pose>.3 0 0 0 0 0</pose>
+<collision name='c'><geometry><box><size>.2 .1 .1</size></box></geometry></collision></link>
+<joint name='hinge' type='revolute'><parent>l</parent><child>arm</child><axis><xyz>0 1 0</xyz>
 <dynamics><damping>0.1</damping></dynamics></axis></joint>"""
 BATTERY = "<battery name='main'><voltage>12</voltage></battery>"
 TEXT = f"""<sdf version='1.6'><world name='default'>{GROUND}

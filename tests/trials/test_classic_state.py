@@ -1,4 +1,4 @@
-"""States of SDF worlds: every example and every packaged model, and worlds of a folder, restored and reset to the bit."""
+"""States of SDF worlds: all examples and packaged models, and worlds of a folder, restored and reset to the bit."""
 
 from __future__ import annotations
 

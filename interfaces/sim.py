@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from libgz.transport.interface import Interface
 from libgz.transport.layout import BOTH, CLIENT, SERVER, Data, double, int32, layout
 from libgz.transport.legacy import LegacyFunctions
@@ -63,6 +65,24 @@ class Sim(Interface[SimData]):
     def paused(self, value: bool) -> None:
         with self.locked() as data:
             data.pause = int(value)
+
+    def get_bytes(self) -> bytes:
+        """All bytes of the struct, with zeros for real time, which is no state of a world."""
+        content = super().get_bytes()
+        first, end = self._real_time
+        return content[:first] + bytes(end - first) + content[end:]
+
+    def set_bytes(self, state: bytes) -> None:
+        """Write bytes that `get_bytes` returned; real time stays."""
+        first, end = self._real_time
+        now = super().get_bytes()[first:end]
+        super().set_bytes(state[:first] + now + state[end:])
+
+    @property
+    def _real_time(self) -> tuple[int, int]:
+        """Where the field real_time begins and ends [byte]."""
+        field: Any = type(self.data).real_time  # ctypes' descriptor
+        return field.offset, field.offset + field.size
 
     def reset(self) -> None:
         """Request that the server resets all models to their initial poses."""

@@ -176,6 +176,8 @@ class Bandit(Model):
             servo.publish(joint)
             wishes.append((joint.cmd_angle, joint.cmd_angle2))
         self.interface.unlock()
+        if not self.interface.intact():
+            return
         for i, (servo, wish) in enumerate(zip(self.servos, wishes, strict=True)):
             servo.command = (
                 self.guard.number(f"joints[{i}].cmd_angle", wish[0], servo.command[0], LARGEST_ANGLE),

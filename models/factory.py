@@ -19,6 +19,7 @@ from libgz.worldfile.node import WorldFileNode
 
 log = logging.getLogger("libgz.models")
 
+MOST_REASONS = 20  # for which requests fail that are logged apart
 # A request to remove a model, an addition of libgz: Gazebo 0.7 had none.
 DELETE = re.compile(r"\s*<delete>([^<]*)</delete>\s*")
 
@@ -41,9 +42,8 @@ class Factory(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.interface = FactoryInterface()
         serve(self, self.interface)
-        self._string = self.interface.string
         self._seen = b""
-        self._tally = Tally(first=20)  # failed requests
+        self._tally = Tally(MOST_REASONS)  # of failed requests
 
     def Fini(self) -> None:  # noqa: D102
         self.interface.destroy()
@@ -51,17 +51,18 @@ class Factory(Model):
     def Update(self, step: float) -> None:  # noqa: D102
         if not self.interface.lock():  # locking also restores a file that a client has truncated
             return
-        if not self._string[0]:
+        string = self.interface.string
+        if not string[0]:
             self.interface.unlock()
             return
-        content = self._string.tobytes()
+        content = string.tobytes()
         taken = content == self._seen
         if taken:
-            self._string[:] = 0
+            string[:] = 0
         self._seen = b"" if taken else content
         self.interface.data.time = self.world.GetSimTime()
         self.interface.unlock()
-        if taken:
+        if taken and self.interface.intact():
             self.world.after_step(lambda: self.obey(content))
 
     def obey(self, content: bytes) -> None:
@@ -80,5 +81,7 @@ class Factory(Model):
                 for model in self.world.extension(LegacyWorld).insert(text, f"factory.{self.GetId()}"):
                     log.info("factory %r added %r", self.GetId(), model)
         except GazeboError as error:
-            if self._tally.due(""):
-                log.warning("factory %r: a client's request failed: %s%s", self.GetId(), error, self._tally.times(""))
+            reason = str(error)
+            if self._tally.due(reason):
+                times = self._tally.times(reason)
+                log.warning("factory %r: a client's request failed: %s%s", self.GetId(), reason, times)

@@ -80,6 +80,8 @@ class PtzServer:
         data = self.interface.data
         wanted = (data.cmd_pan, data.cmd_tilt, data.cmd_zoom)
         self.interface.unlock()
+        if wanted == self.command or not self.interface.intact():  # an unchanged command was checked before
+            return
         number, old = self._guard.number, self.command
         self.command = (
             number("cmd_pan", wanted[0], old[0], LARGEST_COMMAND),
@@ -126,6 +128,7 @@ class PanTiltCamera(Model):
         self._panServo, self._tiltServo = (
             Servo(Axis(hinge), values.motionGain, MAX_TORQUE) for hinge in (self.pan, self.tilt)
         )
+        self.pan.commanded, self.tilt.commanded = self.panLimits, self.tiltLimits
         for body in (middle, self.head):
             body.SetFiniteRotationMode(1)
         old = "updateTimes" in self.world.engine.quirks

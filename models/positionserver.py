@@ -62,10 +62,14 @@ class PositionServer:
         data.stall = 0
         publish(data)
         self.interface.unlock()
-        self.enabled = self._guard.switch("cmd_enable_motors", enabled, self.enabled)
-        if wishes != self.command:  # an unchanged command was checked before
-            self.command = tuple(
-                self._guard.number(f"{name}[{i}]", wish, old, LARGEST_COMMAND)
-                for (name, i), wish, old in zip(self.fields, wishes, self.command, strict=True)
-            )
+        if (wishes != self.command or enabled != self.enabled) and self.interface.intact():
+            self._take(enabled, wishes)
         self.wanted = self.command if self.enabled else self._zeros
+
+    def _take(self, enabled: int, wishes: tuple[float, ...]) -> None:
+        """Check what the client wants, and take it; an unchanged command was checked before."""
+        self.enabled = self._guard.switch("cmd_enable_motors", enabled, self.enabled)
+        self.command = tuple(
+            self._guard.number(f"{name}[{i}]", wish, old, LARGEST_COMMAND)
+            for (name, i), wish, old in zip(self.fields, wishes, self.command, strict=True)
+        )

@@ -15,6 +15,7 @@ from libgz.interfaces.laser import GZ_LASER_MAX_RANGES, Laser
 from libgz.legacy.model import Model
 from libgz.models.parts import BLACK, add_body, fit
 from libgz.models.serving import serve
+from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.physics.rays import RayProximity
 from libgz.simulation.rate import OldRate, UpdateRate
@@ -28,6 +29,8 @@ EYE_HEIGHT = 0.07  # of the beams above the origin [m]
 SMOOTH = 0.10  # [m]; neighbouring rays are interpolated if they differ by less
 MOST_READINGS = GZ_LASER_MAX_RANGES - 1
 FARTHEST = 1000.0  # [m]
+
+Hit = tuple[int, int, Geom | None]  # of `RayProximity.hits`
 
 
 @dataclass(frozen=True)
@@ -132,8 +135,9 @@ class SickLMS200(Model):
             return
         self._take_command()
         self.rays.Update()
-        self._publish_laser(now)
-        self._publish_fiducials(now)
+        hits = self.rays.hits()
+        self._publish_laser(now, hits)
+        self._publish_fiducials(now, hits)
         self.laser.post()
 
     # Commands ----------------------------------------------------------------------------------------------------
@@ -181,22 +185,29 @@ class SickLMS200(Model):
         between: NDArray[np.float64] = (1.0 - self._share) * a + self._share * b
         return np.where(np.abs(a - b) < SMOOTH, between, np.minimum(a, b)) + offset
 
-    def _publish_laser(self, now: float) -> None:
+    def _publish_laser(self, now: float, hits: list[Hit]) -> None:
         if not self.laser.lock():
             return
-        least = self._bright_from
-        bright = np.array(self.rays.of_hits(lambda geom: geom.GetRetro() >= least, False), dtype=np.int32)
         data = self.laser.data
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
         data.res_angle = (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
         count = self.rangeCount  # not that of the interface: a client may have overwritten it
         self.laser.all_ranges[:count] = self.readings()
-        self.laser.all_intensities[:count] = bright[self._first] | bright[self._second]
+        self.laser.all_intensities[:count] = self._intensities(hits)
         self.laser.unlock()
 
-    def _publish_fiducials(self, now: float) -> None:
-        found = self.fiducials()
+    def _intensities(self, hits: list[Hit]) -> NDArray[np.int32] | int:
+        """1 for each reading with a ray that hit a reflector, else 0; 0 for all where there is none."""
+        bright: NDArray[np.int32] | None = None
+        for i, j, geom in hits:
+            if geom is not None and geom.GetRetro() >= self._bright_from:
+                bright = np.zeros(self.rayCount, dtype=np.int32) if bright is None else bright
+                bright[i:j] = 1
+        return 0 if bright is None else bright[self._first] | bright[self._second]
+
+    def _publish_fiducials(self, now: float, hits: list[Hit]) -> None:
+        found = self.fiducials(hits)
         if not self.fiducial.lock():
             return
         data = self.fiducial.data
@@ -205,26 +216,28 @@ class SickLMS200(Model):
             fid.id, fid.pos[:], fid.rot[:] = number_, (x, y, 0.0), (0.0, 0.0, yaw)
         self.fiducial.unlock()
 
-    def fiducials(self) -> list[tuple[int, float, float, float]]:
-        """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame.
+    def fiducials(self, hits: list[Hit] | None = None) -> list[tuple[int, float, float, float]]:
+        """(number, x [m], y [m], yaw [rad]) of marked objects in the sensor's frame, among `hits` of the rays.
 
         Neighbouring rays with the same number are one object, at the middle of its two ends. With three rays or more
         its yaw is normal to the line between the ends; with fewer, it faces the sensor.
         """
-        seen = self.rays.of_hits(lambda geom: geom.GetFiducial(), -1)
+        seen: list[list[int]] = []  # number, first and last ray
+        for i, j, geom in self.rays.hits() if hits is None else hits:
+            number_ = geom.GetFiducial() if geom is not None else -1
+            if number_ < 0:
+                continue
+            if seen and seen[-1][0] == number_ and seen[-1][2] == i - 1:
+                seen[-1][2] = j - 1
+            else:
+                seen.append([number_, i, j - 1])
         found = []
-        i = 0
-        while i < len(seen):
-            j = i
-            while j + 1 < len(seen) and seen[j + 1] == seen[i]:
-                j += 1
-            if seen[i] >= 0:
-                (ax, ay), (bx, by) = self._point(i), self._point(j)
-                x, y = (ax + bx) / 2.0, (ay + by) / 2.0
-                yaw = math.atan2(by - ay, bx - ax) + math.pi / 2.0 if j - i >= 2 else math.atan2(y, x) + math.pi
-                found.append((seen[i], x, y, yaw))
-            i = j + 1
-        return found[:GZ_FIDUCIAL_MAX_FIDS]
+        for number_, i, j in seen[:GZ_FIDUCIAL_MAX_FIDS]:
+            (ax, ay), (bx, by) = self._point(i), self._point(j)
+            x, y = (ax + bx) / 2.0, (ay + by) / 2.0
+            yaw = math.atan2(by - ay, bx - ax) + math.pi / 2.0 if j - i >= 2 else math.atan2(y, x) + math.pi
+            found.append((number_, x, y, yaw))
+        return found
 
     def _point(self, ray: int) -> tuple[float, float]:
         """The point that a ray hit, in the sensor's plane [m]."""

@@ -49,14 +49,16 @@ class TruthWidget(Model):
         self.truth.destroy()
 
     def Update(self, step: float) -> None:  # noqa: D102
+        pose = self._subject.GetPose()
         if not self.truth.lock():
             return
         new = self.truth.data.cmd_new
         wanted = self.truth.take_move()
+        self.truth.publish(self.world.GetSimTime(), pose)
         self.truth.unlock()
-        if wanted is not None and self.guard.switch("cmd_new", new, False):
+        if wanted is not None and self.truth.intact() and self.guard.switch("cmd_new", new, False):
             self._move(wanted)
-        self._publish()
+            self._publish()
 
     @property
     def _subject(self) -> Entity:

@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 
 import libgz
-from libgz.interfaces.sim import Sim
 
 PERIOD = 20  # steps between commands
 
@@ -55,11 +54,7 @@ def look(world):
     found["states"] = b"".join(np.ascontiguousarray(engine.states[row]).tobytes() for row in engine.bodies)
     found["joints"] = b"".join(engine.tables.joints.state[row].tobytes() for row in engine.joints)
     for (kind, name), interface in sorted(world.gz_server.interfaces.items()):
-        content = bytearray(interface.get_bytes())
-        if kind == Sim.type:
-            at = type(interface.data).real_time.offset
-            content[at : at + 8] = bytes(8)
-        found[f"{kind}.{name}"] = bytes(content)
+        found[f"{kind}.{name}"] = interface.get_bytes()  # without real time
     return found
 
 

@@ -15,7 +15,7 @@ from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
-from libgz.simulation.problems import NOTED, note
+from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
 from libgz.simulation.state import declares, get_state, set_state
 
@@ -205,6 +205,7 @@ def new_plugin(
         log.error("%s", error)
         return None
     try:
+        note_threads_of(path)
         file = load_plugin(path)
     except PluginError as error:
         log.error("Failed to load plugin %s: %s", path, error)

@@ -147,17 +147,18 @@ class FullContacts:
         count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
-        surface, ghost = make_surface(context, a, b), False
+        surface, ghost, limits = make_surface(context, a, b), False, (math.inf, 0.0)
         if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
+            limits = _limits(a, b, body1, body2)
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
             depth = point.geom.depth
             point.surface = surface
             if classic:
-                self._refine(a, b, geom1, geom2, count, point)
+                self._refine(a, b, (geom1, geom2), (body1, body2), limits, count, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
@@ -198,32 +199,32 @@ class FullContacts:
             count -= 1
         return count
 
-    def _refine(self, a: list[float], b: list[float], geom1: int, geom2: int, count: int, point: Any) -> None:
+    def _refine(
+        self,
+        a: list[float],
+        b: list[float],
+        geoms: tuple[int, int],
+        bodies: tuple[int, int],
+        limits: tuple[float, float],
+        count: int,
+        point: Any,
+    ) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limited = a[Surface.MAX_VEL] < math.inf and b[Surface.MAX_VEL] < math.inf
-        movable = self._ode.dGeomGetBody(geom1) and self._ode.dGeomGetBody(geom2)
-        limit = math.inf if movable and not limited else self._of_bodies(a, b, geom1, geom2, Surface.MAX_VEL)
-        min_depth = self._of_bodies(a, b, geom1, geom2, Surface.MIN_DEPTH)
+        limit, min_depth = limits
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
         if surface.slip1 > 0.0:
             surface.mode |= ContactMode.SLIP1
         if surface.slip2 > 0.0:
             surface.mode |= ContactMode.SLIP2
-        aimed = self._friction_direction(a, b, geom1, geom2, point)
-        if aimed or (self._context.cone and self._sliding_direction(geom1, geom2, point)):
+        aimed = self._friction_direction(a, b, *geoms, point)
+        if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
         point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
             surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
-
-    def _of_bodies(self, a: list[float], b: list[float], geom1: int, geom2: int, column: int) -> float:
-        """of_bodies in step.c."""
-        if not self._ode.dGeomGetBody(geom1):
-            return b[column]
-        return min(a[column], b[column]) if self._ode.dGeomGetBody(geom2) else a[column]
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""
@@ -237,11 +238,10 @@ class FullContacts:
         aim = [m[4 * k] * local[0] + m[4 * k + 1] * local[1] + m[4 * k + 2] * local[2] for k in range(3)]
         return _set_friction_direction(point, aim)
 
-    def _sliding_direction(self, geom1: int, geom2: int, point: Any) -> bool:
+    def _sliding_direction(self, bodies: tuple[int, int], point: Any) -> bool:
         """sliding_direction in step.c."""
         slide = [0.0, 0.0, 0.0]
-        for geom, sign in ((geom1, 1.0), (geom2, -1.0)):
-            body = self._ode.dGeomGetBody(geom)
+        for body, sign in zip(bodies, (1.0, -1.0), strict=True):
             if body:
                 self._add_velocity(body, point.geom.pos, sign, slide)
         return _set_friction_direction(point, slide)
@@ -329,6 +329,20 @@ def _add_torsion(a: list[float], b: list[float], point: Any) -> None:
     surface.mode |= ContactMode.ROLLING | ContactMode.APPROX1_N
     surface.rho = surface.rho2 = -1.0
     surface.rhoN = lever
+
+
+def _limits(a: list[float], b: list[float], body1: int, body2: int) -> tuple[float, float]:
+    """max_vel and min_depth of a pair; set_limits in step.c."""
+    limited = a[Surface.MAX_VEL] < math.inf and b[Surface.MAX_VEL] < math.inf
+    max_vel = math.inf if body1 and body2 and not limited else _of_bodies(a, b, body1, body2, Surface.MAX_VEL)
+    return max_vel, _of_bodies(a, b, body1, body2, Surface.MIN_DEPTH)
+
+
+def _of_bodies(a: list[float], b: list[float], body1: int, body2: int, column: int) -> float:
+    """of_bodies in step.c."""
+    if not body1:
+        return b[column]
+    return min(a[column], b[column]) if body2 else a[column]
 
 
 def _set_friction_direction(point: Any, aim: list[float]) -> bool:

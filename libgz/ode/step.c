@@ -10,6 +10,7 @@
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -459,11 +460,11 @@ static void add_velocity(const context *c, void *body, const double *at, double 
 }
 
 /* The direction in which the geoms slide on each other: a pyramid aligned with it acts like a cone. */
-static int sliding_direction(const context *c, void *geom1, void *geom2, contact *point)
+static int sliding_direction(const context *c, void *body1, void *body2, contact *point)
 {
     double slide[3] = {0.0, 0.0, 0.0};
-    add_velocity(c, dGeomGetBody(geom1), point->geom.pos, 1.0, slide);
-    add_velocity(c, dGeomGetBody(geom2), point->geom.pos, -1.0, slide);
+    add_velocity(c, body1, point->geom.pos, 1.0, slide);
+    add_velocity(c, body2, point->geom.pos, -1.0, slide);
     return set_friction_direction(point, slide);
 }
 
@@ -488,37 +489,48 @@ static void add_torsion(const double *a, const double *b, contact *point)
     point->surface.rhoN = lever;
 }
 
+/* A pair of geoms that touch under the classic rule. */
+typedef struct {
+    const double *a, *b; /* their surfaces */
+    void *geom1, *geom2, *body1, *body2;
+    double max_vel, min_depth;
+} touching;
+
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
-static double of_bodies(const double *a, const double *b, void *geom1, void *geom2, int column)
+static double of_bodies(const touching *t, int column)
 {
-    if (!dGeomGetBody(geom1))
-        return b[column];
-    return dGeomGetBody(geom2) ? smaller(a[column], b[column]) : a[column];
+    if (!t->body1)
+        return t->b[column];
+    return t->body2 ? smaller(t->a[column], t->b[column]) : t->a[column];
+}
+
+static void set_limits(touching *t)
+{
+    /* Geoms of legacy models have no limit; their contacts are so soft that with one they would sink into the other. */
+    int limited = t->a[SURFACE_MAX_VEL] < HUGE_VAL && t->b[SURFACE_MAX_VEL] < HUGE_VAL;
+    t->max_vel = t->body1 && t->body2 && !limited ? HUGE_VAL : of_bodies(t, SURFACE_MAX_VEL);
+    t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
 }
 
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
-static void refine_point(const context *c, const double *a, const double *b, void *geom1, void *geom2, int count,
-                         contact *point)
+static void refine_point(const context *c, const touching *t, int count, contact *point)
 {
     surface_parameters *s = &point->surface;
-    /* Geoms of legacy models have no limit; their contacts are so soft that with one they would sink into the other. */
-    int limited = a[SURFACE_MAX_VEL] < HUGE_VAL && b[SURFACE_MAX_VEL] < HUGE_VAL;
-    int movable = dGeomGetBody(geom1) && dGeomGetBody(geom2);
-    double limit = movable && !limited ? HUGE_VAL : of_bodies(a, b, geom1, geom2, SURFACE_MAX_VEL);
-    double min_depth = of_bodies(a, b, geom1, geom2, SURFACE_MIN_DEPTH);
+    const double *a = t->a, *b = t->b;
     s->slip1 = (a[SURFACE_SLIP1] + b[SURFACE_SLIP1]) * count;
     s->slip2 = (a[SURFACE_SLIP2] + b[SURFACE_SLIP2]) * count;
     if (s->slip1 > 0.0)
         s->mode |= SLIP1;
     if (s->slip2 > 0.0)
         s->mode |= SLIP2;
-    if (friction_direction(a, b, geom1, geom2, point) || (c->cone && sliding_direction(c, geom1, geom2, point)))
+    if (friction_direction(a, b, t->geom1, t->geom2, point) ||
+        (c->cone && sliding_direction(c, t->body1, t->body2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
-    point->geom.depth = larger(0.0, point->geom.depth - min_depth);
+    point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
     if (point->geom.depth > 0.0)
-        s->soft_erp = smaller(s->soft_erp, limit * c->step / point->geom.depth);
+        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
 }
 
 /* Keep the `most` deepest of `count` contacts, in their order. */
@@ -590,10 +602,12 @@ static int may_touch(const context *c, const double *a, const double *b, void *b
 /* The contact points of two geoms; ODE's own, or those of a cylinder's stand-ins. */
 static int find_points(context *c, void *geom1, void *geom2, int most, contact *points)
 {
-    int class1 = dGeomGetClass(geom1), class2 = dGeomGetClass(geom2);
-    if (c->no_cylinder_pairs && ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
-                                 (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS)))
-        return collide_cylinder(c, geom1, geom2, class2, points);
+    if (c->no_cylinder_pairs) {
+        int class1 = dGeomGetClass(geom1), class2 = dGeomGetClass(geom2);
+        if ((class1 == CYLINDER_CLASS && (class2 == CYLINDER_CLASS || class2 == CAPSULE_CLASS)) ||
+            (class1 == CAPSULE_CLASS && class2 == CYLINDER_CLASS))
+            return collide_cylinder(c, geom1, geom2, class2, points);
+    }
     return collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
 }
 
@@ -601,6 +615,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
     surface_parameters surface;
+    touching pair;
     const double *a, *b;
     void *body1 = dGeomGetBody(geom1), *body2 = dGeomGetBody(geom2), *joint = NULL;
     int classic = c->contact_rule == CLASSIC_RULE, count, i, ghost = 0;
@@ -616,15 +631,18 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0};
     make_surface(c, a, b, &surface);
-    if (classic)
+    if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
+        set_limits(&pair);
+    }
     for (i = 0; i < count; i++) {
         double depth = points[i].geom.depth;
         points[i].surface = surface;
         if (classic)
-            refine_point(c, a, b, geom1, geom2, count, &points[i]);
+            refine_point(c, &pair, count, &points[i]);
         if (!ghost) {
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);
@@ -662,14 +680,18 @@ static int is_beyond(double value, double most)
     return !(value >= -most && value <= most);
 }
 
-static void read_bodies(context *c)
+enum { MOTION_COLUMNS = 13 };
+
+/* Copy the states of all bodies to a table; returns how many of them diverged. After a step, find the accelerations in
+ * it, where motion is recorded. */
+static int64_t read_bodies(const context *c, double *state, int stepped)
 {
-    int64_t i;
+    int64_t i, diverged = 0;
     int k;
-    c->diverged = 0;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
-        double *row = c->body_state + 16 * i;
+        double *row = state + 16 * i;
+        double *motion = c->body_motion + MOTION_COLUMNS * i; /* velocities so far, from begin_motion */
         const double *p, *q, *v, *w;
         double offset[3];
         int beyond = 0;
@@ -690,40 +712,13 @@ static void read_bodies(context *c)
         }
         for (k = 0; k < 4; k++)
             row[3 + k] = q[k];
-        c->diverged += beyond;
-    }
-}
-
-enum { MOTION_COLUMNS = 13 };
-
-/* Record velocity and applied efforts of a body as a step begins; finish_motion makes accelerations of the velocities. */
-static void record_motion(const context *c, int64_t i)
-{
-    void *body = c->bodies[i];
-    double *row = c->body_motion + MOTION_COLUMNS * i;
-    memcpy(row, dBodyGetLinearVel(body), 3 * sizeof(double));
-    memcpy(row + 3, dBodyGetAngularVel(body), 3 * sizeof(double));
-    memcpy(row + 6, dBodyGetForce(body), 3 * sizeof(double));
-    memcpy(row + 9, dBodyGetTorque(body), 3 * sizeof(double));
-    row[12] = dBodyGetGravityMode(body) && !dBodyIsKinematic(body) ? 1.0 : 0.0;
-}
-
-static void finish_motion(const context *c)
-{
-    int64_t i;
-    int k;
-    for (i = 0; i < c->body_count; i++) {
-        double *row = c->body_motion + MOTION_COLUMNS * i;
-        const double *v, *w;
-        if (!c->bodies[i])
-            continue;
-        v = dBodyGetLinearVel(c->bodies[i]);
-        w = dBodyGetAngularVel(c->bodies[i]);
-        for (k = 0; k < 3; k++) {
-            row[k] = (v[k] - row[k]) / c->step;
-            row[3 + k] = (w[k] - row[3 + k]) / c->step;
+        for (k = 0; stepped && c->record_motion && k < 3; k++) {
+            motion[k] = (v[k] - motion[k]) / c->step;
+            motion[3 + k] = (w[k] - motion[3 + k]) / c->step;
         }
+        diverged += beyond;
     }
+    return diverged;
 }
 
 /* The angle that is nearest to the one before, so that joints count their turns. ODE's is within -pi to pi. */
@@ -753,17 +748,19 @@ static void apply_springs(context *c)
     }
 }
 
-static void read_joints(context *c)
+/* Copy the states of all joints to a table; turns are counted on from those of the own table. */
+static void read_joints(const context *c, double *state)
 {
     int64_t i;
     for (i = 0; i < c->joint_count; i++) {
         void *joint = c->joints[i];
-        double *row = c->joint_state + 4 * i;
+        const double *before = c->joint_state + 4 * i;
+        double *row = state + 4 * i;
         if (!joint)
             continue;
         switch (c->joint_types[i]) {
         case JOINT_HINGE:
-            row[0] = unwind(c, row[0], dJointGetHingeAngle(joint));
+            row[0] = unwind(c, before[0], dJointGetHingeAngle(joint));
             row[2] = dJointGetHingeAngleRate(joint);
             break;
         case JOINT_SLIDER:
@@ -771,19 +768,19 @@ static void read_joints(context *c)
             row[2] = dJointGetSliderPositionRate(joint);
             break;
         case JOINT_HINGE2:
-            row[0] = unwind(c, row[0], dJointGetHinge2Angle1(joint));
-            row[1] = unwind(c, row[1], dJointGetHinge2Angle2(joint));
+            row[0] = unwind(c, before[0], dJointGetHinge2Angle1(joint));
+            row[1] = unwind(c, before[1], dJointGetHinge2Angle2(joint));
             row[2] = dJointGetHinge2Angle1Rate(joint);
             row[3] = dJointGetHinge2Angle2Rate(joint);
             break;
         case JOINT_UNIVERSAL:
-            row[0] = unwind(c, row[0], dJointGetUniversalAngle1(joint));
-            row[1] = unwind(c, row[1], dJointGetUniversalAngle2(joint));
+            row[0] = unwind(c, before[0], dJointGetUniversalAngle1(joint));
+            row[1] = unwind(c, before[1], dJointGetUniversalAngle2(joint));
             row[2] = dJointGetUniversalAngle1Rate(joint);
             row[3] = dJointGetUniversalAngle2Rate(joint);
             break;
         case JOINT_PISTON:
-            row[0] = unwind(c, row[0], dJointGetPistonAngle(joint));
+            row[0] = unwind(c, before[0], dJointGetPistonAngle(joint));
             row[1] = dJointGetPistonPosition(joint);
             row[2] = dJointGetPistonAngleRate(joint);
             row[3] = dJointGetPistonPositionRate(joint);
@@ -857,27 +854,36 @@ static int is_within(const double *v, double most)
     return fabs(v[0]) <= most && fabs(v[1]) <= most && fabs(v[2]) <= most;
 }
 
-/* Record motion where that is on, and reset velocities and efforts of diverged bodies: ODE ends the process on
- * non-finite numbers. */
+/* Record velocity and applied efforts of each body where that is on, and reset those of diverged bodies: ODE ends the
+ * process on non-finite numbers. */
 static void begin_motion(context *c)
 {
     int64_t i;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
+        double *row = c->body_motion + MOTION_COLUMNS * i;
+        const double *v, *w, *force, *torque;
         if (!body)
             continue;
-        if (c->record_motion)
-            record_motion(c, i);
-        if (is_within(dBodyGetLinearVel(body), MAX_SPEED) && is_within(dBodyGetAngularVel(body), MAX_SPEED) &&
-            is_within(dBodyGetForce(body), MAX_EFFORT) && is_within(dBodyGetTorque(body), MAX_EFFORT))
+        v = dBodyGetLinearVel(body);
+        w = dBodyGetAngularVel(body);
+        force = dBodyGetForce(body);
+        torque = dBodyGetTorque(body);
+        if (!(is_within(v, MAX_SPEED) && is_within(w, MAX_SPEED) && is_within(force, MAX_EFFORT) &&
+              is_within(torque, MAX_EFFORT))) {
+            dBodySetLinearVel(body, 0.0, 0.0, 0.0);
+            dBodySetAngularVel(body, 0.0, 0.0, 0.0);
+            dBodySetForce(body, 0.0, 0.0, 0.0);
+            dBodySetTorque(body, 0.0, 0.0, 0.0);
+            c->reset_row = i + 1;
+        }
+        if (!c->record_motion)
             continue;
-        dBodySetLinearVel(body, 0.0, 0.0, 0.0);
-        dBodySetAngularVel(body, 0.0, 0.0, 0.0);
-        dBodySetForce(body, 0.0, 0.0, 0.0);
-        dBodySetTorque(body, 0.0, 0.0, 0.0);
-        if (c->record_motion)
-            record_motion(c, i);
-        c->reset_row = i + 1;
+        memcpy(row, v, 3 * sizeof(double)); /* the addresses are those of ODE's own numbers */
+        memcpy(row + 3, w, 3 * sizeof(double));
+        memcpy(row + 6, force, 3 * sizeof(double));
+        memcpy(row + 9, torque, 3 * sizeof(double));
+        row[12] = dBodyGetGravityMode(body) && !dBodyIsKinematic(body) ? 1.0 : 0.0;
     }
 }
 
@@ -948,10 +954,8 @@ static int solve(context *c)
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
-    if (c->record_motion)
-        finish_motion(c);
-    read_bodies(c);
-    read_joints(c);
+    c->diverged = read_bodies(c, c->body_state, 1);
+    read_joints(c, c->joint_state);
     if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
         return STEP_NEEDS_RECOVERY;
     return done != 0;
@@ -1018,8 +1022,40 @@ double gz_overlap(context *c, void *geom1, void *geom2)
 
 void gz_read(context *c)
 {
-    read_bodies(c);
-    read_joints(c);
+    c->diverged = read_bodies(c, c->body_state, 0);
+    read_joints(c, c->joint_state);
+}
+
+/* Tables for other processes ---------------------------------------------------------------------------------- */
+
+/* Mirrored by Publication in context.py. */
+typedef struct {
+    char *target;             /* the mapped file */
+    char *header;             /* what its first bytes are to be; they hold the sequence counter */
+    int64_t header_size, sequence_offset, bodies_offset, joints_offset, fixed_offset;
+    const double *fixed;      /* rows of bodies that ODE does not move, which follow the others */
+    int64_t fixed_size;       /* [byte] */
+    int64_t stale;            /* 1: some rows of the own tables are stale, so ODE is asked for all */
+} publication;
+
+/* Copy header and tables out. The counter is odd meanwhile. Own tables stay as they are, and nothing is read back. */
+void gz_publish(const context *c, const publication *p)
+{
+    uint64_t *own = (uint64_t *)(p->header + p->sequence_offset);
+    _Atomic uint64_t *shared = (_Atomic uint64_t *)(p->target + p->sequence_offset);
+    double *bodies = (double *)(p->target + p->bodies_offset), *joints = (double *)(p->target + p->joints_offset);
+    atomic_store_explicit(shared, ++*own, memory_order_relaxed);
+    atomic_thread_fence(memory_order_release);
+    memcpy(p->target, p->header, (size_t)p->header_size);
+    if (p->stale) {
+        read_bodies(c, bodies, 0);
+        read_joints(c, joints);
+    } else {
+        memcpy(bodies, c->body_state, (size_t)c->body_count * 16 * sizeof(double));
+        memcpy(joints, c->joint_state, (size_t)c->joint_count * 4 * sizeof(double));
+    }
+    memcpy(p->target + p->fixed_offset, p->fixed, (size_t)p->fixed_size);
+    atomic_store_explicit(shared, ++*own, memory_order_release);
 }
 
 /* Ray scans -------------------------------------------------------------------------------------------------- */

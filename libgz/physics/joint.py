@@ -302,6 +302,9 @@ class Joint:
             ParameterError: the number names no parameter, or the value is NaN or out of range: only stops and
                 dParamFMax may be infinite, and CFM, ERP and bounce must not be negative.
         """
+        self._put(parameter, value)
+
+    def _put(self, parameter: int, value: float) -> None:
         number = joint_value(parameter, value)
         self._set_param(self.id, int(parameter), number)
 
@@ -338,10 +341,15 @@ class AxisJoint(Joint):
 
 
 class HingeJoint(AxisJoint):
-    """One axis of rotation."""
+    """One axis of rotation.
+
+    Attributes:
+        commanded: the angles between which a controller turns it, where it has no stops [rad]; None if it is not known.
+    """
 
     KEPT = ("_stops", "_stopped")
     kind, motors = JointType.HINGE, (dParamFMax,)
+    commanded: tuple[float, float] | None = None
     _stops: tuple[float, float] = (-math.inf, math.inf)  # as set by callers
     _stopped = False  # whether ODE ever had stops
 
@@ -364,7 +372,7 @@ class HingeJoint(AxisJoint):
         ODE evaluates a hinge's stops only if they can be reached, and otherwise continues with its last result, writing
         into memory that is not its own. So a hinge that once had stops keeps one that is never reached.
         """
-        super().SetParam(parameter, value)
+        self._put(parameter, value)
         if parameter not in (dParamLoStop, dParamHiStop):
             return
         low, high = self._stops
@@ -372,8 +380,8 @@ class HingeJoint(AxisJoint):
         reachable = (low >= -math.pi or high <= math.pi) and low <= high
         if reachable or self._stopped:
             self._stopped = True
-            super().SetParam(dParamLoStop, low if reachable else -math.pi)
-            super().SetParam(dParamHiStop, high if reachable else math.inf)
+            self._put(dParamLoStop, low if reachable else -math.pi)
+            self._put(dParamHiStop, high if reachable else math.inf)
 
     def GetParam(self, parameter: int) -> float:
         """As that of all joints."""

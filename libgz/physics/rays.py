@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +17,6 @@ from libgz.physics.engine import HasEngine
 from libgz.physics.geom import Geom
 
 __all__ = ["RayProximity"]
-
-T = TypeVar("T")
 
 
 class RayProximity:
@@ -64,6 +61,11 @@ class RayProximity:
         start, direction = self._rays[index, :3].tolist(), self._rays[index, 3:6].tolist()
         return GzCoordPositionAdd(start, pose.pos, pose.rot), rotate(pose.rot, direction)
 
+    @property
+    def rays(self) -> NDArray[np.float64]:
+        """Start [m], unit direction and length [m] of each ray in the body frame, shape (n, 7)."""
+        return self._rays
+
     def Update(self) -> None:
         """Cast all rays from where the body is now."""
         self._frame[:] = self.body.frame()
@@ -81,16 +83,16 @@ class RayProximity:
         """Distance from the ray's start [m]; the largest float if it hit nothing."""
         return float(self.ranges[index])
 
-    def of_hits(self, read: Callable[[Geom], T], otherwise: T) -> list[T]:
-        """A property of the geom that each ray hit in the last `Update`, one value per ray.
+    def hits(self) -> list[tuple[int, int, Geom | None]]:
+        """What was hit in the last `Update`: (first ray, ray after the last, geom) of neighbours that hit the same.
 
-        Args:
-            read: returns the property; it is called once per geom, not per ray.
-            otherwise: the value for a ray that hit nothing, or a geom that was destroyed since.
+        The geom is None where nothing was hit, and where it was destroyed since.
         """
-        rows, geoms = self.rows.tolist(), self.engine.geoms
-        known = {row: read(geoms[row]) if row in geoms else otherwise for row in set(rows)}
-        return [known[row] for row in rows]
+        rows = self.rows
+        ends = (np.flatnonzero(rows[1:] != rows[:-1]) + 1).tolist()
+        starts = [0, *ends]
+        find = self.engine.geoms.get
+        return [(i, j, find(row)) for i, j, row in zip(starts, [*ends, len(rows)], rows[starts].tolist(), strict=True)]
 
     def GetRetro(self, index: int) -> float:
         """How much the geom that was hit reflects back; 0 if nothing was hit, or the geom was destroyed since."""

@@ -21,6 +21,14 @@ __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
 DEEPEST_INCLUDE = 20
 UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; models check links and joints
+# (parent, child): all that occur have an effect, though the description of SDF allows one.
+REPEATED = {
+    ("contact", "collision"),
+    ("geometry", "polyline"),
+    ("multicamera", "camera"),
+    ("script", "uri"),
+    ("world", "physics"),
+}
 LATER = ("frame", "relative_to")  # SDF 1.7's frames
 
 
@@ -177,7 +185,7 @@ class SdfFile:
         if name == "frame" and known is None and description is not None and not description.open:
             self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return
-        if known is not None and known.count in ("0", "1") and parent.HasElement(name):
+        if known is not None and known.count in ("0", "1") and parent.HasElement(name) and not _repeated(parent, name):
             again = f"occurs more than once in <{parent.name}>; only the first one has an effect"
             self.diagnostics.no_effect(self._place(xml), lambda: again)
         elif known is None and description is not None and not description.open and description.children:
@@ -260,6 +268,12 @@ class SdfFile:
         for child in xml:
             if isinstance(child.tag, str) and _local(child) == "plugin":
                 entity.InsertElement(self._element(child, plugin))
+
+
+def _repeated(parent: Element, name: str) -> bool:
+    """Whether further elements of this name have an effect."""
+    what = parent.attributes["type"].text if parent.name == "sensor" else parent.name
+    return (what, name) in REPEATED
 
 
 def is_sdf(filename: str | os.PathLike[str]) -> bool:

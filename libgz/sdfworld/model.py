@@ -9,14 +9,17 @@ from libgz.errors import Diagnostics, NotFoundError, ParameterError, StateError,
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
+from libgz.physics.joint import Joint
 from libgz.physics.mass import given_mass
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, read_joint
+from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
 from libgz.sdfworld.joint import Place, SdfJoint
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
+from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
@@ -338,6 +341,21 @@ class SdfModel(Entity):
             local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         load_joints(self.world, self.sdf_joints, joints or ())
+
+    def MasterJoints(self) -> list[Joint]:
+        """What ODE has of the joints of the file."""
+        return ode_joints(self.sdf_joints.values())
+
+    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+        """As of all entities; joints by SDF's kinds, sensors, and the names of collisions and visuals."""
+        links = ((self.links.get(link.Get(str, "name")), link) for link in self.sdf.named("link"))
+        return {
+            **super().MasterDescribe(store),
+            "static": self.static,
+            "joints": [describe_sdf_joint(joint) for joint in self.sdf_joints.values()],
+            "sensors": [s for body, link in links if body is not None for s in describe_sensors(body, link)],
+            "shape_names": self.geom_names,
+        }
 
     # Pose --------------------------------------------------------------------------------------------------------
 

@@ -8,13 +8,15 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
+from libgz.geometry import GzPose
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
-from libgz.sdfworld.settings import SdfSettings, apply_physics, apply_settings, default_settings
+from libgz.sdfworld.physics import apply_physics
+from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
@@ -53,6 +55,7 @@ class SdfWorld(Era):
 
     STATE = ("settings", "profile")
 
+    name = "classic"
     counts_at_start = True
 
     def __init__(self, world: World) -> None:
@@ -270,6 +273,15 @@ class SdfWorld(Era):
     def start(self, world: World) -> None:
         """Bring geoms into an order of their own, so that a run after a reset repeats this one."""
         world.engine.sort_geoms()
+
+    def start_view(self, world: World) -> GzPose | None:
+        """The pose of `<gui><camera>`."""
+        root = self.file.root if self.file is not None else None
+        for element in () if root is None else root.named("world"):
+            for gui in element.named("gui"):
+                for camera in gui.named("camera"):
+                    return camera.Get(GzPose, "pose") if camera.HasElement("pose") else None
+        return None
 
     def reset(self, world: World) -> None:
         """Return to the state at the end of loading, then reset the companions, and signal it.

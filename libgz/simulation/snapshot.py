@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, StateError
+from libgz.errors import GazeboError, ParameterError, StateError
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 
@@ -32,21 +32,28 @@ def save(world: World) -> bytes:
     """
     number = {entity: index for index, entity in enumerate(world.entities)}
     sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
-    return state.encode(
-        {
-            "file": world.era.digest,
-            "world": state.get_state(world),
-            "spawned": world.random.n_children_spawned,
-            "inserted": world.journal.inserted,
-            "sources": [tuple(source) for source in sources],
-            "entities": [_saved_entity(entity, sources, number) for entity in world.entities],
-            "followers": [number[entity] for entity in world.followers],
-            "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
-            "extensions": {_name(e): state.get_state(e) for e in world.extensions if _declares(e)},
-            "engine": world.engine.get_state(),
-            "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
-        }
-    )
+    plain = {
+        "file": world.era.digest,
+        "world": state.get_state(world),
+        "spawned": world.random.n_children_spawned,
+        "inserted": world.journal.inserted,
+        "sources": [tuple(source) for source in sources],
+        "entities": [_saved_entity(entity, sources, number) for entity in world.entities],
+        "followers": [number[entity] for entity in world.followers],
+        "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+        "extensions": {_name(e): state.get_state(e) for e in world.extensions if _declares(e)},
+        "engine": world.engine.get_state(),
+        "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
+    }
+    try:
+        return state.encode(plain)
+    except ParameterError as error:
+        for entity in world.entities:
+            try:
+                state.encode(entity.MasterSaveState())
+            except ParameterError as own:
+                raise ParameterError(f"model {entity.GetId()!r} ({type(entity).__name__}): {own}") from error
+        raise
 
 
 def restore(world: World, data: bytes) -> None:
@@ -71,6 +78,7 @@ def restore(world: World, data: bytes) -> None:
     world.journal.inserted = saved["inserted"]
     for entity, kept in zip(world.entities, saved["entities"], strict=True):
         _load_entity(world, entity, kept)
+    world.find_updated()
     world.followers[:] = [world.entities[index] for index in saved["followers"]]
     for companion in world.companions:
         companion.set_state(saved["companions"].get(_name(companion)))

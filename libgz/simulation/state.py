@@ -37,6 +37,7 @@ FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
 # What an encoded state may consist of besides the builtin types: decoding one never runs other code.
 _ALLOWED = {
+    ("builtins", "complex"),
     ("collections", "deque"),
     ("libgz.geometry", "GzColor"),
     ("libgz.ode.types", "ContactRule"),
@@ -48,15 +49,21 @@ _ALLOWED = {
     *((f"numpy.{core}.numeric", "_frombuffer") for core in ("core", "_core")),
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
+_NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
+_MADE: list[type] = []  # base classes of what allowed functions make
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 
 
-def plain(kind: C) -> C:
-    """Let the objects of a class be values in states, kept by pickling; or those that a function makes, which it names.
+def plain(kind: C, of: type | None = None) -> C:
+    """Let the objects of a class be values in states, kept by pickling. A layer above declares its vectors by this.
 
-    A layer above declares its vectors, times and messages by this. It must be safe to call with any arguments.
+    Args:
+        kind: the class, or a function that makes values, which is safe to call with any arguments.
+        of: the base class of what that function makes.
     """
     _ALLOWED.add((kind.__module__, kind.__qualname__))
+    if of is not None:
+        _MADE.append(of)
     return kind
 
 
@@ -167,13 +174,26 @@ def encode(state: Any) -> bytes:
     """
     buffer = io.BytesIO()
     buffer.write(FORMAT)
-    pickler = pickle.Pickler(buffer, 5)
+    pickler = _Writer(buffer, 5)
     pickler.fast = True  # no references within the data, which would depend on which objects are identical
     try:
         pickler.dump(state)
     except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
         raise ParameterError(f"a state must be plain data: {error}") from error
     return buffer.getvalue()
+
+
+class _Writer(pickle.Pickler):
+    """Writes plain data, and nothing else."""
+
+    def reducer_override(self, thing: Any) -> Any:
+        """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
+        if isinstance(thing, (_NUMBERS, *_MADE)):
+            return NotImplemented
+        kind = thing if hasattr(thing, "__qualname__") else type(thing)  # classes and functions stand for themselves
+        if (kind.__module__, kind.__qualname__) not in _ALLOWED:
+            raise pickle.PicklingError(f"{thing!r} is none")
+        return NotImplemented
 
 
 class _Reader(pickle.Unpickler):

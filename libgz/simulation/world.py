@@ -42,6 +42,7 @@ from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
+from libgz.simulation.publication import Publication
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
@@ -159,6 +160,7 @@ class World:
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
+        self._publication: Publication | None = None  # while a server runs
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
@@ -273,6 +275,7 @@ class World:
         self._updating.append(entity)
         if entity.follows:
             self.followers.append(entity)
+        self._entities_changed()
         for companion in self.companions:
             companion.model_added(entity)
 
@@ -302,12 +305,17 @@ class World:
                 interface.destroy()
         for kept in (self.entities, self.models, self._updating, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
+        self._entities_changed()
         for companion in self.companions:
             for entity in leaving:
                 companion.model_removed(entity)
         for entity in reversed(leaving):
             entity.Detach()
             entity.close()
+
+    def _entities_changed(self) -> None:
+        if self._publication is not None:
+            self._publication.changed = True
 
     def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
@@ -354,6 +362,9 @@ class World:
         self.era.start(self)
         for companion in self.companions:
             companion.start()
+        if self.gz_server.shared is not None:
+            self._publication = Publication(self, self.gz_server.shared)
+            self._publication.publish(self.starts_paused)
         self.gz_server.post()
         self.problems.check()
         try:
@@ -381,6 +392,7 @@ class World:
             return 0
         self.clock.stop()
         remove_running(self)
+        self._publication = None
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
@@ -405,6 +417,7 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
             self.problems.check(again=False)
 
@@ -451,9 +464,13 @@ class World:
     # Step ------------------------------------------------------------------------------------------------------------
 
     def step(self, count: int = 1) -> None:
-        """Run `count` steps, as fast as possible."""
-        for _ in range(count):
-            self.Step()
+        """Run `count` steps, as fast as possible. Threads that wait for the world have it between two of them."""
+        lock = self.lock
+        with lock:  # taken once: that costs 1,000 instructions more than to see that it is held
+            for _ in range(count):
+                if lock.waiting:
+                    lock.pass_on()
+                self.Step()
 
     def run(self, seconds: float) -> None:
         """Run until that much more sim time [s] has passed, as fast as possible.
@@ -475,25 +492,32 @@ class World:
             StrictError: a strict world had an error or warning.
         """
         lock = self.lock
+        if lock.owned():
+            self._step_alone()
+            return 0
         if lock.waiting:
             lock.give_way()
         if not lock.try_acquire():
             lock.wait()
         try:
-            if self._inside or self.agenda.holding or not self.clock.running:
-                self._check_ready("stepped")
-            self._inside = True
-            try:
-                self._step()
-            finally:
-                self._inside = self.agenda.stepping = False
-            if self.problems.failure is not None:
-                self.problems.check()
-            if self._rewind is not None and self._rewind.due(self.clock.sim_time):
-                self._rewind.keep(self.clock.sim_time, snapshot.save(self))
+            self._step_alone()
         finally:
             lock.release()
         return 0
+
+    def _step_alone(self) -> None:
+        """One step, in the thread that holds the lock."""
+        if self._inside or self.agenda.holding or not self.clock.running:
+            self._check_ready("stepped")
+        self._inside = True
+        try:
+            self._step()
+        finally:
+            self._inside = self.agenda.stepping = False
+        if self.problems.failure is not None:
+            self.problems.check()
+        if self._rewind is not None and self._rewind.due(self.clock.sim_time):
+            self._rewind.keep(self.clock.sim_time, snapshot.save(self))
 
     @property
     def present_step(self) -> tuple[int, float] | None:
@@ -532,6 +556,8 @@ class World:
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
             self.sim.unlock()
+        if self._publication is not None:
+            self._publication.publish(paused)
         self.gz_server.post()
 
     def _advance(self) -> None:
@@ -579,8 +605,9 @@ class World:
             return self._paused
         data, reset, save = self.sim.data, False, False
         switch = self._guard.switch
-        pause = data.pause
-        paused = self._paused = switch("pause", pause, self._paused)
+        pause, paused = data.pause, self._paused
+        if pause != paused:
+            paused = self._paused = switch("pause", pause, paused)
         if pause != paused:  # then the buttons beside it mean nothing, either
             data.pause, data.reset, data.save = int(paused), 0, 0
         elif data.reset or data.save:
@@ -616,7 +643,7 @@ class World:
                     entity.motors_off()
                     for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
                         interface.unlock()
-            self._updating = [e for e in self._updating if not isinstance(e.failed, BaseException)]
+            self.find_updated()
 
     # State -----------------------------------------------------------------------------------------------------------
 
@@ -755,6 +782,10 @@ class World:
         self._numbers += 1
         return self._numbers
 
+    def find_updated(self) -> None:
+        """Update from now on all entities but those whose update has failed."""
+        self._updating = [e for e in self.entities if not isinstance(e.failed, BaseException)]
+
     # Changes ---------------------------------------------------------------------------------------------------------
 
     def after_step(self, action: Callable[[], object]) -> None:
@@ -778,6 +809,7 @@ class World:
             changed = bool(self.sim.data.pause) != bool(value)
             self._paused = bool(value)
             self.sim.data.pause = int(value)
+            self.sim.keep_commands()
             self.sim.unlock()
             if changed:
                 self.events["Pause"](bool(value))

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, InterfaceError
-from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, fields_of, numpy_type
+from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, commands_of, fields_of, numpy_type
 from libgz.transport.paths import check_id, file_name
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
@@ -35,8 +35,9 @@ DataClass: TypeAlias = "type[Data]"  # Interface.type hides the builtin
 SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
 _SPINS = 10  # attempts before the first pause: most clients hold a lock for microseconds
-_CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived
+_CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived, and copies of commands
 _HEAD = ctypes.sizeof(Data)  # [byte]
+_NO_HEAD = bytes(_HEAD)  # of a file that was truncated
 
 
 class InterfaceServer(Protocol):
@@ -130,6 +131,8 @@ class Interface(Generic[D]):
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
         self._blocked = False  # a client held the lock at the last attempt
         self._head = b""  # as the server wrote it
+        self._commands: list[tuple[slice, bytes]] = []  # what clients had written when it was last found whole
+        self._keeps = False  # whether they are kept at the next release of the lock
         self._watch: Watch | None = None
         self._seen = (0, 0)  # counts of the watch that were logged
         self._next_check = 0.0  # of the file's length [s]
@@ -255,6 +258,7 @@ class Interface(Generic[D]):
             self._head = bytes(state[:_HEAD])
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
+            self.keep_commands()
 
     @contextlib.contextmanager
     def _locked_if_possible(self) -> Iterator[None]:
@@ -361,7 +365,8 @@ class Interface(Generic[D]):
             ClosedError: the interface is not open.
         """
         if self.descriptor is None:
-            _ = self.data
+            if self._data is None:
+                _ = self.data  # raises
             return True
         if timeout is None and self.server is None:
             fcntl.flock(self.descriptor, fcntl.LOCK_EX)
@@ -413,23 +418,52 @@ class Interface(Generic[D]):
     # Repair ------------------------------------------------------------------------------------------------------
 
     def _repair(self) -> None:
-        """Restore length and head of the file; the caller holds the lock.
+        """Restore length, head and commands of the file; the caller holds the lock.
+
+        Where a client overwrote the head, the commands beside it mean nothing, either: earlier ones stay in force.
 
         Access to mapped memory beyond the end of a file raises SIGBUS. Where that is not survived, the length comes
         first, at each lock.
         """
         memory: Any = self._memory
-        truncated = False
+        now, truncated = time.monotonic(), False
+        due = now >= self._next_check
+        if due:
+            self._next_check, self._keeps = now + _CHECK_PERIOD, True
         if self._watch is None:
             truncated = self._restore_length()
-        elif (now := time.monotonic()) >= self._next_check or memory[:_HEAD] != self._head:
-            self._next_check = now + _CHECK_PERIOD
+        head = memory[:_HEAD]
+        if self._watch is not None and (due or head == _NO_HEAD):
             truncated = self._restore_length()
             truncated |= self._report_failures(self._watch)
-        if memory[:_HEAD] != self._head:
+        if head != self._head:
             memory[:_HEAD] = self._head
+            for place, command in self._commands:
+                memory[place] = command
             if not truncated:
                 self._warn("a client overwrote the head of", "it was restored")
+
+    def intact(self) -> bool:
+        """Whether no client has overwritten the head since the server took the lock.
+
+        If one has, without the lock, then what was read since is no command but overwritten memory.
+        """
+        memory: Any = self._memory
+        return bool(memory[:_HEAD] == self._head)
+
+    def keep_commands(self) -> None:
+        """Keep commands as they are now, to restore them if a client overwrites the file; the caller holds the lock.
+
+        Texts are not kept: they are requests, which must not come again.
+        """
+        self._keeps = False
+        memory: Any = self._memory
+        found = [
+            (place, bytes(place.stop - place.start) if text else memory[place])
+            for place, text in commands_of(self.layout)
+        ]
+        if self.intact():
+            self._commands = found
 
     def _restore_length(self) -> bool:
         """Extend the file if it is too short; whether it was."""
@@ -460,6 +494,8 @@ class Interface(Generic[D]):
     def unlock(self) -> None:
         """Release the lock."""
         if self.descriptor is not None:
+            if self._keeps:
+                self.keep_commands()
             fcntl.flock(self.descriptor, fcntl.LOCK_UN)
 
     @contextlib.contextmanager
@@ -499,6 +535,7 @@ class Interface(Generic[D]):
         self._data = None
         self._arrays.clear()
         self._memory = None
+        self._commands, self._keeps = [], False
         self.server = None
         if self._watch is not None:
             self._watch.release()

@@ -18,6 +18,7 @@ import ctypes
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -41,6 +42,7 @@ __all__ = [
     "c_name",
     "c_type",
     "char",
+    "commands_of",
     "double",
     "elements",
     "fields_of",
@@ -183,6 +185,30 @@ def layout(declaration: S) -> S:
 def fields_of(struct: type[Struct]) -> dict[str, Field]:
     """Name -> declaration of the fields of a struct, without its head."""
     return struct.declared
+
+
+@lru_cache
+def commands_of(struct: type[Struct]) -> tuple[tuple[slice, bool], ...]:
+    """Where clients write in a struct: slices of its memory in order, and whether they are text."""
+    return tuple((slice(start, end), text) for start, end, text in _commands(struct, 0))
+
+
+def _commands(struct: type[Struct], origin: int) -> list[tuple[int, int, bool]]:
+    found: list[tuple[int, int, bool]] = []
+    for name, field in fields_of(struct).items():
+        place = getattr(struct, name)
+        start, text = origin + place.offset, field.ctype in (ctypes.c_char, ctypes.c_uint8)
+        if issubclass(field.ctype, Struct):
+            size = ctypes.sizeof(field.ctype)
+            for i in range(place.size // size):
+                found += _commands(field.ctype, start + i * size)
+        elif field.writer == SERVER:
+            continue
+        elif found and found[-1][1:] == (start, text):
+            found[-1] = (found[-1][0], start + place.size, text)
+        else:
+            found.append((start, start + place.size, text))
+    return found
 
 
 def numpy_type(field: Field) -> Any:

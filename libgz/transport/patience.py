@@ -6,21 +6,29 @@ import time
 
 __all__ = ["Patience"]
 
-SHARE = 0.02  # of the time
-MOST = 0.04  # [s] at once
+SHARE = 0.02  # of the time that the server works
+LEAST_WORK = 0.2  # of all time: a server that keeps real time sleeps most of it, and can wait then
+UPDATE_PERIOD = 0.001  # [s]
+MOST = 0.02  # [s] at once
 
 
 class Patience:
-    """An allowance of waiting time, a small share of the time that passes: clients cannot slow the server by more."""
+    """An allowance of waiting time, a small share of the processor time: clients cannot slow the server by more.
+
+    It is not a share of all time: other processes may take most of that.
+    """
 
     def __init__(self) -> None:
         self._left = MOST
-        self._updated = time.monotonic()
+        self._updated, self._used = time.monotonic(), time.process_time()
 
     def left(self, now: float) -> float:
         """How long the server can wait at a monotonic time [s]."""
-        self._left = min(MOST, self._left + SHARE * (now - self._updated))
-        self._updated = now
+        passed = now - self._updated
+        if passed >= UPDATE_PERIOD:
+            used = time.process_time()
+            self._left = min(MOST, self._left + SHARE * max(used - self._used, LEAST_WORK * passed))
+            self._updated, self._used = now, used
         return max(0.0, self._left)
 
     def spend(self, seconds: float) -> None:

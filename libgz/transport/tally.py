@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 
 __all__ = ["Tally"]
@@ -13,30 +14,31 @@ class Tally:
     So no client can fill the log.
 
     Args:
-        first: how often each cause is logged before that.
+        most: how many causes are counted apart, where clients can make up new ones; further ones count as one.
     """
 
-    def __init__(self, first: int = 1) -> None:
-        self._first = first
+    def __init__(self, most: float = math.inf) -> None:
+        self._most = most
         self._counts: dict[Hashable, list[int]] = {}  # cause -> count, count at which it is logged next
 
     def due(self, cause: Hashable, times: int = 1) -> bool:
         """Count `cause`; whether to log it now."""
         entry = self._counts.get(cause)
         if entry is None:
-            entry = self._counts[cause] = [0, 1]
+            entry = self._counts.setdefault(self._key(cause), [0, 1])
         entry[0] += times
         if entry[0] < entry[1]:
             return False
-        if entry[0] < self._first:
-            entry[1] = entry[0] + 1
-        else:
-            entry[1] = 100
-            while entry[1] <= entry[0]:
-                entry[1] *= 10
+        entry[1] = 100
+        while entry[1] <= entry[0]:
+            entry[1] *= 10
         return True
+
+    def _key(self, cause: Hashable) -> Hashable:
+        """The cause that counts: itself, or that of all further ones."""
+        return cause if cause in self._counts or len(self._counts) < self._most else None
 
     def times(self, cause: Hashable) -> str:
         """The end of a message: how often, from the second time on."""
-        count = self._counts.get(cause, (0,))[0]
+        count = self._counts.get(self._key(cause), (0,))[0]
         return f" ({count} times so far)" if count > 1 else ""

@@ -298,3 +298,18 @@ def test_over_the_wire(gazebo, tmp_path):
                 assert client.wait(timeout=5.0)
             assert ("position", "new") not in client.interfaces()
     assert server.stop()[0] == 0
+
+
+def test_failed_requests_do_not_fill_the_log(world, caplog):
+    factory = world.model("f")
+    for _ in range(250):
+        factory.obey(b"no XML\0")
+    assert [message.partition("failed: ")[2] for message in caplog.messages] == [
+        "the text is not XML: it does not begin with '<'",
+        "the text is not XML: it does not begin with '<' (100 times so far)",
+    ]
+    caplog.clear()
+    for number in range(250):
+        factory.obey(f"<delete>nobody{number}</delete>\0".encode())
+    assert len(caplog.messages) == 21  # 19 names, and the first and hundredth of the others
+    assert caplog.messages[-1].endswith("(100 times so far)")

@@ -81,3 +81,20 @@ def test_intensity_of_a_fraction_of_retro(quirks, bright):
             world.step(12)
             found.append(world.interface("laser", "l").all_intensities[90])
     assert found == bright
+
+
+def test_neighbours_with_one_number_are_one_object():
+    solid = "<model:SimpleSolid><xyz>2 {} 0</xyz><size>.2 .4 1</size><fiducial>{}</fiducial></model:SimpleSolid>"
+    solids = [solid.format(y, number) for y, number in ((-0.8, 3), (-0.4, 4), (0.0, 4), (0.4, 5), (1.2, 5))]
+    with world_of(LASER.format("l", 0), *solids) as world:
+        world.step(12)
+        laser = world.model("l")
+        runs = laser.rays.hits()
+        assert [first for first, _, _ in runs] + [91] == [0, *(end for _, end, _ in runs)]
+        assert sum(geom is not None for _, _, geom in runs) == 5
+        assert [(number, round(y, 1)) for number, _, y, _ in laser.fiducials()] == [
+            (3, -0.8),
+            (4, -0.2),
+            (5, 0.4),
+            (5, 1.2),
+        ]

@@ -13,6 +13,7 @@ import libgz
 from libgz.files import installed_worlds
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternToEuler, GzVector, rotate
 from libgz.interfaces.client import Client
+from libgz.models import observercam
 from libgz.models.observercam import SWITCHES
 
 
@@ -306,6 +307,43 @@ OBSERVED = LIGHT + solid("4 0 -0.5", "1 1 1") + "<model:ObserverCam><id>o</id>{}
 def red_center(image):
     rows, columns = np.nonzero((image[:, :, 0] > 60) & (image[:, :, 2] < 60))
     return columns.mean(), rows.mean()
+
+
+def test_clients_cannot_save_frames_without_limit(tmp_path, monkeypatch, caplog):
+    monkeypatch.setattr(observercam, "MOST_FRAMES", 3)
+    saved = f"<savePath>{tmp_path}</savePath><imageSize>16 12</imageSize><updateRate>1000</updateRate>"
+    with world_of(OBSERVED.format(saved)) as world:
+        world.interface("guicam", "o").data.save_frames = 1
+        world.step(10)
+    assert sorted(path.name for path in tmp_path.glob("*.pnm")) == ["0000.pnm", "0001.pnm", "0002.pnm"]
+    assert caplog.text.count("guicam.o: save_frames is 1, but 3 images were saved, and is ignored") == 1
+
+
+def test_frames_that_the_worldfile_saves_have_no_limit(tmp_path, monkeypatch):
+    monkeypatch.setattr(observercam, "MOST_FRAMES", 3)
+    saved = f"<savePath>{tmp_path}</savePath><imageSize>16 12</imageSize><updateRate>1000</updateRate>"
+    with world_of(OBSERVED.format(f"{saved}<saveFrames>true</saveFrames>")) as world:
+        world.step(10)
+    assert len(list(tmp_path.glob("*.pnm"))) >= 10
+
+
+def test_switches_of_an_observer_are_0_or_1(caplog):
+    with world_of(OBSERVED.format("<updateRate>1000</updateRate>")) as world:
+        guicam = world.interface("guicam", "o")
+        data, options = guicam.data, world.model("o").eye.options
+        data.display_bbox, data.display_skins, data.roll_lock = 1, 0, 2
+        world.step()
+        assert (options.displayBBox, options.displaySkins) == (True, False)
+        assert (data.display_bbox, data.display_skins, data.roll_lock) == (1, 0, 1)
+        data.display_bbox, data.display_skins = -1, 2**31 - 1
+        world.step()
+        assert (options.displayBBox, options.displaySkins) == (True, False)
+        assert (data.display_bbox, data.display_skins) == (1, 0)
+    assert [message.partition("guicam.o: ")[2] for message in caplog.messages if "guicam.o" in message] == [
+        "roll_lock is 2, neither 0 nor 1, and is ignored",
+        "display_bbox is -1, neither 0 nor 1, and is ignored",
+        "display_skins is 2147483647, neither 0 nor 1, and is ignored",
+    ]
 
 
 def test_dragging_keeps_what_was_grabbed_under_the_mouse():

@@ -1,11 +1,13 @@
 """Threads: every call is safe while another thread steps, and no thread waits without end."""
 
+import inspect
 import logging
 import subprocess
 import sys
 import textwrap
 import threading
 import time
+import traceback
 
 import pytest
 
@@ -13,7 +15,7 @@ import libgz
 from libgz.errors import ClosedError
 from libgz.geometry import GzPose, GzQuatern, GzVector
 from libgz.physics import lock as lock_module
-from libgz.physics.lock import WorldLock
+from libgz.physics.lock import WorldLock, exclusive
 
 LEGACY = (
     "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
@@ -27,14 +29,16 @@ BOX = (
 CLASSIC = f"<sdf version='1.6'><world name='default'>{BOX.format('one', 0)}{BOX.format('two', 3)}</world></sdf>"
 
 # Each line runs again and again in a thread of its own, while two threads step. ODE aborts the process at a race.
+# What a reset would take away in between is one change.
 CALLS = """
 one.SetPose(GzPose(GzVector(0, 0, 1), GzQuatern(1, 0, 0, 0)))
 world.SetModelPose(two, GzPose(GzVector(3, 0, 1), GzQuatern(1, 0, 0, 0)))
 one.GetBody().AddForce(1, 0, 0); one.GetBody().SetLinearVel((0, 0, 0.1))
-world.InsertModel("<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"); world.DeleteModel("new")
-h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1, 0, 0)); h.close()
-libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
+with world.lock: world.InsertModel("<model:SimpleSolid><id>new</id></model:SimpleSolid>"); world.DeleteModel("new")
+with world.lock: h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1,0,0)); h.close()
+with world.lock: libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
 world.Reset(); world.engine.gravity = (0, 0, -9.8)
+world.set_state(world.get_state())
 one.GetPose(); one.joints; world.model("two"); two.GetBody().GetLinearVel(); world.engine.states.sum()
 """
 PROGRAM = """
@@ -96,6 +100,25 @@ def test_a_call_waits_for_the_end_of_the_step(monkeypatch):
         assert waited == [True, False, False]
         assert model.GetPose().pos.x == pytest.approx(9, abs=0.1)
         thread.join()
+
+
+def test_threads_have_the_world_between_the_steps_of_one_call():
+    with libgz.World.from_string(LEGACY) as world:
+        seen, begun = [], threading.Event()
+
+        def change():
+            begun.wait(20)
+            for _ in range(3):
+                world.engine.gravity = (0, 0, -9.8)
+                seen.append(world.iterations)
+
+        thread = threading.Thread(target=change)
+        world.model("one").Update = lambda step: (begun.set(), thread.is_alive() and time.sleep(0.005))
+        thread.start()
+        world.step(30)
+        thread.join()
+        assert 0 < seen[0] <= seen[1] <= seen[2] < 30
+        assert world.lock.holder == 0
 
 
 def test_several_changes_are_one():
@@ -170,6 +193,44 @@ def test_a_callback_that_waits_for_a_waiting_thread_is_reported(monkeypatch, tmp
     assert line.startswith("thread 'network' has waited")
     assert f" for the world, in {path}:14; " in line
     assert f"holds it, in Update of model 'net1' ({path}:11): if that waits for thread 'network'" in line
+
+
+class Counter:
+    """A part of a world, with its lock."""
+
+    def __init__(self):
+        self.engine, self.lock = self, WorldLock()
+
+    @exclusive
+    def hold(self, first, second=2, *, third=3, fourth):
+        """Which thread holds the lock, and the arguments."""
+        return self.lock.holder, first, second, third, fourth
+
+    @exclusive
+    def fail(self):
+        raise ValueError("no")
+
+
+def test_an_exclusive_method_holds_the_lock_and_keeps_its_parameters():
+    part, me = Counter(), threading.get_ident()
+    assert part.hold(1, fourth=4) == (me, 1, 2, 3, 4)
+    assert part.hold(second=5, first=6, fourth=7, third=8) == (me, 6, 5, 8, 7)
+    with part.lock:
+        assert part.hold(1, fourth=4) == (me, 1, 2, 3, 4)
+        assert part.lock.holder == me
+    assert part.lock.holder == 0
+    assert str(inspect.signature(part.hold)) == "(first, second=2, *, third=3, fourth)"
+    with pytest.raises(TypeError, match="missing 1 required keyword-only argument: 'fourth'"):
+        part.hold(1)
+
+
+def test_an_exclusive_method_that_raises_releases_the_lock():
+    part = Counter()
+    with pytest.raises(ValueError, match="no") as caught:
+        part.fail()
+    assert part.lock.holder == 0
+    lines = [entry.line for entry in traceback.extract_tb(caught.value.__traceback__)]
+    assert lines[1:] == ["return method({passed})", 'raise ValueError("no")']
 
 
 def test_the_lock_names_its_holder():

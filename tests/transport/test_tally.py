@@ -5,7 +5,7 @@ import time
 import pytest
 
 from libgz.transport.guard import Guard
-from libgz.transport.patience import MOST, SHARE, Patience
+from libgz.transport.patience import LEAST_WORK, MOST, SHARE, Patience
 from libgz.transport.tally import Tally
 
 
@@ -18,9 +18,12 @@ def test_a_cause_is_logged_at_growing_counts():
     assert tally.times("another") == ""
 
 
-def test_the_first_ones_can_be_logged_each():
-    tally = Tally(first=3)
-    assert [number for number in range(1, 2001) if tally.due("cause")] == [1, 2, 3, 100, 1000]
+def test_causes_that_clients_make_up_are_limited():
+    tally = Tally(most=3)
+    assert [number for number in range(1, 2001) if tally.due(number)] == [1, 2, 3, 4, 103, 1003]
+    assert tally.times(2000) == " (1997 times so far)"
+    assert tally.times(2) == ""
+    assert not tally.due(2)
 
 
 def test_counts_can_grow_by_more_than_one():
@@ -30,12 +33,16 @@ def test_counts_can_grow_by_more_than_one():
     assert tally.due("cause")
 
 
-def test_waits_are_a_small_share_of_the_time():
+def test_waits_are_a_small_share_of_the_processor_time(monkeypatch):
+    used = 0.0
+    monkeypatch.setattr(time, "process_time", lambda: used)
     patience, now = Patience(), time.monotonic()
     assert patience.left(now) == pytest.approx(MOST)
     patience.spend(MOST)
     assert patience.left(now) == 0.0
-    assert patience.left(now + 0.1) == pytest.approx(0.1 * SHARE)
+    used = 0.3
+    assert patience.left(now + 0.5) == pytest.approx(0.3 * SHARE)  # other processes have used the rest
+    assert patience.left(now + 1.0) == pytest.approx((0.3 + 0.5 * LEAST_WORK) * SHARE)  # it slept, or had no processor
     assert patience.left(now + 1000.0) == MOST
 
 

@@ -1,7 +1,8 @@
 """A program that attacks interface files at full speed: `wire_attack.py KIND SEED`, with orders on stdin.
 
-KIND is `bytes` (random bytes), `locked` (the same, under the lock) or `truncate`. An order is one line of paths, which
-it attacks until the next; an empty line ends it. It answers each order with the number of attacks on the last one.
+KIND is `bytes` (random bytes), `locked` (the same, under the lock), `pieces` (of random bytes) or `truncate`. An order
+is one line of paths, which it attacks until the next; an empty line ends it. It answers each order with the number of
+attacks on the last one.
 """
 
 from __future__ import annotations
@@ -38,6 +39,13 @@ def write_locked(target: Target, generator: random.Random) -> None:
     fcntl.flock(target[0], fcntl.LOCK_UN)
 
 
+def write_piece(target: Target, generator: random.Random) -> None:
+    """64 bytes anywhere: mostly not the head."""
+    descriptor, contents, size = target
+    start = generator.randrange(size)
+    os.pwrite(descriptor, generator.choice(contents)[start : start + 64], start)
+
+
 def truncate(target: Target, generator: random.Random) -> None:
     descriptor, _, size = target
     os.ftruncate(descriptor, generator.choice((0, 1, 151, size // 2, max(0, size - 1))))
@@ -46,6 +54,7 @@ def truncate(target: Target, generator: random.Random) -> None:
 ATTACKS: dict[str, Callable[[Target, random.Random], None]] = {
     "bytes": write,
     "locked": write_locked,
+    "pieces": write_piece,
     "truncate": truncate,
 }
 

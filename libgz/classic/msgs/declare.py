@@ -69,13 +69,12 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
     return _make(name, name, fields, kinds)
 
 
-@plain
 def restored(name: str, data: bytes) -> Message:
     """Return the message of a type and its encoding: what pickled messages are made of."""
     return message_type(name).FromString(data)
 
 
-Message._restored = staticmethod(restored)
+Message._restored = staticmethod(plain(restored, Message))
 
 
 def _describe(name: str, fields: str) -> str:

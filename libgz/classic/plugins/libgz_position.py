@@ -108,6 +108,8 @@ class PositionPlugin(ModelPlugin):
         data.pos[0], data.pos[1], data.rot[2] = self.odometry
         data.vel_pos[0], data.vel_rot[2] = self.velocity
         self.position.unlock()
+        if not self.position.intact():
+            return
         names = ("cmd_vel_pos[0]", "cmd_vel_rot[2]")
         speed, turn = (
             self.guard.number(name, value, old, LARGEST_COMMAND)

@@ -1,0 +1,140 @@
+"""`libgz snapshot` on running servers: save, restore, rewind, and what they say when they cannot."""
+
+import os
+import signal
+import socket
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from commands import run_libgz
+from gzserver_process import SERVER, new_environment
+
+import libgz
+from libgz.files import installed_worlds
+from libgz.transport.control import SOCKET
+from libgz.transport.paths import server_directory
+
+WORLD = installed_worlds() / "segwayrmp.world"
+OTHER = installed_worlds() / "pioneer2at.world"
+BOX = """<sdf version='1.6'><world name='default'><model name='box'><pose>0 0 9 0 0 0</pose><link name='link'>
+<collision name='c'><geometry><box><size>1 1 1</size></box></geometry></collision></link></model></world></sdf>"""
+
+
+@pytest.fixture
+def serve(wire):
+    """Starts `gazebo` or `gzserver`, and waits until requests are taken."""
+    running = []
+
+    def start(command, **options):
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, **options)
+        running.append(process)
+        path, end = Path(server_directory(wire)) / SOCKET, time.monotonic() + 30
+        while not path.exists() and process.poll() is None and time.monotonic() < end:
+            time.sleep(0.02)
+        assert path.exists(), process.communicate(timeout=5)
+        return process
+
+    yield start
+    for process in running:
+        process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=20)
+
+
+def gazebo(wire, *words):
+    return [sys.executable, "-m", "libgz.apps.gazebo", "-s", str(wire), *map(str, words)]
+
+
+def wait(client, sim_time):
+    """Wait for a sim time [s]."""
+    end = time.monotonic() + 30
+    while client.sim().data.sim_time < sim_time:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_a_running_server_is_saved_restored_and_rewound(wire, serve, tmp_path):
+    serve(gazebo(wire, "--rewind", 60, WORLD))
+    control = Path(server_directory(wire)) / SOCKET
+    assert stat.S_IMODE(control.stat().st_mode) == 0o600
+    kept = tmp_path / "kept.state"
+    with libgz.Client(wire, 0) as client:
+        sim, robot = client.sim(), client.position("robot1")
+        wait(client, 0.5)
+        done = run_libgz("snapshot", "save", kept, "-s", wire)
+        assert (done.returncode, done.stdout) == (0, f"saved {kept.stat().st_size} bytes to {kept}\n"), done.stderr
+        saved_at = sim.data.sim_time
+        robot.command(vx=0.5)
+        wait(client, saved_at + 1.5)
+        moved = robot.data.pos[0]
+        done = run_libgz("snapshot", "restore", kept, "-s", wire)
+        assert done.returncode == 0, done.stderr
+        restored = float(done.stdout.split()[-2])
+        assert 0.5 <= restored <= saved_at + 0.5
+        assert robot.data.pos[0] < moved
+        assert robot.data.cmd_vel_pos[0] == 0.0
+        wait(client, restored + 1.0)
+        before = sim.data.sim_time
+        done = run_libgz("snapshot", "rewind", "0.6", "-s", wire)
+        assert done.returncode == 0, done.stderr
+        assert float(done.stdout.split()[-2]) < before + 0.5
+        done = run_libgz("snapshot", "rewind", "1000", "-s", wire)
+        assert (done.returncode, done.stdout) == (1, "")
+        assert "before the oldest state that was kept" in done.stderr
+        sim.data.pause = 1
+        time.sleep(0.1)
+        done = run_libgz("snapshot", "restore", kept, "-s", wire)
+        assert done.returncode == 0, done.stderr  # also while it is paused
+        assert "control" not in run_libgz("interfaces", "-s", wire).stdout
+
+
+def test_what_cannot_be_done_is_one_sentence(wire, serve, tmp_path):
+    done = run_libgz("snapshot", "save", tmp_path / "x", "-s", wire)
+    assert (done.returncode, done.stderr.count("\n")) == (1, 1)
+    assert f"no server with id {wire} takes requests" in done.stderr
+    server = serve(gazebo(wire, OTHER))
+    with libgz.World.from_file(WORLD) as world:
+        (tmp_path / "other").write_bytes(world.get_state())
+    (tmp_path / "text").write_text("text")
+    for words, message in (
+        (("restore", tmp_path / "other"), "its file has another text"),
+        (("restore", tmp_path / "text"), "are no state of this version"),
+        (("restore", tmp_path / "absent"), "cannot read"),
+        (("save", tmp_path), "cannot write"),
+        (("rewind", "1"), "--rewind SEC"),
+    ):
+        done = run_libgz("snapshot", *words, "-s", wire)
+        assert (done.returncode, done.stdout) == (1, ""), words
+        assert message in done.stderr
+        assert done.stderr.count("\n") == 1
+    assert run_libgz("snapshot", "rewind", "-1", "-s", wire).returncode == 2
+    directory = Path(server_directory(wire))
+    for request in (b"\n", b"save\n", b"save - -5\n", b"save - 99999999999\n", b"dance - 0\n", b"\xff\xff", b"x" * 999):
+        with socket.socket(socket.AF_UNIX) as hostile:
+            hostile.connect(str(directory / SOCKET))
+            hostile.sendall(request)
+    assert run_libgz("snapshot", "save", tmp_path / "x", "-s", wire).returncode == 0
+    assert server.poll() is None
+    server.kill()
+    server.wait()
+    assert run_libgz("snapshot", "save", tmp_path / "x", "-s", wire).returncode == 1
+    serve(gazebo(wire, OTHER))  # takes the stale directory
+    assert run_libgz("snapshot", "save", tmp_path / "x", "-s", wire).returncode == 0
+
+
+def test_gzserver_with_a_server_id(wire, serve, tmp_path):
+    path = tmp_path / "box.world"
+    path.write_text(BOX)
+    environment = {**new_environment(tmp_path), "TMP": os.environ["TMP"]}
+    serve([*SERVER, "--server-id", str(wire), "--rewind", "10", str(path)], env=environment)
+    kept = tmp_path / "kept.state"
+    assert run_libgz("snapshot", "save", kept, "-s", wire).returncode == 0
+    time.sleep(0.3)
+    done = run_libgz("snapshot", "restore", kept, "-s", wire)
+    assert done.returncode == 0, done.stderr
+    with libgz.World.from_file(path) as world:
+        world.set_state(kept.read_bytes())
+        assert world.GetSimTime() <= float(done.stdout.split()[-2])

@@ -1,0 +1,386 @@
+"""States of legacy worlds: to the bit, in this process and others, with clients, after inserts and deletes."""
+
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import state_runs
+from state_runs import difference, look, run
+
+import libgz
+from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
+from libgz.files import installed_worlds
+from libgz.physics.joint import HingeJoint
+
+WORLDS = sorted(installed_worlds().glob("*.world"))
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
+ROBOTS = (
+    f"{HEAD}<model:GroundPlane><id>ground</id></model:GroundPlane>"
+    "<model:Pioneer2AT><id>one</id><model:SickLMS200><id>laser</id><xyz>.1 0 .311</xyz></model:SickLMS200>"
+    "</model:Pioneer2AT><model:SimpleSolid><id>box</id><xyz>1 0.2 1</xyz></model:SimpleSolid>"
+    "<model:SegwayRMP><id>two</id><xyz>0 2 0</xyz></model:SegwayRMP>"
+    "<model:Factory><id>factory</id></model:Factory></gz:world>"
+)
+BALL = "<model:SimpleSolid><id>{0}</id><shape>sphere</shape><xyz>{1} 0.4 2</xyz></model:SimpleSolid>"
+
+
+@pytest.fixture
+def world():
+    with libgz.World.from_string(ROBOTS) as found:
+        found.step(30)
+        yield found
+
+
+@pytest.mark.parametrize("path", WORLDS, ids=lambda path: path.stem)
+def test_packaged_worlds_continue_and_reset_to_the_bit(path):
+    with libgz.World.from_file(path) as world:
+        start = world.get_state()
+        first = run(world, 22, 1)
+        state = world.get_state()
+        assert world.get_state() == state
+        seen = run(world, 22, 2)
+        world.set_state(state)
+        assert world.get_state() == state
+        assert difference(seen, run(world, 22, 2)) is None
+        world.Reset()
+        assert world.get_state() == start
+        assert difference(first, run(world, 22, 1)) is None
+
+
+def test_another_process_continues_to_the_bit(tmp_path):
+    path = tmp_path / "robots.world"
+    path.write_text(ROBOTS)
+    with libgz.World.from_file(path) as world:
+        world.step(40)
+        world.DeleteModel("box")
+        world.InsertModel(BALL.format("ball", 0.1))
+        run(world, 30, 1)
+        kept = tmp_path / "state"
+        kept.write_bytes(world.get_state())
+        seen = state_runs.digest(run(world, 50, 2))
+    command = [sys.executable, state_runs.__file__, str(path), str(kept), "50", "2"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout.strip() == seen, done.stderr
+
+
+def change_nothing(world):
+    pass
+
+
+def delete_first(world):
+    world.DeleteModel("one")
+
+
+def delete_ground(world):
+    world.DeleteModel("ground")  # what comes after it is built again with it
+
+
+def delete_child(world):
+    world.DeleteModel("laser")
+
+
+def insert(world):
+    world.InsertModel(BALL.format("new", 0))
+
+
+def replace(world):
+    world.DeleteModel("box")
+    world.InsertModel(BALL.format("box", 1))
+    world.DeleteModel("two")
+
+
+def join(world):
+    hinge = HingeJoint(world, name="made")
+    hinge.Attach(world.model("one").GetBody(), world.model("box").GetBody())
+    hinge.SetAnchor((0.5, 0, 0.5))
+
+
+@pytest.mark.parametrize("before", [change_nothing, delete_first, insert, replace])
+@pytest.mark.parametrize("after", [change_nothing, delete_first, delete_child, insert, replace, join])
+def test_what_came_and_went(world, before, after):
+    before(world)
+    run(world, 25, 1)
+    state = world.get_state()
+    names = [entity.GetId() for entity in world.entities]
+    seen = run(world, 45, 2)
+    if not (before is delete_first and after in (delete_first, delete_child, join)) and not (
+        before is replace and after is replace
+    ):
+        after(world)
+        run(world, 5, 3)
+    world.set_state(state)
+    assert [entity.GetId() for entity in world.entities] == names
+    assert world.get_state() == state
+    assert difference(seen, run(world, 45, 2)) is None
+
+
+def test_what_goes_is_closed_and_what_stays_is_the_same(world):
+    one, ground = world.model("one"), world.model("ground")
+    state = world.get_state()
+    world.InsertModel(BALL.format("new", 0))
+    new = world.body("new")
+    world.set_state(state)
+    assert world.model("one") is one
+    with pytest.raises(ClosedError, match="closed"):
+        new.GetPose()
+    body = one.GetBody()
+    world.DeleteModel("one")
+    world.set_state(state)
+    assert world.model("ground") is ground
+    assert world.model("one") is not one
+    with pytest.raises(ClosedError, match="closed"):
+        body.GetPose()
+
+
+def test_states_are_bytes_that_can_be_pickled_and_compared(world):
+    state = world.get_state()
+    assert isinstance(state, bytes)
+    assert pickle.loads(pickle.dumps(state)) == state
+    world.Step()
+    assert world.get_state() != state
+
+
+def test_clients_stay_connected(wire):
+    with libgz.World.from_string(ROBOTS, server_id=wire) as world, libgz.Client(wire, 0) as client:
+        world.step(20)
+        state = world.get_state()
+        position, laser = client.position("one"), client.laser("laser")
+        number, inode = position.data.head.model_id, os.fstat(position.descriptor).st_ino
+        path = Path(client.path) / "position.one"
+        for change in (delete_ground, insert, None):
+            if change is None:
+                world.Reset()
+            else:
+                world.set_state(state)
+                change(world)
+                world.step(3)
+                world.set_state(state)
+            assert path.stat().st_ino == inode
+            assert not position.replaced
+            assert position.data.head.model_id == number
+            assert position.lock(1.0)
+            position.unlock()
+            position.command(vx=0.3)
+            world.step(50)
+            assert position.data.time == pytest.approx(world.GetSimTime(), abs=0.11)
+            assert laser.data.time == pytest.approx(world.GetSimTime(), abs=0.11)
+            assert position.data.pos[0] > 0.1
+        world.set_state(state)
+        world.DeleteModel("one")
+        assert not path.exists()
+        assert sorted(p.name for p in path.parent.glob(".*.new")) == []
+
+
+def test_reset_is_a_fresh_load_and_the_button_returns_poses_only(wire):
+    with libgz.World.from_string(ROBOTS, server_id=wire) as world:
+        start = look(world)
+        run(world, 60, 1)
+        world.sim.data.reset = 1
+        world.Step()
+        assert world.GetSimTime() == pytest.approx(61 * 0.02)
+        assert world.model("one").odometry.pose != [0, 0, 0]
+        assert world.model("one").GetPose().pos.x == pytest.approx(0, abs=0.02)
+        world.DeleteModel("two")
+        world.InsertModel(BALL.format("new", 0))
+        world.Reset()
+        assert look(world) == start
+        assert world.model("one").odometry.pose == [0, 0, 0]
+        seen = run(world, 40, 2)
+    with libgz.World.from_string(ROBOTS, server_id=wire) as fresh:
+        assert difference(run(fresh, 40, 2), seen) is None
+
+
+def test_reset_in_a_step_comes_after_it(world, monkeypatch):
+    def update(step):
+        times.append(world.GetSimTime())
+        if len(times) == 2:
+            world.Reset()
+            with pytest.raises(GazeboError, match="its step is under way"):
+                world.get_state()
+            with pytest.raises(GazeboError, match="its step is under way"):
+                world.set_state(b"")
+
+    times = []
+    world.Reset()
+    monkeypatch.setattr(world.model("box"), "Update", update)
+    world.step(4)
+    assert times == pytest.approx([0, 0.02, 0, 0.02])
+
+
+def test_clones_are_independent(world):
+    run(world, 20, 1)
+    world.InsertModel(BALL.format("new", 0))
+    with world.clone() as clone:
+        assert clone.server_id is None
+        assert clone.get_state() == world.get_state()
+        assert difference(run(world, 40, 2), run(clone, 40, 2)) is None
+        clone.step(7)
+        assert clone.GetSimTime() > world.GetSimTime()
+        with clone.clone() as third:
+            assert difference(run(clone, 20, 2), run(third, 20, 2)) is None
+
+
+def test_paused_worlds_and_models_that_failed(world, tmp_path):
+    plugin = tmp_path / "Fails.py"
+    plugin.write_text(
+        "from libgz import Body, BoxGeom, Model, GZ_REGISTER_PLUGIN\n"
+        "class Fails(Model):\n"
+        "    STATE = ('count',)\n"
+        "    def Load(self, file, node):\n"
+        "        self.AddBody(Body(self.world), True)\n"
+        "        BoxGeom(self.GetBody(), self.modelSpaceId, 1, 1, 1).SetMass(1)\n"
+        "        self.count = 0\n"
+        "    def Update(self, step):\n"
+        "        self.count += 1\n"
+        "        if self.count == 10:\n"
+        "            raise ValueError('ten')\n"
+        "GZ_REGISTER_PLUGIN('Fails', Fails)\n"
+    )
+    (model,) = world.InsertModel(f"<model:Fails><plugin>{plugin}</plugin><xyz>5 5 1</xyz></model:Fails>")
+    world.step(4)
+    before = world.get_state()
+    world.step(10)
+    assert isinstance(model.error, ValueError)
+    failed = world.get_state()
+    world.paused = True
+    world.step(3)
+    paused = world.get_state()
+    assert len({before, failed, paused}) == 3
+    world.set_state(before)
+    assert (model.error, model.count, world.paused) == (None, 4, False)
+    world.step(10)
+    assert (model.count, str(model.error)) == (10, "ten")
+    assert world.get_state() == failed
+    world.set_state(before)
+    world.set_state(failed)
+    assert "ValueError: ten" in str(model.error)
+    world.step(3)
+    assert model.count == 10
+    world.set_state(paused)
+    now = world.GetSimTime()
+    world.step(2)
+    assert (world.paused, world.GetSimTime()) == (True, now)
+    assert world.get_state() != paused  # pause time grows
+
+
+def test_random_numbers_continue(world):
+    world.random.spawn(2)
+    state = world.get_state()
+    draws = [np.random.default_rng(child).random() for child in world.random.spawn(3)]
+    world.set_state(state)
+    assert [np.random.default_rng(child).random() for child in world.random.spawn(3)] == draws
+
+
+def test_numbers_of_models_are_those_of_the_world(world):
+    with libgz.World.from_string(ROBOTS) as other:
+        assert [e.GetIntId() for e in world.entities] == [e.GetIntId() for e in other.entities] == [1, 2, 3, 4, 5, 6]
+
+
+def test_what_does_not_fit_is_refused_with_a_reason(world):
+    state = world.get_state()
+    with (
+        libgz.World.from_string(ROBOTS.replace("box", "crate")) as other,
+        pytest.raises(StateError, match="its file has another text"),
+    ):
+        other.set_state(state)
+    for damaged in (b"", b"libgz", state[:-20]):
+        before = look(world)
+        with pytest.raises(GazeboError):
+            world.set_state(damaged)
+        assert look(world) == before
+    with pytest.raises(ParameterError, match="no state of this version"):
+        world.set_state(b"something")
+    world.close()
+    with pytest.raises(ClosedError, match="the world is closed"):
+        world.get_state()
+
+
+def test_models_made_by_code_cannot_be_built_again(world):
+    class Made(libgz.Model):
+        STATE = ()
+
+    made = Made(world)
+    made.SetId("made")
+    made.AddBody(libgz.Body(world), True)
+    world.adopt(made)
+    state = world.get_state()
+    world.Step()
+    world.set_state(state)
+    assert world.model("made") is made
+    world.DeleteModel("made")
+    with pytest.raises(StateError, match="'made' cannot be built again: it was made by code"):
+        world.set_state(state)
+
+
+def test_models_without_a_declared_state_are_named_once(world, caplog, tmp_path):
+    plugin = tmp_path / "Silent.py"
+    plugin.write_text(
+        "from libgz import Body, Model, GZ_REGISTER_PLUGIN\n"
+        "class Silent(Model):\n"
+        "    def Load(self, file, node):\n"
+        "        self.AddBody(Body(self.world, dummy=True), True)\n"
+        "GZ_REGISTER_PLUGIN('Silent', Silent)\n"
+    )
+    world.get_state()
+    for _ in range(2):
+        world.InsertModel(f"<model:Silent><plugin>{plugin}</plugin></model:Silent>")
+    assert caplog.messages == []
+    world.get_state()
+    world.get_state()
+    (message,) = caplog.messages
+    assert message.startswith("model Silent declares no state")
+    assert 'add STATE = ("name", ...)' in message
+
+
+def test_a_state_that_is_not_plain_data_is_named(world):
+    class Odd(libgz.Model):
+        STATE = ("thing",)
+
+    odd = Odd(world)
+    odd.SetId("odd")
+    odd.AddBody(libgz.Body(world), True)
+    odd.thing = object()
+    world.adopt(odd)
+    with pytest.raises(ParameterError, match=r"'odd'.*Odd.*plain data"):
+        world.get_state()
+
+
+def test_rewind(world):
+    with pytest.raises(StateError, match="call keep_rewind first"):
+        world.rewind(1.0)
+    world.keep_rewind(2.0, interval=0.2)
+    run(world, 50, 1)
+    moment = world.GetSimTime()
+    state = world.get_state()
+    seen = run(world, 30, 2)
+    assert world.rewind(world.GetSimTime() - moment) == pytest.approx(moment, abs=0.021)
+    world.set_state(state)
+    assert difference(seen, run(world, 30, 2)) is None
+    now = world.GetSimTime()
+    assert now - 1.0 - 0.2 <= world.rewind(1.0) <= now - 1.0 + 1e-9
+    world.step(200)
+    with pytest.raises(StateError, match="before the oldest state that was kept"):
+        world.rewind(3.0)
+    assert world.rewind(1.9) == pytest.approx(world.GetSimTime())
+    world.keep_rewind(10.0, interval=0.0, megabytes=len(state) * 5 / (1 << 20))
+    world.step(20)
+    world.rewind(0.06)
+    with pytest.raises(StateError):
+        world.rewind(0.2)
+    world.keep_rewind(0.0)
+    with pytest.raises(StateError):
+        world.rewind(0.0)
+
+
+def test_rewound_worlds_continue_to_the_bit(world):
+    world.keep_rewind(5.0, interval=0.0)
+    run(world, 40, 1)
+    kept = world.get_state()
+    seen = run(world, 40, 2)
+    world.rewind(40 * world.engine.step_time)
+    assert world.get_state() == kept
+    assert difference(seen, run(world, 40, 2)) is None

@@ -195,6 +195,11 @@ class World:
         return extension
 
     @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
+
+    @property
     def extensions(self) -> list[Any]:
         """The objects that extend this world, in order of construction."""
         return list(self._extensions.values())

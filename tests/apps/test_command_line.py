@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from commands import run_libgz
+from master_uri import free_master_uri
 
 from libgz.apps.command_line import EXIT_CODES
 from libgz.apps.completion import SHELLS, script
@@ -110,7 +111,8 @@ def test_a_world_leads_to_its_file(tmp_path):
     assert "did you mean 'ptz'" in done.stderr
 
 
-def test_gazebo_and_gzserver_run_a_world_by_its_name(wire, tmp_path):
+def test_gazebo_and_gzserver_run_a_world_by_its_name(wire, tmp_path, monkeypatch):
+    monkeypatch.setenv("GAZEBO_MASTER_URI", free_master_uri())
     for command in (["gazebo", "-n", "-s", str(wire)], ["gzserver"]):
         words = [sys.executable, "-m", f"libgz.apps.{command[0]}", *command[1:], "--steps", "3", "pioneer2at"]
         done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60)
@@ -121,3 +123,31 @@ def test_gazebo_and_gzserver_run_a_world_by_its_name(wire, tmp_path):
     assert missing.returncode == 2
     assert "does not exist here, in GAZEBOPATH or among" in missing.stderr
     assert "did you mean 'pioneer2at'" in missing.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "keys"),
+    [
+        (["models", "--json"], {"name", "summary", "interfaces"}),
+        (["models", "SickLMS200", "--json"], {"name", "summary", "interfaces", "attributes", "example"}),
+        (["doctor", "--json"], {"name", "text", "good", "needed"}),
+        (["worlds", "--json"], {"name", "file", "summary"}),
+        (["check", "--json", "map"], None),
+        (["clean", "--json", "-s", "987654321"], None),
+    ],
+    ids=lambda value: "-".join(value[:2]) if type(value) is list else "",
+)
+def test_programs_read_json(arguments, keys):
+    done = run_libgz(*arguments)
+    assert done.returncode == 0, done.stderr
+    value = json.loads(done.stdout)
+    rows = value if isinstance(value, list) else [value]
+    assert all(keys is None or set(row) == keys for row in rows)
+
+
+def test_errors_of_sdf_are_json(tmp_path):
+    file = tmp_path / "a.sdf"
+    file.write_text("<sdf version='1.6'><world name='w'><model name='m'><pose>1 2</pose></model></world></sdf>")
+    done = run_libgz("sdf", "--check", file, "--json")
+    assert done.returncode == 1
+    assert {"file", "line", "element", "message", "severity"} <= set(json.loads(done.stdout)[0])

@@ -1,4 +1,4 @@
-"""Makes the native parts plain shared libraries for ctypes: neither their names nor the wheel's tag has a Python ABI."""
+"""Makes the native parts plain shared libraries: neither their names nor the wheel's tag has a Python ABI."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Build the wheel that needs no other package of the system: it contains Debian's libode and libccd, with their licences.
+"""Build the wheel that needs no package of the system: it contains Debian's libode and libccd with their licences.
 
 .venv/bin/python scripts/make_wheel.py           # to dist/
 .venv/bin/python scripts/make_wheel.py FOLDER
@@ -39,19 +39,24 @@ def main() -> None:
         target.mkdir(parents=True, exist_ok=True)
         for older in target.glob("libgz-*.whl"):
             older.unlink()
-        print(shutil.copy(wheel, target))
+        sys.stdout.write(f"{shutil.copy(wheel, target)}\n")
 
 
 def build(work: Path) -> Path:
     """A wheel of a copy of the sources: setuptools would add files of earlier builds in the tree."""
     copy = work / "libgz"
     copy.mkdir()
+    generated = shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
     for name in SOURCES:
         if (ROOT / name).is_dir():
-            shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info"))
+            shutil.copytree(
+                ROOT / name, copy / name, ignore=shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
+            )
         else:
             shutil.copy(ROOT / name, copy)
-    python("pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(work / "plain"), str(copy))
+    python(
+        "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(work / "plain"), str(copy)
+    )
     (wheel,) = (work / "plain").iterdir()
     return wheel
 

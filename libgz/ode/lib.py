@@ -28,7 +28,9 @@ log = logging.getLogger("libgz.ode")
 
 LIBRARY = "libode.so.8"
 BUNDLED = "bundled"  # the value of LIBGZ_ODE for the library that the wheel contains
-ADVICE = "on Debian and Ubuntu: apt-get install libode8; elsewhere install libgz from its wheel, which contains ODE"
+ADVICE = (
+    "apt-get install libode8 (Debian, Ubuntu), or install libgz from its wheel, which contains ODE (LIBGZ_ODE=bundled)"
+)
 ALLOCATE_ALL = 0xFFFFFFFF  # dAllocateMaskAll
 
 _C_TYPES: dict[str, Any] = {

@@ -49,14 +49,11 @@ def build(work: Path) -> Path:
     generated = shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
     for name in SOURCES:
         if (ROOT / name).is_dir():
-            shutil.copytree(
-                ROOT / name, copy / name, ignore=shutil.ignore_patterns("*.so", "__pycache__", "*.egg-info")
-            )
+            shutil.copytree(ROOT / name, copy / name, ignore=generated)
         else:
             shutil.copy(ROOT / name, copy)
-    python(
-        "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", str(work / "plain"), str(copy)
-    )
+    options = ["--no-deps", "--no-build-isolation", "--wheel-dir", str(work / "plain")]
+    python("pip", "wheel", *options, str(copy))
     (wheel,) = (work / "plain").iterdir()
     return wheel
 

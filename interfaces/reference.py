@@ -75,8 +75,8 @@ between two waits wake it once, so that 500 waits may take 90 steps or 500. The 
 whether its data are new, `sim_time` of the interface `sim` how far the simulation is.
 
 Clients sleep on a set of sixteen System V semaphores, one for each client id. A semaphore is a flag, not a count; the
-first wait of a new client may return at once. Locks are `flock` on the interface's file. A server waits 20 ms for a lock that a client holds, then skips that interface in this
-step.
+first wait of a new client may return at once. Locks are `flock` on the interface's file. A server waits 20 ms for a
+lock that a client holds, then skips that interface in this step.
 
 When a server ends, waiting clients get an error (`ServerGoneError`, -1 in C); so they do when a new server replaces one
 that crashed. They must connect and open their interfaces again.

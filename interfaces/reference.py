@@ -71,7 +71,7 @@ in C, too: `gz_server_init`, `gz_<type>_create`.
 Every post wakes all clients, as in the old server: the server posts at the end of each step, paused steps included, and
 cameras, lasers, pan-tilt units, stereo heads, GPS receivers and observers post whenever they have new data. **Waits
 therefore do not count steps**: in a world with devices one step may wake a client several times, and several posts
-between two waits wake it once, so that 500 waits may take 90 steps or 500. The field `time` of an interface tells
+between two waits wake it once, so that 500 waits may take 90 steps or 500. The field `time` of an interface shows
 whether its data are new, `sim_time` of the interface `sim` how far the simulation is.
 
 Clients sleep on a set of sixteen System V semaphores, one for each client id. A semaphore is a flag, not a count; the

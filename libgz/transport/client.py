@@ -99,7 +99,7 @@ class Client:
         """Sleep until a post, of a step or of a device; the first wait may return at once.
 
         The server posts at the end of each step, lasers, cameras and other devices whenever they have new data: waits
-        do not count steps. The `time` of an interface tells whether its data are new.
+        do not count steps. The `time` of an interface shows whether its data are new.
 
         Args:
             timeout: [s]; None waits without a limit.

@@ -1,5 +1,5 @@
 # make demo: install everything and run a demonstration.  make test: install everything, check and test.
-.PHONY: demo test lint types trials bench wheel setup clean
+.PHONY: demo test lint types trials fuzz bench wheel setup clean
 
 BIN := .venv/bin
 
@@ -20,8 +20,13 @@ types: setup
 trials: setup
 	@$(BIN)/pytest -q -m trial
 
+# MINUTES for each reader; READER=stl for one; FILE=... gives a finding to the reader again.
+fuzz: setup
+	@$(BIN)/python -c "import atheris" 2>/dev/null || $(BIN)/pip install --quiet -r tests/fuzz/requirements.txt
+	@PYTHONPATH=tests $(BIN)/python -m fuzz $(if $(MINUTES),--minutes $(MINUTES)) $(if $(READER),--reader $(READER)) $(if $(FILE),--file $(FILE))
+
 bench: setup
-	@for figures in step robots ground wire camera plugins sdf; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+	@for figures in step robots ground wire observer camera plugins sdf; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl
 wheel: setup
@@ -31,4 +36,4 @@ setup:
 	@./scripts/setup.sh
 
 clean:
-	rm -rf .venv build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .fuzz

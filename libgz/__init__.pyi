@@ -424,6 +424,14 @@ from libgz.transport.legacy import (
     gz_server_init as gz_server_init,
     gz_server_post as gz_server_post,
 )
+from libgz.transport.observer import (
+    ObservedBody as ObservedBody,
+    ObservedEntity as ObservedEntity,
+    ObservedJoint as ObservedJoint,
+    ObservedShape as ObservedShape,
+    ObservedState as ObservedState,
+    Observer as Observer,
+)
 from libgz.transport.semaphores import GZ_SEM_KEY as GZ_SEM_KEY
 from libgz.worldfile.file import WorldFile as WorldFile
 from libgz.worldfile.node import WorldFileNode as WorldFileNode

@@ -6,6 +6,7 @@ import difflib
 import dis
 import logging
 import re
+import signal
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,6 +19,7 @@ __all__ = [
     "Diagnostics",
     "GazeboError",
     "InterfaceError",
+    "Interrupted",
     "LibraryError",
     "Located",
     "NotFoundError",
@@ -83,6 +85,14 @@ class InterfaceError(GazeboError):
 
 class ServerGoneError(InterfaceError):
     """The server ended while a client was connected to it."""
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal ended the loading of a world; it is no error of libgz. `number` is the signal's."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(signal.Signals(number).name)
+        self.number = number
 
 
 # What code of users may raise to stop itself; `pass_interrupt` lets real interrupts through.

@@ -42,7 +42,6 @@ class Factory(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.interface = FactoryInterface()
         serve(self, self.interface)
-        self._string = self.interface.string
         self._seen = b""
         self._tally = Tally(MOST_REASONS)  # of failed requests
 
@@ -52,13 +51,14 @@ class Factory(Model):
     def Update(self, step: float) -> None:  # noqa: D102
         if not self.interface.lock():  # locking also restores a file that a client has truncated
             return
-        if not self._string[0]:
+        string = self.interface.string
+        if not string[0]:
             self.interface.unlock()
             return
-        content = self._string.tobytes()
+        content = string.tobytes()
         taken = content == self._seen
         if taken:
-            self._string[:] = 0
+            string[:] = 0
         self._seen = b"" if taken else content
         self.interface.data.time = self.world.GetSimTime()
         self.interface.unlock()

@@ -128,6 +128,7 @@ class PanTiltCamera(Model):
         self._panServo, self._tiltServo = (
             Servo(Axis(hinge), values.motionGain, MAX_TORQUE) for hinge in (self.pan, self.tilt)
         )
+        self.pan.commanded, self.tilt.commanded = self.panLimits, self.tiltLimits
         for body in (middle, self.head):
             body.SetFiniteRotationMode(1)
         old = "updateTimes" in self.world.engine.quirks

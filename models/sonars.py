@@ -57,20 +57,19 @@ class SonarRing:
     def Init(self) -> None:
         """Create the interface under the model's id."""
         serve(self.model, self.interface)
-        sonar, count = self.interface, len(self.poses)
-        self._places, self._yaws = sonar.sonar_pos[:count], sonar.sonar_rot[:count, 2]
-        self._ranges = sonar.sonar_ranges[:count]
+        sonar = self.interface
         if sonar.lock():
             self._describe(sonar.data)
-            self._ranges[:] = MAX_RANGE
+            sonar.sonar_ranges[: len(self.poses)] = MAX_RANGE
             sonar.unlock()
 
     def _describe(self, data: SonarData) -> None:
         """Write the constant fields, under the lock."""
-        data.sonar_count = len(self.poses)
+        count = len(self.poses)
+        data.sonar_count = count
         data.max_range = MAX_RANGE
-        self._places[:] = self._own_places
-        self._yaws[:] = self._own_yaws
+        self.interface.sonar_pos[:count] = self._own_places
+        self.interface.sonar_rot[:count, 2] = self._own_yaws
 
     def Update(self, now: float) -> None:
         """Cast the rays and publish, at sim time `now` [s]."""
@@ -79,7 +78,7 @@ class SonarRing:
             data = self.interface.data
             data.time = now
             self._describe(data)  # a client may have overwritten them
-            np.minimum(self.rays.ranges, MAX_RANGE, out=self._ranges)
+            np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.sonar_ranges[: len(self.poses)])
             self.interface.unlock()
 
     def Fini(self) -> None:

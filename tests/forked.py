@@ -11,7 +11,7 @@ import tempfile
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 __all__ = ["Failure", "note", "run_trials"]
 
@@ -29,6 +29,7 @@ class Failure:
     number: int
     what: str
     during: str = ""  # the last note, if the process ended
+    first: int | None = None  # the first trial of its process, if it failed after others only
 
 
 def note(text: str) -> None:
@@ -40,7 +41,8 @@ def note(text: str) -> None:
 def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure]:
     """Run trials, several processes at a time; their failures.
 
-    A trial that fails among others is repeated in a process of its own, and counts if it fails there.
+    A trial that fails is repeated in a process of its own. If it passes there, it counts all the same: something that
+    an earlier trial left in the process is wrong, or the machine was short of memory or time.
     """
     waiting = [range(start, min(start + BATCH, numbers.stop)) for start in range(numbers.start, numbers.stop, BATCH)]
     running: dict[int, tuple[int, range]] = {}  # pid -> file of results, trials
@@ -53,26 +55,28 @@ def run_trials(trial: Trial, numbers: range, processes: int) -> Iterator[Failure
         if pid not in running:
             continue
         file, batch = running.pop(pid)
-        done, failed, _ = _read(file)
-        for number in failed:
-            yield from _alone(trial, number)
+        done, failed, last = _read(file)
+        for number, what in failed.items():
+            yield from _alone(trial, number) or [Failure(number, f"after others: {what}", last, batch.start)]
         if done < len(batch):  # it died in the one after those
-            yield from _alone(trial, batch[done], os.waitstatus_to_exitcode(status) if len(batch) == 1 else None)
+            number, ended = batch[done], _ended(batch[done], status, last)
+            yield from _alone(trial, number) or [replace(ended, what=f"after others: {ended.what}", first=batch.start)]
             if len(batch) > done + 1:
                 waiting.append(batch[done + 1 :])
 
 
-def _alone(trial: Trial, number: int, code: int | None = None) -> Iterator[Failure]:
+def _alone(trial: Trial, number: int) -> list[Failure]:
     pid, file = _start(trial, range(number, number + 1))
     _, status = os.waitpid(pid, 0)
     done, failed, last = _read(file)
+    return [Failure(number, what) for what in failed.values()] if done else [_ended(number, status, last)]
+
+
+def _ended(number: int, status: int, last: str) -> Failure:
     code = os.waitstatus_to_exitcode(status)
-    if not done:
-        name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
-        what = f"longer than {SECONDS:g} s" if code == -signal.SIGPROF else name
-        yield Failure(number, f"the process ended: {what}", last)
-    for what in failed.values():
-        yield Failure(number, what)
+    name = signal.Signals(-code).name if code < 0 else f"exit code {code}"
+    what = f"longer than {SECONDS:g} s" if code == -signal.SIGPROF else name
+    return Failure(number, f"the process ended: {what}", last)
 
 
 def _start(trial: Trial, batch: range) -> tuple[int, int]:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NoReturn, TextIO, TypeAlias, TypeVar
 
-from libgz.errors import GazeboError, ParameterError, nearest
+from libgz.errors import GazeboError, Interrupted, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
@@ -173,6 +173,8 @@ def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Ca
                     return main(arguments)
                 finally:
                     sys.stdout.flush()
+            except Interrupted as error:
+                return 128 + error.number
             except KeyboardInterrupt:
                 return interrupted
             except BrokenPipeError:  # the reader has closed the pipe, such as `| head`

@@ -28,7 +28,7 @@ from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.front import World
-from libgz.ode.step import check_serving
+from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
@@ -63,7 +63,9 @@ _seconds.__name__ = "number of seconds"
 def make_parser() -> argparse.ArgumentParser:
     """The options of Gazebo 0.7, and those of libgz."""
     parser = Parser(
-        prog="gazebo", description="Run a worldfile and serve the interfaces of its models to other programs."
+        prog="gazebo",
+        description="Run a worldfile and serve the interfaces of its models to other programs.",
+        epilog=SERVING_HELP,
     )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run")
@@ -150,12 +152,10 @@ def make_parser() -> argparse.ArgumentParser:
 class Run:
     """One run of a world: the loop, its end conditions, and the status line."""
 
-    def __init__(self, world: World, options: argparse.Namespace) -> None:
-        self.world = world
+    def __init__(self, options: argparse.Namespace) -> None:
+        self.options = options
         self.steps: int | None = options.steps
-        self.deadline = None if options.seconds is None else time.monotonic() + options.seconds
-        rate = 0.0 if options.free else world.simSpeed if options.rate is None else options.rate
-        self.pacer = Pacer(rate)
+        self.deadline: float | None = None
         self.stopped = False
         self.recorders: list[Recorder] = []
         self.control: SnapshotControl | None = None
@@ -166,9 +166,12 @@ class Run:
         self.stopped = True
         log.info("ending: %s", signal.Signals(number).name)
 
-    def loop(self) -> None:
+    def loop(self, world: World) -> None:
         """Step until a signal, the time, or the number of steps ends the run."""
-        world, done = self.world, 0
+        options, done = self.options, 0
+        if options.seconds is not None:
+            self.deadline = time.monotonic() + options.seconds
+        pacer = Pacer(0.0 if options.free else world.simSpeed if options.rate is None else options.rate)
         while not self.over(done):
             world.Step()
             done += 1
@@ -176,20 +179,22 @@ class Run:
                 recorder.take()
             if self.control is not None:
                 self.control.act()
-            while not self.over(done) and not self.pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
+            while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass
             if self._next_status <= time.monotonic():
-                self.print_status()
+                self.print_status(world)
+        if sys.stdout.isatty():
+            self.print_status(world)
+            print()
 
     def over(self, done: int) -> bool:
         """Whether to stop, after a number of steps."""
         late = self.deadline is not None and time.monotonic() >= self.deadline
         return self.stopped or late or (self.steps is not None and done >= self.steps)
 
-    def print_status(self) -> None:
+    def print_status(self, world: World) -> None:
         """Print real, sim and pause time, their ratio, and the processor load, over the previous status line."""
         self._next_status = time.monotonic() + STATUS_PERIOD
-        world = self.world
         real, simulated, paused = world.GetRealTime(), world.GetSimTime(), world.GetPauseTime()
         ratio, busy = (simulated + paused) / max(real, 1e-9), time.process_time()
         share = 100.0 * busy / max(real, 1e-9)
@@ -202,7 +207,7 @@ class Run:
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong, 3 ended by --strict.
 
-    After a second SIGINT or SIGTERM, 130 or 143.
+    After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
     """
     options = make_parser().parse_args(arguments)
     path = Path(options.worldfile)
@@ -238,33 +243,26 @@ def _run(path: Path, options: argparse.Namespace) -> int:
 
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
-    world = World(
-        server_id,
-        options.force,
-        seed=options.seed,
-        wire_version=options.wire_version,
-        solver=options.solver,
-        strict=options.strict,
-    )
-    world.backdrop.threaded = options.render_thread
-    try:
-        with show_loading(path, world):
-            world.LoadFile(path)
-    except BaseException:
-        world.close()
-        raise
-    run = Run(world, options)
-    with Watchdog(run.stop, world):
+    run = Run(options)
+    with Watchdog(run.stop) as watchdog:
+        watchdog.world = world = World(
+            server_id,
+            options.force,
+            seed=options.seed,
+            wire_version=options.wire_version,
+            solver=options.solver,
+            strict=options.strict,
+        )
         try:
+            world.backdrop.threaded = options.render_thread
+            with watchdog.loading(), show_loading(path, world):
+                world.LoadFile(path)
             world.Initialize()
             run.recorders += [Recorder(world, request) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
             with SnapshotControl(world, options.rewind) as run.control:
-                run.loop()
-            if sys.stdout.isatty():
-                run.print_status()
-                print()
+                run.loop(world)
         finally:
             try:
                 for recorder in run.recorders:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import logging
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -28,6 +27,7 @@ from libgz.errors import GazeboError
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
 from libgz.simulation.event import everywhere
+from libgz.simulation.watchdog import Watchdog
 
 __all__ = ["main"]
 
@@ -63,7 +63,7 @@ class Run:
         self._stopped = False
         self._starting = True  # until the first frame a signal interrupts; later, the current frame is completed
 
-    def _interrupted(self, _number: int, _frame: object) -> None:
+    def _interrupted(self, _number: int) -> None:
         self._stopped = True
         if self._starting:
             raise _Interrupted
@@ -71,13 +71,11 @@ class Run:
     def run(self) -> int:
         """Run the client, with classic's order of events; return the exit code."""
         options = self.options
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-            signal.signal(number, self._interrupted)
         if options.gl is not None:
             prefer(options.gl)
         if options.gui_plugin:
             log.warning("%s", DEPRECATED)
-        with SystemPlugins(options.gui_plugin) as plugins:
+        with Watchdog(self._interrupted), SystemPlugins(options.gui_plugin) as plugins:
             try:
                 plugins.load(self.words)
                 log.info("Waiting for master.")
@@ -114,7 +112,11 @@ class Run:
 
 @as_command("gzclient", interrupted=0, failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 255 failed, or the server ended."""
+    """The command.
+
+    Exit codes: 0 done, also after SIGINT or SIGTERM; 130 or 143 after a second one, when a plugin kept it from ending;
+    255 failed, or the server ended.
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
     set_up_console(verbose="--verbose" in words)

@@ -32,7 +32,7 @@ from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError, PluginError, StrictError, WorldFileError
 from libgz.front import World
-from libgz.ode.step import check_serving
+from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
@@ -61,6 +61,7 @@ def make_parser() -> Parser:
     """The options of Gazebo 11's gzserver, and --server-id, --gl and --steps."""
     usage = "gzserver [options] [WORLD]"
     parser = Parser("gzserver", f"gzserver -- Run the Gazebo server. WORLD is {EMPTY_WORLD} by default.", usage)
+    parser.epilog = SERVING_HELP
     add = parser.add_argument
     add("-u", "--pause", action="store_true", help="start paused")
     add("-e", "--physics", default="ode", help="physics engine; only ode is available")
@@ -96,7 +97,6 @@ class Server:
     def __init__(self, options: argparse.Namespace, words: Sequence[str]) -> None:
         self.options, self.words = options, ["gzserver", *words]
         self._stopped = False
-        self._loading = False  # a signal ends it at once
         self._play: LogPlay | None = None
 
     def run(self) -> int:
@@ -122,8 +122,6 @@ class Server:
 
     def _interrupted(self, _number: int) -> None:
         self._stopped = True
-        if self._loading:
-            raise KeyboardInterrupt  # loading is not asked whether to stop
 
     def _open_world(self) -> World:
         options = self.options
@@ -138,17 +136,14 @@ class Server:
         gzlog(f"Loading world file [{path}]")
         core = self._watchdog.world = World(options.server_id, seed=seed, strict=options.strict)
         try:
-            self._loading = True
-            with show_loading(Path(path), core):
+            with self._watchdog.loading(), show_loading(Path(path), core):
                 core.LoadFile(path)
-            self._loading = False
             if options.pause:
                 core.starts_paused = True
             if core.sdf is not None:
                 self._choose_profile(attach(core).world)
             core.Initialize()
         except BaseException:
-            self._loading = False
             core.close()
             raise
         return core
@@ -215,7 +210,10 @@ def _find_world(name: str) -> Path:
 
 @as_command("gzserver", interrupted=0, failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 3 ended by --strict; 255 failed."""
+    """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 3 ended by --strict; 255 failed.
+
+    After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
+    """
     words = list(sys.argv[1:] if arguments is None else arguments)
     parser = make_parser()
     set_up_console(verbose="--verbose" in words)

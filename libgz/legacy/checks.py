@@ -17,7 +17,7 @@ from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom
 from libgz.worldfile.node import WorldFileNode
 
-__all__ = ["warn_of_contacts", "warn_of_overlaps"]
+__all__ = ["Part", "may_touch", "parts_of", "warn_of_contacts", "warn_of_overlaps"]
 
 TOUCH = 1e-6  # [m]; shapes that only touch do not jam each other
 SPRINGS = 4  # contact points that carry a solid
@@ -28,7 +28,7 @@ GAP = 0.005  # [m] between solids of a stack as it is loaded
 
 
 @dataclass(frozen=True)
-class _Part:
+class Part:
     """A geom that can touch others, with its model and the box around it."""
 
     model: Model
@@ -38,26 +38,33 @@ class _Part:
 
     @property
     def body(self) -> int:
+        """ODE's handle of its body; 0 for the world."""
         return 0 if self.geom.body.dummy else self.geom.body.id
 
     def name(self) -> str:
+        """What messages call it."""
         model = self.model
         return f"the {type(self.geom).__name__} of body {self.geom.body.bodyName or 'unnamed'!r} of {model.GetId()!r}"
 
 
-def warn_of_overlaps(models: Iterable[Model]) -> None:
+def warn_of_overlaps(models: Iterable[Model]) -> set[frozenset[Model]]:
     """Warn of models that are attached to one another and overlap, each pair of models once, with the deepest geoms.
 
     Geoms of bodies that a joint connects, such as those of a model and of the body that it is attached to, never touch.
+
+    Returns:
+        These pairs.
     """
+    pairs: set[frozenset[Model]] = set()
     for top in models:
         if top.parent is None and top.children:
-            _warn_of_family([model for model in top.with_attached() if isinstance(model, Model)])
+            pairs |= _warn_of_family([model for model in top.with_attached() if isinstance(model, Model)])
+    return pairs
 
 
-def _warn_of_family(family: list[Model]) -> None:
-    found: dict[tuple[Model, Model], tuple[float, _Part, _Part]] = {}
-    parts = {model: _parts(model) for model in family}
+def _warn_of_family(family: list[Model]) -> set[frozenset[Model]]:
+    found: dict[tuple[Model, Model], tuple[float, Part, Part]] = {}
+    parts = {model: parts_of(model) for model in family}
     for one, two in itertools.combinations(family, 2):
         for a, b in itertools.product(parts[one], parts[two]):
             depth = _overlap(a, b)
@@ -71,22 +78,27 @@ def _warn_of_family(family: list[Model]) -> None:
             f"{b.name()} overlaps {a.name()}{where} by {depth:.2g} m: attached models collide, and jam each other; "
             "move one of them"
         )
+    return {frozenset(pair) for pair in found}
 
 
-def _parts(model: Model) -> list[_Part]:
+def parts_of(model: Model) -> list[Part]:
+    """The geoms of a model that can touch others."""
     geoms = (geom for body in model.bodies for geom in body.geoms if geom.id and geom.space is not None)
-    return [_Part(model, geom, *geom.bounds()) for geom in geoms]
+    return [Part(model, geom, *geom.bounds()) for geom in geoms]
 
 
-def _overlap(a: _Part, b: _Part) -> float:
+def _overlap(a: Part, b: Part) -> float:
     """How deep two geoms are inside each other, if contacts are made of them [m]."""
-    if any(a.low[k] > b.high[k] or b.low[k] > a.high[k] for k in range(3)):
-        return 0.0
-    if not (a.body or b.body) or not _may_collide(a.geom, b.geom):
-        return 0.0
-    if a.body and b.body and ode().dAreConnectedExcluding(a.body, b.body, JointType.CONTACT):
+    if any(a.low[k] > b.high[k] or b.low[k] > a.high[k] for k in range(3)) or not may_touch(a, b):
         return 0.0
     return a.geom.body.engine.overlap(a.geom.id, b.geom.id)
+
+
+def may_touch(a: Part, b: Part) -> bool:
+    """Whether contacts are made of two geoms where they touch."""
+    if not (a.body or b.body) or not _may_collide(a.geom, b.geom):
+        return False
+    return not (a.body and b.body and ode().dAreConnectedExcluding(a.body, b.body, JointType.CONTACT))
 
 
 def _may_collide(a: Geom, b: Geom) -> bool:

@@ -24,6 +24,7 @@ from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
 from libgz.simulation.journal import Origin
 from libgz.simulation.plugins import load_plugin, own_place, own_traceback
+from libgz.simulation.problems import note_threads_of
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
 from libgz.worldfile.file import WorldFile
@@ -114,6 +115,7 @@ class ModelLoader:
             filename = node.file.filename
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
+            note_threads_of(path)
             self.factory.register_plugin(load_plugin(path))
         model = self.factory.NewModel(self.world, node.GetName())
         if model is not None and not hasattr(model, "modelSpaceId"):

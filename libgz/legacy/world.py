@@ -8,13 +8,14 @@ from collections.abc import Sequence
 from weakref import WeakKeyDictionary
 
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
-from libgz.geometry import GzVector
+from libgz.geometry import GzPose, GzVector
 from libgz.legacy.checks import warn_of_contacts, warn_of_overlaps
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
 from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
+from libgz.legacy.sweeps import warn_of_sweeps
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
@@ -40,6 +41,8 @@ class LegacyWorld(Era):
         factory: the model classes by their names in worldfiles.
         loader: builds models.
     """
+
+    name = "legacy"
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -133,7 +136,7 @@ class LegacyWorld(Era):
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
         models = [model for model in self.world.models if isinstance(model, Model)]
-        warn_of_overlaps(models)
+        warn_of_sweeps(models, warn_of_overlaps(models))
         warn_of_contacts(models)
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
@@ -187,7 +190,7 @@ class LegacyWorld(Era):
             if not added:
                 reasons = "\n".join(map(str, file.diagnostics.warnings))
                 raise WorldFileError(reasons or f"{label}: there is no <model:...> element in it")
-            warn_of_overlaps(added)
+            warn_of_sweeps(added, warn_of_overlaps(added))
             warn_of_contacts(added)
             world.initialize(added)
         except BaseException:
@@ -198,6 +201,11 @@ class LegacyWorld(Era):
         for warning in file.diagnostics.warnings:
             log.warning("%s", warning)
         return added
+
+    def start_view(self, world: World) -> GzPose | None:
+        """The place of the first ObserverCam in the file."""
+        cameras = [model for model in world.models if model.GetName() == "ObserverCam"]
+        return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
     def save(self, world: World) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""

@@ -19,6 +19,7 @@ __all__ = [
     "MOST_CONTACTS",
     "NO_HIT",
     "STEP_NEEDS_RECOVERY",
+    "Publication",
     "RayScan",
     "Step",
     "StepContext",
@@ -95,6 +96,23 @@ class StepContext(ctypes.Structure):
     ]
 
 
+class Publication(ctypes.Structure):
+    """Where states are published for other processes; mirrors `publication` in step.c, which explains the fields."""
+
+    _fields_ = [
+        ("target", c_void_p),
+        ("header", c_void_p),
+        ("header_size", c_int64),
+        ("sequence_offset", c_int64),
+        ("bodies_offset", c_int64),
+        ("joints_offset", c_int64),
+        ("fixed_offset", c_int64),
+        ("fixed", c_void_p),
+        ("fixed_size", c_int64),
+        ("stale", c_int64),
+    ]
+
+
 STEP_NEEDS_RECOVERY = 2  # what a step returns besides 1 and 0; the context holds what happened
 
 
@@ -149,6 +167,9 @@ class Step(Protocol):
 
     def read(self) -> None:
         """Copy all body and joint states into the tables."""
+
+    def publish(self, publication: Publication) -> None:
+        """Copy header and states to a mapped file, with its counter odd meanwhile; the tables stay as they are."""
 
     def overlap(self, geom1: int, geom2: int) -> float:
         """The depth of the deepest contact point of two geoms [m], whatever their bodies; -1 without any."""

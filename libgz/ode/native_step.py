@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
-from libgz.ode.context import CONTACT, RayScan, StepContext
+from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
 
@@ -39,9 +39,11 @@ class NativeStep:
     def __init__(self, context: StepContext, path: Path) -> None:
         self._shared = self._bind(path)
         self._context = context
+        self._buffer = ctypes.create_string_buffer(0)  # of the last state
         self._address = ctypes.addressof(context)
         # Functions that are looked up by item have no argument types: they take ctypes objects unchecked.
         self._step = functools.partial(self._shared["gz_step"], c_void_p(self._address))
+        self._publish = functools.partial(self._shared["gz_publish"], c_void_p(self._address))
         self._scan = self._shared["gz_scan"]
         self._scan.restype = None
         self.release = functools.partial(_release, self._shared, context)
@@ -113,9 +115,11 @@ class NativeStep:
     def get_state(self, parts: Parts) -> bytes:
         """The memory of ODE that decides what comes next."""
         address = ctypes.addressof(parts)
-        buffer = bytearray(self._shared.gz_state_size(address))
-        self._shared.gz_get_state(address, (ctypes.c_char * len(buffer)).from_buffer(buffer))
-        return bytes(buffer)
+        size = self._shared.gz_state_size(address)
+        if len(self._buffer) != size:
+            self._buffer = ctypes.create_string_buffer(size)
+        self._shared.gz_get_state(address, self._buffer)
+        return self._buffer.raw
 
     def set_state(self, parts: Parts, state: bytes) -> bool:
         """Put it back; false, and nothing has changed, if a geom is not where the state has it."""
@@ -126,6 +130,10 @@ class NativeStep:
     def read(self) -> None:
         """Copy all states out."""
         self._shared.gz_read(self._address)
+
+    def publish(self, publication: Publication) -> None:
+        """Copy header and states to a mapped file."""
+        self._publish(ctypes.byref(publication))
 
     def overlap(self, geom1: int, geom2: int) -> float:
         """The depth of the deepest contact point of two geoms [m]; -1 without any."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from libgz.geometry import rotate
 from libgz.ode import python_state
-from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, RayScan, StepContext
+from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY, Publication, RayScan, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
@@ -238,6 +238,28 @@ class PythonStep:
         for row, _ in self._bodies():
             self._tables.bodies.read(row)
         self._read_joints()
+
+    def publish(self, publication: Publication) -> None:
+        """Copy header and states to a mapped file."""
+        place, header = publication.target or 0, publication.header or 0
+        sequence = ctypes.c_uint64.from_address(header + publication.sequence_offset)
+        shared = ctypes.c_uint64.from_address(place + publication.sequence_offset)
+        sequence.value += 1
+        shared.value = sequence.value
+        ctypes.memmove(place, header, publication.header_size)
+        bodies, joints = self._tables.bodies, self._tables.joints
+        for row, _ in self._bodies():
+            if not bodies.fresh[row]:
+                bodies.read(row)
+        angles = joints.state[: self._context.joint_count].copy()
+        for row in joints.ids[: self._context.joint_count].nonzero()[0].tolist():
+            if not joints.fresh[row]:
+                angles[row] = joints.values_of(row)
+        ctypes.memmove(place + publication.bodies_offset, bodies.state.ctypes.data, self._context.body_count * 16 * 8)
+        ctypes.memmove(place + publication.joints_offset, angles.ctypes.data, angles.nbytes)
+        ctypes.memmove(place + publication.fixed_offset, publication.fixed, publication.fixed_size)
+        sequence.value += 1
+        shared.value = sequence.value
 
     def _read_joints(self) -> None:
         joints = self._tables.joints

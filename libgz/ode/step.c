@@ -10,6 +10,7 @@
 #include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -681,15 +682,15 @@ static int is_beyond(double value, double most)
 
 enum { MOTION_COLUMNS = 13 };
 
-/* Copy the states of all bodies out; after a step with the accelerations in it, where motion is recorded. */
-static void read_bodies(context *c, int stepped)
+/* Copy the states of all bodies to a table; returns how many of them diverged. After a step, find the accelerations in
+ * it, where motion is recorded. */
+static int64_t read_bodies(const context *c, double *state, int stepped)
 {
-    int64_t i;
+    int64_t i, diverged = 0;
     int k;
-    c->diverged = 0;
     for (i = 0; i < c->body_count; i++) {
         void *body = c->bodies[i];
-        double *row = c->body_state + 16 * i;
+        double *row = state + 16 * i;
         double *motion = c->body_motion + MOTION_COLUMNS * i; /* velocities so far, from begin_motion */
         const double *p, *q, *v, *w;
         double offset[3];
@@ -715,8 +716,9 @@ static void read_bodies(context *c, int stepped)
             motion[k] = (v[k] - motion[k]) / c->step;
             motion[3 + k] = (w[k] - motion[3 + k]) / c->step;
         }
-        c->diverged += beyond;
+        diverged += beyond;
     }
+    return diverged;
 }
 
 /* The angle that is nearest to the one before, so that joints count their turns. ODE's is within -pi to pi. */
@@ -746,17 +748,19 @@ static void apply_springs(context *c)
     }
 }
 
-static void read_joints(context *c)
+/* Copy the states of all joints to a table; turns are counted on from those of the own table. */
+static void read_joints(const context *c, double *state)
 {
     int64_t i;
     for (i = 0; i < c->joint_count; i++) {
         void *joint = c->joints[i];
-        double *row = c->joint_state + 4 * i;
+        const double *before = c->joint_state + 4 * i;
+        double *row = state + 4 * i;
         if (!joint)
             continue;
         switch (c->joint_types[i]) {
         case JOINT_HINGE:
-            row[0] = unwind(c, row[0], dJointGetHingeAngle(joint));
+            row[0] = unwind(c, before[0], dJointGetHingeAngle(joint));
             row[2] = dJointGetHingeAngleRate(joint);
             break;
         case JOINT_SLIDER:
@@ -764,19 +768,19 @@ static void read_joints(context *c)
             row[2] = dJointGetSliderPositionRate(joint);
             break;
         case JOINT_HINGE2:
-            row[0] = unwind(c, row[0], dJointGetHinge2Angle1(joint));
-            row[1] = unwind(c, row[1], dJointGetHinge2Angle2(joint));
+            row[0] = unwind(c, before[0], dJointGetHinge2Angle1(joint));
+            row[1] = unwind(c, before[1], dJointGetHinge2Angle2(joint));
             row[2] = dJointGetHinge2Angle1Rate(joint);
             row[3] = dJointGetHinge2Angle2Rate(joint);
             break;
         case JOINT_UNIVERSAL:
-            row[0] = unwind(c, row[0], dJointGetUniversalAngle1(joint));
-            row[1] = unwind(c, row[1], dJointGetUniversalAngle2(joint));
+            row[0] = unwind(c, before[0], dJointGetUniversalAngle1(joint));
+            row[1] = unwind(c, before[1], dJointGetUniversalAngle2(joint));
             row[2] = dJointGetUniversalAngle1Rate(joint);
             row[3] = dJointGetUniversalAngle2Rate(joint);
             break;
         case JOINT_PISTON:
-            row[0] = unwind(c, row[0], dJointGetPistonAngle(joint));
+            row[0] = unwind(c, before[0], dJointGetPistonAngle(joint));
             row[1] = dJointGetPistonPosition(joint);
             row[2] = dJointGetPistonAngleRate(joint);
             row[3] = dJointGetPistonPositionRate(joint);
@@ -950,8 +954,8 @@ static int solve(context *c)
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();
     c->steps++;
-    read_bodies(c, 1);
-    read_joints(c);
+    c->diverged = read_bodies(c, c->body_state, 1);
+    read_joints(c, c->joint_state);
     if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
         return STEP_NEEDS_RECOVERY;
     return done != 0;
@@ -1018,8 +1022,40 @@ double gz_overlap(context *c, void *geom1, void *geom2)
 
 void gz_read(context *c)
 {
-    read_bodies(c, 0);
-    read_joints(c);
+    c->diverged = read_bodies(c, c->body_state, 0);
+    read_joints(c, c->joint_state);
+}
+
+/* Tables for other processes ---------------------------------------------------------------------------------- */
+
+/* Mirrored by Publication in context.py. */
+typedef struct {
+    char *target;             /* the mapped file */
+    char *header;             /* what its first bytes are to be; they hold the sequence counter */
+    int64_t header_size, sequence_offset, bodies_offset, joints_offset, fixed_offset;
+    const double *fixed;      /* rows of bodies that ODE does not move, which follow the others */
+    int64_t fixed_size;       /* [byte] */
+    int64_t stale;            /* 1: some rows of the own tables are stale, so ODE is asked for all */
+} publication;
+
+/* Copy header and tables out. The counter is odd meanwhile. Own tables stay as they are, and nothing is read back. */
+void gz_publish(const context *c, const publication *p)
+{
+    uint64_t *own = (uint64_t *)(p->header + p->sequence_offset);
+    _Atomic uint64_t *shared = (_Atomic uint64_t *)(p->target + p->sequence_offset);
+    double *bodies = (double *)(p->target + p->bodies_offset), *joints = (double *)(p->target + p->joints_offset);
+    atomic_store_explicit(shared, ++*own, memory_order_relaxed);
+    atomic_thread_fence(memory_order_release);
+    memcpy(p->target, p->header, (size_t)p->header_size);
+    if (p->stale) {
+        read_bodies(c, bodies, 0);
+        read_joints(c, joints);
+    } else {
+        memcpy(bodies, c->body_state, (size_t)c->body_count * 16 * sizeof(double));
+        memcpy(joints, c->joint_state, (size_t)c->joint_count * 4 * sizeof(double));
+    }
+    memcpy(p->target + p->fixed_offset, p->fixed, (size_t)p->fixed_size);
+    atomic_store_explicit(shared, ++*own, memory_order_release);
 }
 
 /* Ray scans -------------------------------------------------------------------------------------------------- */

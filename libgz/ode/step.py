@@ -18,13 +18,18 @@ from libgz.ode.native_step import NativeStep, native_path
 from libgz.ode.python_step import PythonStep
 from libgz.ode.tables import Tables
 
-__all__ = ["check_serving", "choose_step"]
+__all__ = ["SERVING_HELP", "check_serving", "choose_step"]
 
 log = logging.getLogger("libgz.ode")
 
 _CHOICES = ("auto", "native", "python")
 _DRAWBACKS = "slow, and ends where one of ODE's assertions fails"
 _REMEDY = "install a C compiler (apt-get install gcc libc6-dev) and then libgz again"
+# For the help of commands that serve.
+SERVING_HELP = (
+    "Environment: LIBGZ_STEP=python serves although the native step was not built: the server is "
+    "then slow, and ends where one of ODE's assertions fails. `libgz doctor` reports which form of the step is used."
+)
 
 
 def choose_step(context: StepContext, tables: Tables) -> Step:

@@ -35,17 +35,19 @@ class _Table:
     def __init__(self, reserved: int = 0) -> None:
         self.objects: dict[int, Any] = {}
         self.used = reserved  # rows in use, free ones between them included
-        self._size = _FIRST_SIZE
+        self.size = _FIRST_SIZE  # rows of the arrays
+        self.changes = 0  # grows with each row that is taken or freed
         self._free: list[int] = []
         self._made = 0  # how many there ever were
         self._numbers: dict[int, int] = {}  # of objects by row: which one of all it was
 
     def _take_row(self, thing: object) -> int:
+        self.changes += 1
         if self._free:
             row = self._free.pop()
         else:
-            if self.used == self._size:
-                self._size *= 2
+            if self.used == self.size:
+                self.size *= 2
                 self._grow()
             row = self.used
             self.used += 1
@@ -65,8 +67,9 @@ class _Table:
         """
         things = list(self.objects.values())
         self.used, self._made = counts
-        while self._size < self.used:
-            self._size *= 2
+        self.changes += 1
+        while self.size < self.used:
+            self.size *= 2
             self._grow()
         self.objects.clear()
         self._numbers.clear()
@@ -81,6 +84,7 @@ class _Table:
         raise NotImplementedError
 
     def _free_row(self, row: int) -> None:
+        self.changes += 1
         del self.objects[row], self._numbers[row]
         self._free.append(row)
 
@@ -129,8 +133,8 @@ class BodyTable(_Table):
         context.body_state, context.body_motion = self.state.ctypes.data, self.motion.ctypes.data
         context.body_count = self.used
         self.values = _flat(self.state)
-        self.fresh = bytearray(self._size)
-        self._after_step = (b"\1" if fresh else b"\0") * self._size
+        self.fresh = bytearray(self.size)
+        self._after_step = (b"\1" if fresh else b"\0") * self.size
 
     def step_done(self) -> None:
         """Mark all rows as a step leaves them."""
@@ -173,9 +177,13 @@ class JointTable(_Table):
         self.state = np.zeros((_FIRST_SIZE, 4))
         self.springs = np.zeros((_FIRST_SIZE, 3))
         self.sprung: set[int] = set()
+        self.versions = np.zeros(
+            _FIRST_SIZE, dtype=np.int64
+        )  # of joints: they grow with each change of bodies or place
+        self.edits = 0  # how often one of them grew
 
     def _grow(self) -> None:
-        self.ids, self.types = _doubled(self.ids), _doubled(self.types)
+        self.ids, self.types, self.versions = _doubled(self.ids), _doubled(self.types), _doubled(self.versions)
         self.state, self.springs = _doubled(self.state), _doubled(self.springs)
 
     def add(self, joint: object, kind: JointType) -> int:
@@ -214,9 +222,9 @@ class JointTable(_Table):
         context.joint_state, context.springs = self.state.ctypes.data, self.springs.ctypes.data
         context.joint_count = self.used
         self.values = _flat(self.state)
-        self.fresh = bytearray(self._size)
-        self._stale = bytes(self._size)
-        self._after_step = (b"\1" if fresh else b"\0") * self._size
+        self.fresh = bytearray(self.size)
+        self._stale = bytes(self.size)
+        self._after_step = (b"\1" if fresh else b"\0") * self.size
 
     def step_done(self) -> None:
         """Mark all rows as a step leaves them."""
@@ -228,14 +236,17 @@ class JointTable(_Table):
 
     def read(self, row: int) -> None:
         """Copy angles and rates of one joint from ODE."""
-        joint, kind, state = int(self.ids[row]), int(self.types[row]), self.state[row]
         self.fresh[row] = 1
-        if not joint:
-            return
+        self.state[row] = self.values_of(row)
+
+    def values_of(self, row: int) -> list[float]:
+        """Angles and rates of one joint in ODE, with turns counted on from those in the table, which stays as it is."""
+        joint, kind, state = int(self.ids[row]), int(self.types[row]), self.state[row].tolist()
         turning = _TURNING.get(kind, ()) if self._context.count_turns else ()
-        for column, get in self._getters.get(kind, ()):
+        for column, get in self._getters.get(kind, ()) if joint else ():
             value = get(joint)
-            state[column] = unwound(float(state[column]), value) if column in turning else value
+            state[column] = unwound(state[column], value) if column in turning else value
+        return list(state)
 
 
 def _joint_getters(ode_: OdeLibrary) -> dict[int, tuple[tuple[int, Callable[[int], float]], ...]]:
@@ -371,6 +382,8 @@ class Tables:
 
     def joint_moved(self, row: int) -> None:
         """Mark a joint that was changed as stale."""
+        self.joints.edits += 1
+        self.joints.versions[row] += 1
         self.touched = True
         self.joints.fresh[row] = 0
 

@@ -150,6 +150,7 @@ class Body:
             self._table.remove(self.row)
             ode().dBodyDestroy(self._id)
             self._id = None
+        self.engine.moved_dummies.discard(self)
         self.engine.dummies.pop(self, None)
         self._closed = True
 
@@ -198,6 +199,7 @@ class Body:
             self.engine.extend_range()
         if self.row < 0:
             self._pose = GzPose(position, rotation)
+            self.engine.moved_dummies.add(self)
             for geom in self.geoms:
                 geom.follow_dummy()
             self.engine.wake()

@@ -89,6 +89,7 @@ class Engine:
         auto_disabled: bodies that may sleep.
         quirks: names of quirks of the legacy server that are in force.
         ray_bundles: rays of sensors whose bodies are open, for a renderer to show.
+        moved_dummies: bodies without an ODE body whose pose was set; who publishes their poses empties it.
         collisions: how often `collide` was called.
         iterations, over_relaxation: of the quick solver; see `set_quick_step`.
         erp, cfm, correcting_velocity: see `set_constraints`.
@@ -145,6 +146,7 @@ class Engine:
         self.auto_disabled: set[Sleeper] = set()
         self.quirks: frozenset[str] = frozenset()
         self.ray_bundles: weakref.WeakSet[RayBundle] = weakref.WeakSet()
+        self.moved_dummies: set[Any] = set()
         self.collisions = 0
         self.facade: Any = None
         self.abandoned = False

@@ -21,7 +21,7 @@ from libgz.geometry import (
     VectorLike,
 )
 from libgz.ode.lib import ode
-from libgz.ode.types import Surface
+from libgz.ode.types import ContactRule, Surface
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
@@ -33,6 +33,8 @@ from libgz.physics.space import Space
 __all__ = ["Geom"]
 
 MASSLESS = 1e-16  # [kg]; SetMass of less makes a geom weightless
+
+Color = tuple[float, ...]  # red, green, blue, alpha
 
 _numbers = itertools.count(1)
 
@@ -356,6 +358,21 @@ class Geom:
     def GetSpecularColor(self) -> GzColor:
         """Colour of highlights."""
         return self.appearance.specular
+
+    def material(self) -> tuple[Color, Color, Color, Color, float]:
+        """As rendered: ambient, diffuse, specular colour, emission, shininess. Diffuse alpha includes transparency.
+
+        In classic worlds, no shininess means no highlights.
+        """
+        look, (red, green, blue, alpha) = self.appearance, self.appearance.diffuse
+        dull = self.body.engine.contact_rule is ContactRule.CLASSIC and look.shininess <= 0.0
+        return (
+            tuple(look.ambient),
+            (red, green, blue, alpha * (1.0 - look.transparency)),
+            (0.0, 0.0, 0.0, 1.0) if dull else tuple(look.specular),
+            tuple(look.emission),
+            look.shininess,
+        )
 
     def SetTransparency(self, transparent: bool) -> None:
         """Render in the transparent pass, where the alpha of the diffuse colour applies."""

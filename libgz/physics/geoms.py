@@ -17,6 +17,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
+from libgz.physics.meshes import Mesh
 from libgz.physics.space import Space
 
 __all__ = [
@@ -147,28 +148,29 @@ class TriMeshGeom(Geom):
     texture_coordinates: NDArray[np.float64] | None = None
     colors: NDArray[np.float64] | None = None
     KEPT = ("changed_mesh",)
-    _first_mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None = None
+    _mesh: Mesh | None = None  # the present one
+    _first_mesh: Mesh | None = None
     columns = 0  # of vertices in a row, if it is a flat rectangle that shows its image once
 
     @built
     def __init__(self, body: Body, space: Space | None, vertices: ArrayLike, triangles: ArrayLike) -> None:
         super().__init__(body, space)
         self._data: int | None = None
+        self._ode_vertices: NDArray[np.float64] | None = None
+        self._ode_triangles: NDArray[np.uint32] | None = None
         self.set_mesh(vertices, triangles)
 
     @property
-    def changed_mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]] | None:
-        """Vertices and triangles, if they are not the first ones."""
-        first = self._first_mesh
-        return None if first is None or first[0] is self.vertices else (self.vertices, self.triangles)
+    def changed_mesh(self) -> Mesh | None:
+        """The mesh, if it is not the first one."""
+        return None if self._mesh is self._first_mesh else self._mesh
 
     @changed_mesh.setter
-    def changed_mesh(self, mesh: tuple[NDArray[np.float64], NDArray[np.uint32]] | None) -> None:
-        if mesh is not None:
-            self.set_mesh(*mesh)
-        elif self.changed_mesh is not None and self._first_mesh is not None:
-            self.set_mesh(*self._first_mesh)
-            self.vertices, self.triangles = self._first_mesh
+    def changed_mesh(self, mesh: Mesh | None) -> None:
+        mesh = mesh or self._first_mesh
+        if mesh is not None and mesh is not self._mesh:
+            self.set_mesh(mesh.vertices, mesh.triangles)
+            self._mesh = mesh
 
     @exclusive
     def set_mesh(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -187,7 +189,8 @@ class TriMeshGeom(Geom):
                 raise ParameterError(f"a triangle names vertex {number}; there are {len(points)}, from 0 on")
         corners = np.ascontiguousarray(numbers, dtype=np.uint32)
         self.vertices, self.triangles = points, corners
-        self._first_mesh = self._first_mesh or (points, corners)
+        self._mesh = Mesh(points, corners)
+        self._first_mesh = self._first_mesh or self._mesh
         self._reshaped()
         if self.space is None:
             return  # it is only rendered
@@ -209,6 +212,11 @@ class TriMeshGeom(Geom):
         if self._data is not None:
             ode().dGeomTriMeshDataDestroy(self._data)
             self._data = None
+        # Large, and a closed world is in memory until Python collects its cycles.
+        self.vertices, self.triangles = np.empty((0, 3)), np.empty((0, 3), dtype=np.uint32)
+        self.normals = self.texture_coordinates = self.colors = None
+        self._first_mesh = None
+        self._ode_vertices = self._ode_triangles = None
 
 
 def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
@@ -253,6 +261,7 @@ class HeightfieldGeom(Geom):
         if self._data is not None:
             ode().dGeomHeightfieldDataDestroy(self._data)
             self._data = None
+        self.heights = np.empty((0, 0))  # as those of a mesh
 
 
 class RayGeom(Geom):

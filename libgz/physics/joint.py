@@ -341,10 +341,15 @@ class AxisJoint(Joint):
 
 
 class HingeJoint(AxisJoint):
-    """One axis of rotation."""
+    """One axis of rotation.
+
+    Attributes:
+        commanded: the angles between which a controller turns it, where it has no stops [rad]; None if it is not known.
+    """
 
     KEPT = ("_stops", "_stopped")
     kind, motors = JointType.HINGE, (dParamFMax,)
+    commanded: tuple[float, float] | None = None
     _stops: tuple[float, float] = (-math.inf, math.inf)  # as set by callers
     _stopped = False  # whether ODE ever had stops
 

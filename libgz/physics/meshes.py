@@ -2,13 +2,31 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["catmull_rom", "catmull_rom_slopes", "grid_strip", "grid_triangles", "triangle_normals", "vertex_normals"]
+__all__ = [
+    "Mesh",
+    "catmull_rom",
+    "catmull_rom_slopes",
+    "grid_strip",
+    "grid_triangles",
+    "triangle_normals",
+    "vertex_normals",
+]
 
 # Catmull-Rom: the curve between the middle two of four points is (1, u, u^2, u^3) M (four points), u from 0 to 1.
 _CATMULL_ROM = 0.5 * np.array([[0, 2, 0, 0], [-1, 0, 1, 0], [2, -5, 4, -1], [-1, 3, -3, 1]], dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Vertices [m], shape (n, 3), and the numbers of the corners of triangles, shape (m, 3)."""
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.uint32]
 
 
 def grid_triangles(rows: int, columns: int) -> NDArray[np.int64]:

@@ -30,6 +30,7 @@ from libgz.ode.lib import ode
 from libgz.ode.memory import layout
 from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
+from libgz.physics.meshes import Mesh
 
 __all__ = ["EngineState"]
 
@@ -73,8 +74,9 @@ def _kept(kind: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
 
 
-def _values(things: Iterable[Any]) -> list[tuple[Any, ...]]:
-    return [_getter(_type(thing))(thing) for thing in things]
+def _values(things: Sequence[Any]) -> list[tuple[Any, ...]]:
+    getters = {kind: _getter(kind) for kind in set(map(_type, things))}
+    return [getters[_type(thing)](thing) for thing in things]
 
 
 class EngineState:
@@ -247,6 +249,7 @@ class EngineState:
                 ctypes.memmove(ctypes.addressof(joint._feedback), state["feedback"][at : at + size], size)
                 at += size
         numbers = np.frombuffer(state["dummies"]).reshape(-1, 7).tolist()
+        engine.moved_dummies.update(engine.dummies)
         for dummy, place in zip(engine.dummies, numbers, strict=True):
             dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
         if engine.record_contacts:
@@ -448,6 +451,8 @@ def _plain(value: Any) -> Any:
         return {"mass": [value.mass, *value.c, *value.I]}
     if isinstance(value, np.ndarray):
         return {"array": [value.dtype.str, list(value.shape), base64.b64encode(value.tobytes()).decode()]}
+    if isinstance(value, Mesh):
+        return {"mesh": [_plain(value.vertices), _plain(value.triangles)]}
     if isinstance(value, Path):
         return {"path": str(value)}
     if isinstance(value, (tuple, list)):
@@ -471,6 +476,8 @@ def _value(plain: Any) -> Any:
     if kind == "array":
         kind_of_number, shape, text = data
         return np.frombuffer(base64.b64decode(text), dtype=kind_of_number).reshape(shape).copy()
+    if kind == "mesh":
+        return Mesh(*map(_value, data))
     if kind == "path":
         return Path(data)
     return {"GzVector": GzVector, "GzQuatern": GzQuatern, "GzColor": GzColor}[kind](*data)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
 from libgz.geometry import rotate
-from libgz.ode.types import ContactRule
 from libgz.physics.geom import Geom
 from libgz.rendering.geom_meshes import meshes_of, round_radius
 from libgz.rendering.gl import GL, Constant, floats
@@ -171,7 +170,7 @@ class Library:
         texel = min(size.x / levels[0].width, size.y / levels[0].height) if levels else math.inf
         number = self._begin()
         if not plain:
-            self._material(*(_colors(geom) if look.materials else NEUTRAL.colors))
+            self._material(*(geom.material() if look.materials else NEUTRAL.colors))
         if levels:
             gl.glEnable(Constant.TEXTURE_2D)
         for level, shape in rings(sight, texel, max(len(levels), 1), (size.x, size.y)):
@@ -248,7 +247,7 @@ class Library:
         """Submit meshes with the material and texture of their geom, or their own."""
         gl, appearance = self.gl, geom.appearance
         texture = self.texture(appearance.texture_file if look.textures else None)
-        colors = _colors(geom)
+        colors = geom.material()
         for shape in meshes:
             own = shape.material
             if not look.materials:
@@ -371,18 +370,3 @@ def _extent(meshes: list[Mesh]) -> tuple[float, tuple[float, ...]]:
     points = np.concatenate(parts)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     return float(np.linalg.norm(points, axis=1).max()), tuple(middle.tolist())
-
-
-def _colors(geom: Geom) -> tuple[Color, Color, Color, Color, float]:
-    """Ambient, diffuse, specular colour, emission, shininess. In classic worlds, no shininess means no highlights."""
-    a = geom.appearance
-    red, green, blue, alpha = a.diffuse
-    dull = geom.body.engine.contact_rule is ContactRule.CLASSIC and a.shininess <= 0.0
-    specular = (0.0, 0.0, 0.0, 1.0) if dull else tuple(a.specular)
-    return (
-        tuple(a.ambient),
-        (red, green, blue, alpha * (1.0 - a.transparency)),
-        specular,
-        tuple(a.emission),
-        a.shininess,
-    )

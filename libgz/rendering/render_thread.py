@@ -7,6 +7,7 @@ from concurrent.futures import Future
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.errors import ClosedError
 from libgz.rendering.context import Context
 from libgz.rendering.renderer import Renderer
 from libgz.rendering.shot import Content, Shot
@@ -19,8 +20,19 @@ class RenderThread:
 
     def __init__(self, context: Context) -> None:
         self.context = context
-        self.renderer: Renderer = context.run(Renderer, context.gl)
+        self._renderer: Renderer | None = context.run(Renderer, context.gl)
         self._rendered: Content | None = None  # by the last `start`
+
+    @property
+    def renderer(self) -> Renderer:
+        """The renderer.
+
+        Raises:
+            ClosedError: the context was closed.
+        """
+        if self._renderer is None:
+            raise ClosedError(f"the {self.context.name} context was closed")
+        return self._renderer
 
     @property
     def closed(self) -> bool:
@@ -52,5 +64,6 @@ class RenderThread:
         return colors.astype(np.int32) @ np.array((1, 256, 65536), dtype=np.int32)
 
     def close(self) -> None:
-        """Release the context and end its thread. Can be called twice."""
+        """Release the context with all meshes and buffers, and end its thread. Can be called twice."""
         self.context.close()
+        self._renderer = self._rendered = None

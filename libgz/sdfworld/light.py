@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from libgz.errors import Diagnostics
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.geoms import LightGeom
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import set_light
+from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
@@ -23,6 +26,8 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
+    STATE = ("cast_shadows",)
+
     is_model = False
 
     def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:
@@ -36,6 +41,10 @@ class SdfLight(Entity):
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
         set_light(self.light, element, diagnostics.warn)
+
+    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+        """As of all entities, and whether it casts shadows."""
+        return {**super().MasterDescribe(store), "cast_shadows": self.cast_shadows}
 
     def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages."""

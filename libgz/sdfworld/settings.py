@@ -8,15 +8,18 @@ from libgz.errors import Diagnostics, ParameterError
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
+from libgz.sdfworld.physics import apply_physics
 from libgz.sdfworld.visual import apply_scene
 from libgz.simulation.world import World
 
-__all__ = ["SdfSettings", "apply_physics", "apply_settings", "default_settings"]
+__all__ = ["SdfSettings", "apply_settings", "default_settings"]
 
 
 @dataclass
 class SdfSettings:
     """What a `<world>` says beside its entities."""
+
+    STATE = ("magnetic_field",)
 
     element: Element  # the `<world>`
     physics: Element  # the profile that is applied
@@ -57,27 +60,3 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     except ParameterError as error:
         diagnostics.failure(chosen, error)
     return settings
-
-
-def apply_physics(world: World, physics: Element, diagnostics: Diagnostics) -> None:
-    """Step, solver, contacts and pacing."""
-    engine = world.engine
-    engine.step_time = physics.Get(float, "max_step_size")
-    engine.max_contacts = physics.Get(int, "max_contacts")
-    kind = physics.Get(str, "type")
-    if kind != "ode":
-        diagnostics.warn(physics, f"type {kind!r} is not supported; ODE is used instead")
-    solver = physics.child("ode").child("solver")
-    engine.solver = "world" if solver.Get(str, "type") == "world" else "quick"
-    engine.set_quick_step(solver.Get(int, "iters"), solver.Get(float, "sor"))
-    model = solver.Get(str, "friction_model") or "pyramid_model"
-    if model not in ("pyramid_model", "cone_model"):
-        diagnostics.warn(solver, f"friction_model {model!r} is not supported; pyramid_model and cone_model are")
-    engine.cone = model == "cone_model"
-    constraints = physics.child("ode").child("constraints")
-    engine.set_constraints(
-        constraints.Get(float, "erp"),
-        constraints.Get(float, "cfm"),
-        constraints.Get(float, "contact_max_correcting_vel"),
-    )
-    world.simSpeed = physics.Get(float, "real_time_update_rate") * engine.step_time

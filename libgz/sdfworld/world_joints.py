@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from libgz.errors import Diagnostics
 from libgz.geometry import GzPose
 from libgz.physics.body import Body
+from libgz.physics.joint import Joint
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import read_joint
+from libgz.sdfworld.description import describe_sdf_joint, ode_joints
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.model import load_joints
+from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
@@ -38,12 +44,29 @@ class WorldJoints(Entity):
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
 
+    def SaveState(self) -> list[tuple[str, Any]]:
+        """The joints."""
+        return [(name, joint.save()) for name, joint in self.sdf_joints.items()]
+
+    def LoadState(self, state: list[tuple[str, Any]]) -> None:
+        """Take what SaveState returned."""
+        load_joints(self.world, self.sdf_joints, state)
+
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""
         if step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
                     joint.update()
+
+    def MasterJoints(self) -> list[Joint]:
+        """What ODE has of the joints of the file."""
+        return ode_joints(self.sdf_joints.values())
+
+    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+        """As of all entities; joints by SDF's kinds."""
+        joints = [describe_sdf_joint(joint) for joint in self.sdf_joints.values()]
+        return {**super().MasterDescribe(store), "joints": joints}
 
     def find_link(self, name: str) -> Body:
         """A link by `model::link`; a model's name alone is its first link.

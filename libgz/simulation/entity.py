@@ -6,8 +6,9 @@ import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.physics.space import Space
+from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 from libgz.simulation.state import get_state, set_state
@@ -49,7 +50,7 @@ class Entity:
         world: the World.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
+    STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
@@ -119,6 +120,17 @@ class Entity:
         self.modelSpaceId.close()
 
     # State -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def _homes(self) -> tuple[float, ...]:
+        """The initial pose and the one in the parent body, as plain numbers."""
+        a, b, c, d = self.initPose.pos, self.initPose.rot, self.relPose.pos, self.relPose.rot
+        return a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z
+
+    @_homes.setter
+    def _homes(self, numbers: tuple[float, ...]) -> None:
+        self.initPose = GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:7]))
+        self.relPose = GzPose(GzVector(*numbers[7:10]), GzQuatern(*numbers[10:]))
 
     def MasterSaveState(self) -> object:
         """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""
@@ -202,6 +214,29 @@ class Entity:
                 f"model {self._id!r} has no joint {name!r}; it has {', '.join(names) or 'none'}" + nearest(name, names)
             )
         return names[name]
+
+    def MasterJoints(self) -> list[Joint]:
+        """The joints that observers find with it: those whose first body is its own."""
+        found = {joint.row: joint for body in self.bodies for joint in tuple(body.joints)}
+        own = set(self.bodies)
+        return [j for _, j in sorted(found.items()) if next((b for b in j.bodies if b is not None), None) in own]
+
+    def MasterDescribe(self, store: Store) -> dict[str, Any]:
+        """What observers are to know of it beside its bodies; see docs/observer.md.
+
+        Args:
+            store: keeps arrays in a file; returns how to refer to them.
+
+        Returns:
+            ``kind``, ``static``, ``joints``, ``sensors``, and ``shape_names``, the names of geoms.
+        """
+        return {
+            "kind": "model" if self.is_model else self._name,
+            "static": all(body.dummy for body in self.bodies),
+            "joints": [describe_joint(joint) for joint in self.MasterJoints()],
+            "sensors": [sensor for body in self.bodies for sensor in describe_rays(body, store)],
+            "shape_names": {},
+        }
 
     def motors_off(self) -> None:
         """Set all motors' efforts to zero."""

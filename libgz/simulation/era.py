@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from libgz.errors import StateError
 
 if TYPE_CHECKING:
+    from libgz.geometry import GzPose
     from libgz.simulation.world import World
 
 __all__ = ["Era"]
@@ -16,11 +17,17 @@ class Era:
     """How a world counts time, starts, is reset and saved. A world has one, chosen by what loads its file.
 
     Attributes:
+        name: of the era, for observers.
         counts_at_start: whether sim time grows when a step begins; otherwise it grows when the entities are updated.
     """
 
+    name: ClassVar[str] = "none"
     counts_at_start = False
     digest = b""  # of the text of the world's file: states are of worlds with one file
+
+    def start_view(self, world: World) -> GzPose | None:
+        """Where the file wants a user's view to begin [m]: it looks along x, with z up; None if it says nothing."""
+        return None
 
     def start(self, world: World) -> None:
         """Prepare the first step; all entities are initialized."""

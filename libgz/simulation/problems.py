@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import logging
+import threading
+import traceback
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from weakref import WeakSet
 
 from libgz.errors import Severity, StrictError
 from libgz.simulation.plugins import own_traceback
 
-__all__ = ["NOTED", "Problem", "Problems", "note"]
+__all__ = ["NOTED", "Problem", "Problems", "note", "note_threads_of"]
 
 LARGEST = 1000  # entries of a list
 NOTED = {"noted": True}  # extra of log messages whose problem was noted by `note`
@@ -96,6 +99,50 @@ def _add(problem: Problem) -> None:
 def note(source: str, what: str, error: BaseException) -> None:
     """Note an error of a user's code in the world that this thread works for; the caller logs it, with `NOTED`."""
     _add(Problem(source, f"{what} failed with {type(error).__name__}: {error}", own_traceback(error), "error"))
+
+
+def note_threads_of(path: Path) -> None:
+    """Note what threads raise in the code of a plugin file, in the world that this thread works for and loads it.
+
+    A thread does not say who started it: what counts is whether its traceback leads through the file, or for a plugin
+    that is a package, through one of its folder.
+    """
+    path = path.resolve()
+    name = str(path.parent) + "/" if path.stem == "__init__" else str(path)
+    users = _plugins.setdefault(name, WeakSet())
+    users.update(problems for problems in list(_all) if problems.owned())
+    if not isinstance(threading.excepthook, _ThreadHook):
+        threading.excepthook = _ThreadHook(threading.excepthook)
+
+
+_plugins: dict[str, WeakSet[Problems]] = {}  # the worlds that use a file, or a folder with a / at its end
+_failed_threads: WeakSet[threading.Thread] = WeakSet()
+
+
+class _ThreadHook:
+    """Notes what threads of plugins raise, then calls the hook that it replaced, which prints it."""
+
+    def __init__(self, replaced: Callable[[threading.ExceptHookArgs], object]) -> None:
+        self._replaced = replaced
+
+    def __call__(self, args: threading.ExceptHookArgs, /) -> None:
+        # Another hook may have replaced this one, and call it.
+        if args.thread is not None and args.exc_value is not None and args.thread not in _failed_threads:
+            _failed_threads.add(args.thread)
+            _note_thread(args.thread.name, args.exc_value)
+        self._replaced(args)
+
+
+def _note_thread(name: str, error: BaseException) -> None:
+    if isinstance(error, SystemExit):  # ends a thread in silence
+        return
+    files = [frame.filename for frame in traceback.extract_tb(error.__traceback__)]
+    for plugin, users in list(_plugins.items()):
+        if any(file.startswith(plugin) if plugin.endswith("/") else file == plugin for file in files):
+            what = f"it failed with {type(error).__name__}: {error}"
+            problem = Problem(f"thread {name!r} of plugin {plugin}", what, own_traceback(error), "error")
+            for problems in list(users):
+                problems.add(problem)
 
 
 class _Collector(logging.Handler):

@@ -9,10 +9,11 @@ import select
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import FrameType, TracebackType
 from typing import TYPE_CHECKING, Any
 
+from libgz.errors import Interrupted
 from libgz.physics.lock import LONG
 from libgz.simulation.running_code import describe_thread
 
@@ -33,9 +34,10 @@ _CLOSE = b"\0"  # no signal has this number
 class Watchdog:
     """Handles signals of a command that runs a world, in a thread of its own, from `__enter__` to `__exit__`.
 
-    The first signal asks the run to end after the present step. Python runs signal handlers between two bytecodes of
-    the main thread, so not while a native function runs: the second signal is handled by the watchdog's thread, which
-    removes the server's files and semaphores and ends the process, with exit code 128 plus the signal's number.
+    The first signal asks the run to end after the present step; in a `with` block of `loading` it raises. Python runs
+    signal handlers between two bytecodes of the main thread, so not while a native function runs: the second signal is
+    handled by the watchdog's thread, which removes the server's files and semaphores and ends the process, with exit
+    code 128 plus the signal's number.
 
     A step that takes more than 5 s is reported once, with what runs in it. Steps cost nothing: the thread looks at the
     world twice a second. Code that keeps the interpreter lock, as some native functions do, stops the watchdog, too.
@@ -51,6 +53,8 @@ class Watchdog:
     def __init__(self, stop: Callable[[int], object], world: World | None = None) -> None:
         self.world = world
         self._stop = stop
+        self._handled = 0  # the last signal
+        self._loading = False
         self._signals: list[int] = []
         self._first = 0.0  # when the first signal came
         self._step: object = None
@@ -88,7 +92,29 @@ class Watchdog:
             os.close(self._writer)
 
     def _handle(self, number: int, _frame: FrameType | None) -> None:
+        self._handled = number
         self._stop(number)
+        if self._loading:
+            raise Interrupted(number)
+
+    @contextlib.contextmanager
+    def loading(self) -> Iterator[None]:
+        """For a `with` block that loads a world, which is not asked whether to stop: a signal ends it.
+
+        Raises:
+            Interrupted: there was a signal, in the block or before it.
+        """
+        self._loading = True
+        try:
+            self._raise_handled()
+            yield
+            self._raise_handled()  # where Python ignored what the handler raised, as in a `__del__`
+        finally:
+            self._loading = False
+
+    def _raise_handled(self) -> None:
+        if self._handled:
+            raise Interrupted(self._handled)
 
     def leave(self) -> None:
         """In a forked child: do not pass its signals to the parent's watchdog."""
@@ -111,7 +137,7 @@ class Watchdog:
             self._look()
 
     def _end_process(self, number: int) -> None:
-        """Remove what other processes see of the server, and end without waiting for any other thread."""
+        """Remove what other processes see of a server, and end without waiting for any other thread."""
         # In a thread, for messages may wait for a stream that nobody reads.
         last = threading.Thread(target=self._clean_up, args=(signal.Signals(number).name,), daemon=True)
         last.start()

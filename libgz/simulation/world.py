@@ -42,6 +42,7 @@ from libgz.simulation.event import WorldEvents, everywhere
 from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
+from libgz.simulation.publication import Publication
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
@@ -102,11 +103,9 @@ class World:
         "clock",
         "simSpeed",
         "utcOffset",
-        "utmZone",
-        "utmOffset",
-        "skyColor",
         "fogEnable",
         "fogDensity",
+        "_surroundings",
         "backdrop",
         "physics_enabled",
         "starts_paused",
@@ -159,6 +158,7 @@ class World:
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
+        self._publication: Publication | None = None  # while a server runs
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
@@ -193,6 +193,11 @@ class World:
             self._extensions[kind] = kind(self)
         extension: E = self._extensions[kind]
         return extension
+
+    @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
 
     @property
     def extensions(self) -> list[Any]:
@@ -268,6 +273,7 @@ class World:
         self._updating.append(entity)
         if entity.follows:
             self.followers.append(entity)
+        self._entities_changed()
         for companion in self.companions:
             companion.model_added(entity)
 
@@ -297,12 +303,17 @@ class World:
                 interface.destroy()
         for kept in (self.entities, self.models, self._updating, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
+        self._entities_changed()
         for companion in self.companions:
             for entity in leaving:
                 companion.model_removed(entity)
         for entity in reversed(leaving):
             entity.Detach()
             entity.close()
+
+    def _entities_changed(self) -> None:
+        if self._publication is not None:
+            self._publication.changed = True
 
     def _interfaces_of(self, entity: Entity) -> list[Interface[Any]]:
         return [i for i in self.gz_server.interfaces.values() if i.model_id == entity.GetIntId()]
@@ -349,6 +360,9 @@ class World:
         self.era.start(self)
         for companion in self.companions:
             companion.start()
+        if self.gz_server.shared is not None:
+            self._publication = Publication(self, self.gz_server.shared)
+            self._publication.publish(self.starts_paused)
         self.gz_server.post()
         self.problems.check()
         try:
@@ -376,6 +390,7 @@ class World:
             return 0
         self.clock.stop()
         remove_running(self)
+        self._publication = None
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
@@ -400,6 +415,7 @@ class World:
         self.gz_server.stop()
         self.events.close()
         self.engine.close()
+        self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
             self.problems.check(again=False)
 
@@ -538,6 +554,8 @@ class World:
             data = self.sim.data
             data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
             self.sim.unlock()
+        if self._publication is not None:
+            self._publication.publish(paused)
         self.gz_server.post()
 
     def _advance(self) -> None:
@@ -733,9 +751,33 @@ class World:
         snapshot.restore(self, self._start)
 
     @property
+    def _surroundings(self) -> tuple[tuple[float, ...], ...]:
+        """Vectors and colours as plain numbers."""
+        backdrop = self.backdrop
+        fog = backdrop.fog_color
+        return (
+            tuple(self.utmZone),
+            tuple(self.utmOffset),
+            tuple(self.skyColor),
+            tuple(backdrop.ambient),
+            () if fog is None else tuple(fog),
+            (backdrop.fog_start, backdrop.fog_end),
+        )
+
+    @_surroundings.setter
+    def _surroundings(self, numbers: tuple[tuple[float, ...], ...]) -> None:
+        zone, offset, sky, ambient, fog, reach = numbers
+        backdrop = self.backdrop
+        self.utmZone, self.utmOffset = GzVector(*zone), GzVector(*offset)
+        self.skyColor, backdrop.ambient = GzColor(*sky), GzColor(*ambient)
+        backdrop.fog_color = GzColor(*fog) if fog else None
+        backdrop.fog_start, backdrop.fog_end = reach
+
+    @property
     def _fallen_rows(self) -> tuple[int, ...]:
         """The rows of the bodies that were reported as fallen."""
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
+        fallen = self._fallen
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
 
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:

@@ -123,7 +123,7 @@ class Client:
         except OSError:
             return []
         pairs = (name.partition(".") for name in names if name != LOCK_FILE)
-        return [(kind, name) for kind, dot, name in pairs if dot]
+        return [(kind, name) for kind, dot, name in pairs if kind and dot]
 
     def hint(self, kind: str, name: str) -> str:
         """The end of an error message about an interface that is not served: those of its type, and similar ids."""

@@ -130,6 +130,31 @@ class ServerDirectory:
         """
         os.rename(_hidden(name), name, src_dir_fd=self._descriptor, dst_dir_fd=self._descriptor)
 
+    def write_file(self, name: str, content: bytes) -> None:
+        """Write a whole file with mode 0600; readers see the former one or this one.
+
+        Raises:
+            OSError: it cannot be written.
+            ServerError: the directory was removed and cannot be created again.
+        """
+        segment = self.create_file(name, max(len(content), 1))
+        descriptor, left = segment.descriptor or 0, memoryview(content)
+        try:
+            while left:
+                left = left[os.write(descriptor, left) :]
+            self.show_file(name)
+        except OSError:
+            self.unlink_file(_hidden(name), descriptor)
+            raise
+        finally:
+            os.close(descriptor)
+
+    def remove_file(self, name: str) -> None:
+        """Remove a file of this server, if it is there. A forked child removes nothing."""
+        if self.owned and self._descriptor is not None:
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(name, dir_fd=self._descriptor)
+
     def unlink_file(self, name: str, descriptor: int) -> None:
         """Remove a file if it is the one behind `descriptor`. A forked child removes nothing."""
         if not self.owned:

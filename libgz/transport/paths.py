@@ -6,11 +6,25 @@ import os
 
 from libgz.errors import InterfaceError, ParameterError
 
-__all__ = ["LOCK_FILE", "LONGEST_PATH", "check_id", "check_server_id", "file_name", "server_directory"]
+__all__ = [
+    "DATA_FILE",
+    "LOCK_FILE",
+    "LONGEST_PATH",
+    "SCENE_FILE",
+    "TABLES_FILE",
+    "check_id",
+    "check_server_id",
+    "file_name",
+    "server_directory",
+]
 
 # Holds the server's pid. The server keeps a flock on it while it runs, which distinguishes its directory from a stale
 # one. Old clients ignore files they do not know.
 LOCK_FILE = "gazebo.pid"
+# What an observer reads; names with a dot in front are no interfaces'.
+TABLES_FILE = ".observer.tables"
+SCENE_FILE = ".observer.scene"
+DATA_FILE = ".observer.data."  # and a digest of what is in it
 LONGEST_PATH = 127  # the old library's buffers held 128 characters
 
 

@@ -17,6 +17,7 @@ from libgz.transport.paths import LONGEST_PATH, check_server_id, file_name, serv
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
+from libgz.transport.tables import SharedTables
 
 __all__ = ["LocalServer", "Server", "alive", "free_server_id"]
 
@@ -34,6 +35,7 @@ class LocalServer:
     """
 
     server_id: int | None = None
+    shared: SharedTables | None = None  # what processes that look on read, while a server for them runs
 
     def __init__(self, version: int = LIBGAZEBO_VERSION) -> None:
         if version not in VERSIONS:
@@ -194,6 +196,7 @@ class Server(LocalServer):
                 raise directory.unusable(error) from None
             raise
         self._lost_semaphores = False
+        self.shared = SharedTables(directory)
         atexit.register(self.stop)
         log.debug("creating %s", self.path)
 
@@ -280,6 +283,7 @@ class Server(LocalServer):
         """Remove all files, the directory and the semaphores. Can be called twice."""
         super().stop()
         self.vanish()
+        self.shared = None
 
     def vanish(self) -> None:
         """Remove all files, the directory and the semaphores, but leave interfaces mapped, for code that uses them.
@@ -288,6 +292,8 @@ class Server(LocalServer):
         """
         atexit.unregister(self.stop)
         owned = self._directory.owned
+        if self.shared is not None:
+            self.shared.close()
         self._directory.remove()
         if self._semaphores is not None:
             if owned:

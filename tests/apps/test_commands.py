@@ -201,7 +201,9 @@ def test_the_status_line_is_for_terminals_only(wire):
 
 def test_version_and_help():
     assert run("gazebo", "-v").stdout == f"gazebo (libgz) {libgz.__version__}\n"
-    assert "worldfile" in run("gazebo", "-h").stdout
+    shown = run("gazebo", "-h").stdout
+    assert "worldfile" in shown
+    assert "LIBGZ_STEP=python" in shown
     assert run("libgz", "--version").stdout == f"libgz {libgz.__version__}\n"
 
 

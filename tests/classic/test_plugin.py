@@ -8,6 +8,7 @@ import pytest
 import libgz
 from libgz.classic import physics
 from libgz.classic.event import Events
+from libgz.errors import ParameterError
 
 BOX = """
 <model name='{name}'><pose>{pose}</pose>
@@ -422,3 +423,8 @@ def test_a_profile_applies_all_of_its_element(run):
     assert (world.engine.step_time, world.engine.cone, world.engine.iterations) == (0.005, True, 77)
     presets.CurrentProfile("plain")
     assert (world.engine.step_time, world.engine.cone, world.engine.iterations) == (0.001, False, 50)
+    presets.SetCurrentProfileParam("friction_model", "cone_model")
+    assert world.engine.cone
+    with pytest.raises(ParameterError, match="allowed are pyramid_model and cone_model"):
+        view.Physics().SetParam("friction_model", "cube_model")
+    assert set(presets._profile(presets.CreateProfile("now"))) == set(presets._profile("cone"))

@@ -1,5 +1,8 @@
 """Warnings at load about models that work against each other."""
 
+import math
+import re
+
 import pytest
 
 import libgz
@@ -33,6 +36,25 @@ def test_an_overlap_jams_a_camera_and_a_gap_does_not():
             world.interface("ptz", "cam").command(pan=0.5)
             world.step(250)
             assert world.interface("ptz", "cam").pan == pytest.approx(pan, abs=1e-3)
+
+
+def test_a_neighbour_that_a_camera_only_pans_into_is_named_with_the_angle():
+    """A CanonVCC4's head reaches 5 cm to its sides, 7.6 cm at its corners; the GPS is 6.5 cm beside its axis."""
+    camera = "<model:CanonVCC4><id>cam</id><xyz>0.1 0 0.33</xyz></model:CanonVCC4>\n"
+    gps = "<model:GarminGPS><id>gps</id><xyz>0.1 {} 0.35</xyz></model:GarminGPS>"
+    (found,) = warnings(WORLD.format(camera + gps.format(0.105)))
+    match = re.match(
+        r"<string>:4: <model:CanonVCC4>: when its joint 'pan' turns by (-?\d+) degrees, the BoxGeom of body 'head' of "
+        r"'cam' overlaps the CylinderGeom of body 'canonical' of 'gps' \(line 5\)",
+        found,
+    )
+    angle = abs(math.radians(float(match[1])))
+    assert not warnings(WORLD.format(camera + gps.format(0.12)))
+    for place, jams in ((0.105, True), (0.12, False)):
+        with libgz.World.from_string(WORLD.format(camera + gps.format(place))) as world:
+            world.interface("ptz", "cam").command(pan=1.5)
+            world.step(400)
+            assert world.interface("ptz", "cam").pan == pytest.approx(angle if jams else 1.5, abs=0.1)
 
 
 def test_overlaps_of_connected_bodies_are_no_warning():

@@ -17,6 +17,7 @@ from libgz.ode.types import Surface, dParamFMax, dParamHiStop, dParamLoStop, dPa
 from libgz.physics.couplings import Gears, PistonJoint, Thread
 from libgz.physics.engine import Engine
 from libgz.physics.space import Space
+from libgz.simulation.state import decode, encode
 
 STEPS = 300
 
@@ -418,6 +419,13 @@ def test_another_process_that_built_the_same_world(form):
 
     state, followed = process(SAVE)
     assert process(RESTORE, state) == followed
+
+
+def test_it_is_plain_data():
+    engine = pile("quick", classic=True)
+    run(engine, steps=40)
+    state = engine.get_state()
+    assert decode(encode(state)) == state
 
 
 def test_a_state_of_another_build_of_ode_is_refused():

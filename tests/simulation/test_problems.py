@@ -4,6 +4,7 @@ import logging
 import subprocess
 import sys
 import textwrap
+import threading
 
 import pytest
 from gzserver_process import new_environment, run
@@ -93,6 +94,50 @@ def test_an_error_of_a_plugin_can_be_read(tmp_path, monkeypatch, kind, load, upd
         assert "Bad.py" in problem.traceback
         if kind == "Model":
             assert isinstance(world.model("box").error, ZeroDivisionError)
+
+
+THREAD = "import threading as t; w = t.Thread(target={}, name='w'); w.start(); w.join()"
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_an_error_in_a_thread_of_a_model_can_be_read(tmp_path):
+    before = []
+    for folder in ("one", "other"):
+        (tmp_path / folder).mkdir()
+    path = legacy(tmp_path / "one", update=THREAD.format("lambda: 1 / 0"))
+    with libgz.World.from_file(legacy(tmp_path / "other")) as other, libgz.World.from_file(path) as world:
+        hook = threading.excepthook
+        threading.excepthook = lambda args: before.append(args) or hook(args)  # another library's, which chains
+        try:
+            world.step()
+        finally:
+            threading.excepthook = hook
+        (problem,) = world.errors
+        assert problem.source == f"thread 'w' of plugin {tmp_path / 'one' / 'Bad.py'}"
+        assert problem.message == "it failed with ZeroDivisionError: division by zero"
+        assert 'Bad.py", line 10, in <lambda>' in problem.traceback
+        assert (world.model("bad1").error, other.errors, len(before)) == (None, [], 1)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_an_error_in_a_thread_of_a_plugin_ends_a_strict_world(tmp_path, monkeypatch):
+    path = classic(tmp_path, update=THREAD.format("lambda: 1 / 0"))
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    with (
+        pytest.raises(StrictError, match=r"(?s)thread 'w' of plugin .*Bad.py: it failed with ZeroDivisionError"),
+        libgz.World.from_file(path, strict=True) as world,
+    ):
+        world.step(100)
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_errors_of_other_threads_and_ends_of_threads_are_none_of_a_world(tmp_path):
+    with libgz.World.from_file(legacy(tmp_path, update=THREAD.format("__import__('sys').exit"))) as world:
+        world.step()
+        foreign = threading.Thread(target=lambda: 1 / 0)
+        foreign.start()
+        foreign.join()
+        assert world.errors == []
 
 
 def test_errors_and_warnings_belong_to_their_world(tmp_path):

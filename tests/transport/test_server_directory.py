@@ -202,7 +202,7 @@ with world:
     child = os.fork()
     if child == 0:
         sys.exit(0)
-    print(os.waitpid(child, 0)[1], sorted(os.listdir(world.gz_server.path)))
+    print(os.waitpid(child, 0)[1], sorted(n for n in os.listdir(world.gz_server.path) if n[0] != "."))
     with libgz.Client({wire}) as client:
         world.step()
         print(client.wait(timeout=1.0))

@@ -1,23 +1,27 @@
-"""Runs of legacy worlds for trials; as a program, one run in a process of its own, whose figures it prints as JSON.
+"""Runs of worlds for trials; as a program, one run in a process of its own, whose figures it prints as JSON.
 
 python legacy_runs.py long HOURS SEED         ten robots with lasers, and a camera
 python legacy_runs.py digest WORLD STEPS SEED   a digest of all states
 python legacy_runs.py loads COUNT SEED        loads and closes
 python legacy_runs.py inserts COUNT SEED      inserts and deletes
+python legacy_runs.py sdf COUNT SEED          inserts and deletes in a world of Gazebo classic
 """
 
 from __future__ import annotations
 
 import ctypes
+import functools
 import gc
 import hashlib
 import json
 import logging
 import os
 import random
+import statistics
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import libgz
@@ -43,6 +47,16 @@ def descriptors() -> int:
 def growth(samples: list[int], warm: int) -> float:
     """Growth of memory after the first `warm` samples, as a share."""
     return max(samples[warm:]) / samples[warm] - 1.0
+
+
+def trend(samples: list[int], warm: int) -> float:
+    """Growth of memory from the first to the last third of the samples after the first `warm`, as a share.
+
+    Medians, for the memory that an allocator keeps free goes up and down by some MB.
+    """
+    kept = samples[warm:]
+    third = max(1, len(kept) // 3)
+    return statistics.median(kept[-third:]) / statistics.median(kept[:third]) - 1.0
 
 
 def command(world: libgz.World, rng: random.Random) -> None:
@@ -152,7 +166,7 @@ def loads(count: int, seed: int) -> dict[str, object]:
             memory.append(resident())
     memory.append(resident())
     return {
-        "growth": growth(memory, len(memory) // 4), "files": descriptors() - files, "resident": memory[-1],
+        "growth": trend(memory, len(memory) // 4), "files": descriptors() - files, "resident": memory[-1],
         "threads": threading.active_count() - threads,
     }  # fmt: skip
 
@@ -164,30 +178,59 @@ def load(path: Path, rng: random.Random, served: bool) -> None:
         world.step(rng.randrange(4))
 
 
+NewModel = Callable[[str, random.Random, str], str]  # name, random numbers, place -> XML
 KINDS = (
     "SimpleSolid", "Pioneer2AT", "Pioneer2DX", "SickLMS200", "SegwayRMP", "GarminGPS", "TruthWidget", "SonyVID30",
     "Shrimp", "Roomba",
 )  # fmt: skip
 
 
-def inserts(count: int, seed: int) -> dict[str, object]:
-    """Insert and delete models of new names in a running world."""
+LEGACY = f"{HEAD}<model:Pioneer2AT><id>stays</id></model:Pioneer2AT></gz:world>"
+SDF_SENSORS = (
+    "<sensor name='s' type='imu'><always_on>1</always_on></sensor>",
+    "<sensor name='s' type='ray'><always_on>1</always_on><ray><scan><horizontal><samples>30</samples><min_angle>-1"
+    "</min_angle><max_angle>1</max_angle></horizontal></scan><range><min>0.1</min><max>8</max></range></ray></sensor>",
+    "<sensor name='s' type='contact'><contact><collision>c</collision></contact></sensor>",
+    "",
+)
+SDF = """<sdf version='1.6'><world name='default'><model name='ground'><static>1</static><link name='l'>
+    <collision name='c'><geometry><plane><normal>0 0 1</normal></plane></geometry></collision></link></model>
+    </world></sdf>"""
+
+
+def legacy_model(name: str, rng: random.Random, place: str) -> str:
+    """A model of any kind."""
+    kind = rng.choice(KINDS)
+    laser = f"<model:SickLMS200><id>{name}laser</id><xyz>0 0 0.3</xyz></model:SickLMS200>"
+    inside = laser if kind.startswith("Pioneer") else ""
+    return f"<model:{kind}><id>{name}</id><xyz>{place}</xyz>{inside}</model:{kind}>"
+
+
+def sdf_model(name: str, rng: random.Random, place: str) -> str:
+    """Two links, a joint, and a sensor of any kind."""
+    shape = "<geometry><box><size>0.3 0.3 0.3</size></box></geometry>"
+    look = f"<collision name='c'>{shape}</collision><visual name='v'>{shape}</visual>"
+    return f"""<sdf version='1.6'><model name='{name}'><pose>{place} 0 0 0</pose>
+        <link name='a'>{look}{rng.choice(SDF_SENSORS)}</link><link name='b'><pose>0 0 0.4 0 0 0</pose>{look}</link>
+        <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>
+        </model></sdf>"""
+
+
+def inserts(count: int, seed: int, text: str = LEGACY, new: NewModel = legacy_model) -> dict[str, object]:
+    """Insert and delete models of new names in a running world; a legacy one is served."""
     rng = random.Random(seed)
-    served = int(os.environ["TRIAL_SERVER"])
-    text = f"{HEAD}<model:Pioneer2AT><id>stays</id></model:Pioneer2AT></gz:world>"
+    served = int(os.environ["TRIAL_SERVER"]) if text is LEGACY else None
     with libgz.World.from_string(text, server_id=served) as world:
+        insert = world.InsertModel
+        if text is SDF:
+            world.attach_era()
+            insert = world.facade.InsertModelString
         engine = world.engine
         tables = [len(found) for found in (engine.bodies, engine.geoms, engine.joints, engine.ray_bundles)]
         memory, alive, files = [], [], descriptors()
         for k in range(count):
-            kind = rng.choice(KINDS)
-            inside = (
-                f"<model:SickLMS200><id>laser{k}</id><xyz>0 0 0.3</xyz></model:SickLMS200>"
-                if kind.startswith("Pioneer")
-                else ""
-            )
             place = f"{rng.uniform(-20, 20):.2f} {rng.uniform(-20, 20):.2f} 0.3"
-            world.InsertModel(f"<model:{kind}><id>new{k}</id><xyz>{place}</xyz>{inside}</model:{kind}>")
+            insert(new(f"new{k}", rng, place))
             alive.append(f"new{k}")
             world.step(rng.randrange(3))
             if len(alive) > 5:
@@ -203,7 +246,7 @@ def inserts(count: int, seed: int) -> dict[str, object]:
         after = [len(found) for found in (engine.bodies, engine.geoms, engine.joints, engine.ray_bundles)]
         left = descriptors() - files
     return {
-        "growth": growth(memory, len(memory) // 4),
+        "growth": trend(memory, len(memory) // 4),
         "tables": [tables, after],
         "files": left,
         "resident": memory[-1],
@@ -220,7 +263,8 @@ def main(what: str, *words: str) -> None:
     elif what == "digest":
         found = {"digest": digest(Path(words[0]), int(words[1]), int(words[2]))}
     else:
-        found = {"loads": loads, "inserts": inserts}[what](int(words[0]), int(words[1]))
+        sdf = functools.partial(inserts, text=SDF, new=sdf_model)
+        found = {"loads": loads, "inserts": inserts, "sdf": sdf}[what](int(words[0]), int(words[1]))
     print(json.dumps({**found, "seconds": time.monotonic() - begin}))
 
 

@@ -1,4 +1,4 @@
-"""Legacy worlds for long, many, changing, repeated and in several threads.
+"""Worlds for long, many, changing, repeated and in several threads.
 
 TRIAL_SHARE scales the counts: 1 is the whole trial, 0.02 half an hour of the day of simulated time.
 """
@@ -66,10 +66,11 @@ def test_loads_and_closes(wire):
         assert found["growth"] < 0.02
 
 
-def test_inserts_and_deletes(wire):
-    with trial("inserts and deletes") as row:
+@pytest.mark.parametrize("era", ["legacy", "sdf"])
+def test_inserts_and_deletes(wire, era):
+    with trial(f"inserts and deletes, {era}") as row:
         row.count = scaled(5000, 200)
-        found = run("inserts", row.count, row.seed, TRIAL_SERVER=str(wire))
+        found = run("inserts" if era == "legacy" else "sdf", row.count, row.seed, TRIAL_SERVER=str(wire))
         row.result = f"memory {found['growth']:+.2%}"
         before, after = found["tables"]
         assert after == before

@@ -15,6 +15,7 @@ from libgz.errors import ParameterError, nearest
 from libgz.geometry import GzPose, GzVector, VectorLike
 from libgz.sdfworld.axis import Axis, JointPlan
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.physics import PHYSICS
 from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
@@ -29,21 +30,7 @@ log = logging.getLogger("libgz.classic")
 _numbers = itertools.count(1)
 
 # Parameters that act, in the order of the messages that list them.
-PARAMETERS = (
-    "type",
-    "max_step_size",
-    "real_time_update_rate",
-    "gravity",
-    "magnetic_field",
-    "solver_type",
-    "iters",
-    "sor",
-    "erp",
-    "cfm",
-    "contact_max_correcting_vel",
-    "max_contacts",
-    "friction_model",
-)
+PARAMETERS = ("type", "gravity", "magnetic_field", *PHYSICS)
 # Parameters of Gazebo's without effect here: the path of their element in <physics>, and their defaults.
 WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
     "contact_surface_layer": (("ode", "constraints"), 0.001),
@@ -59,6 +46,8 @@ WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
 
 class PhysicsEngine:
     """The physics engine of a world, ODE: step size, rate and parameters."""
+
+    STATE = ("_without_effect", "_contacts")
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -90,17 +79,15 @@ class PhysicsEngine:
 
     def SetMaxStepSize(self, stepSize: float) -> None:
         """Set the step size [s]; the real-time update rate does not change."""
-        rate = self.GetRealTimeUpdateRate()
-        self.engine.step_time = stepSize
-        self.SetRealTimeUpdateRate(rate)
+        PHYSICS["max_step_size"].set(self._world.core, stepSize)
 
     def GetRealTimeUpdateRate(self) -> float:
         """The number of steps per second of real time [Hz]; 0: as fast as possible."""
-        return self._world.core.simSpeed / self.engine.step_time
+        return float(PHYSICS["real_time_update_rate"].get(self._world.core))
 
     def SetRealTimeUpdateRate(self, rate: float) -> None:
         """Set the number of steps per second of real time [Hz]; 0: as fast as possible."""
-        self._world.core.simSpeed = rate * self.engine.step_time
+        PHYSICS["real_time_update_rate"].set(self._world.core, rate)
 
     def GetUpdatePeriod(self) -> float:
         """The real time between steps [s]; 0: as fast as possible."""
@@ -139,35 +126,17 @@ class PhysicsEngine:
         Raises:
             ParameterError: there is no such parameter, or the value is not allowed.
         """
-        engine = self.engine
         match key:
             case "type":
                 if value != "ode":
                     raise ParameterError(f"type {value!r} is not supported; only ode is")
-            case "max_step_size":
-                self.SetMaxStepSize(float(value))
-            case "real_time_update_rate":
-                self.SetRealTimeUpdateRate(float(value))
             case "gravity":
                 self.SetGravity(value)
             case "magnetic_field":
                 self._world.SetMagneticField(value)
-            case "solver_type":
-                engine.solver = str(value)
-            case "iters":
-                engine.set_quick_step(int(value), engine.over_relaxation)
-            case "sor":
-                engine.set_quick_step(engine.iterations, float(value))
-            case "erp":
-                engine.set_constraints(float(value), engine.cfm, engine.correcting_velocity)
-            case "cfm":
-                engine.set_constraints(engine.erp, float(value), engine.correcting_velocity)
-            case "contact_max_correcting_vel":
-                engine.set_constraints(engine.erp, engine.cfm, float(value))
-            case "max_contacts":
-                engine.max_contacts = int(value)
-            case "friction_model":
-                engine.cone = value == "cone_model"
+            case _ if key in PHYSICS:
+                parameter = PHYSICS[key]
+                parameter.set(self._world.core, parameter.kind(value))
             case _:
                 self._set_without_effect(key, value)
         return True
@@ -178,34 +147,15 @@ class PhysicsEngine:
         Raises:
             ParameterError: there is no such parameter.
         """
-        engine = self.engine
         match key:
             case "type":
                 return "ode"
-            case "max_step_size":
-                return self.GetMaxStepSize()
-            case "real_time_update_rate":
-                return self.GetRealTimeUpdateRate()
             case "gravity":
                 return self.GetGravity()
             case "magnetic_field":
                 return self._world.MagneticField()
-            case "solver_type":
-                return engine.solver
-            case "iters":
-                return engine.iterations
-            case "sor":
-                return engine.over_relaxation
-            case "erp":
-                return engine.erp
-            case "cfm":
-                return engine.cfm
-            case "contact_max_correcting_vel":
-                return engine.correcting_velocity
-            case "max_contacts":
-                return engine.max_contacts
-            case "friction_model":
-                return "cone_model" if engine.cone else "pyramid_model"
+            case _ if key in PHYSICS:
+                return PHYSICS[key].get(self._world.core)
         return self._value_without_effect(key)
 
     def _set_without_effect(self, key: str, value: Any) -> None:

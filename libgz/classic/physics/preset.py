@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
+from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
 
 if TYPE_CHECKING:
@@ -13,34 +14,19 @@ if TYPE_CHECKING:
 
 __all__ = ["PresetManager"]
 
-# Parameters of a profile: the path of their element in <physics>, and their type.
-PARAMETERS: dict[str, tuple[tuple[str, ...], type]] = {
-    "max_step_size": (("max_step_size",), float),
-    "real_time_update_rate": (("real_time_update_rate",), float),
-    "max_contacts": (("max_contacts",), int),
-    "solver_type": (("ode", "solver", "type"), str),
-    "iters": (("ode", "solver", "iters"), int),
-    "sor": (("ode", "solver", "sor"), float),
-    "erp": (("ode", "constraints", "erp"), float),
-    "cfm": (("ode", "constraints", "cfm"), float),
-    "contact_max_correcting_vel": (("ode", "constraints", "contact_max_correcting_vel"), float),
-    "contact_surface_layer": (("ode", "constraints", "contact_surface_layer"), float),
-}
+SURFACE_LAYER = "contact_surface_layer"  # has no effect, but is kept
 
 
 def read_profile(element: Element) -> dict[str, Any]:
     """The parameters of a `<physics>` element."""
-    found: dict[str, Any] = {}
-    for key, ((*path, name), kind) in PARAMETERS.items():
-        holder = element
-        for part in path:
-            holder = holder.child(part)
-        found[key] = holder.Get(kind, name)
-    return found
+    constraints = element.child("ode").child("constraints")
+    return {**read_physics(element), SURFACE_LAYER: constraints.Get(float, SURFACE_LAYER)}
 
 
 class PresetManager:
     """The physics profiles of a world."""
+
+    STATE = ("_profiles", "_current")
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -86,7 +72,7 @@ class PresetManager:
     def CreateProfile(self, name: str) -> str:
         """Add a profile with the present parameters; returns its name."""
         physics = self._world.Physics()
-        self._profiles[name] = {key: physics.GetParam(key) for key in PARAMETERS}
+        self._profiles[name] = {key: physics.GetParam(key) for key in (*PHYSICS, SURFACE_LAYER)}
         return name
 
     def RemoveProfile(self, name: str) -> None:

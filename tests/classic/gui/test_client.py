@@ -209,6 +209,23 @@ def test_interrupts_end_a_client_well(server):
         assert process.returncode == 0
 
 
+def test_a_second_interrupt_ends_a_client_whose_plugin_hangs(server, place):
+    hangs = "self.kept = Events.ConnectPreRender(self.OnPreRender)\n    def OnPreRender(self):\n        print('hangs')"
+    text = PLUGINS["first"].replace('print("first Load", self.GetHandle())', hangs.replace("\n", "\n    "))
+    text = text.replace("print('hangs')", "print('hangs')\n            while True: pass")
+    (place / "first.py").write_text(HEAD + textwrap.dedent(text))
+    server("still.world")
+    process = command("gzclient", "--gui-client-plugin", "libfirst.so")
+    while "hangs" not in (line := process.stdout.readline()):
+        assert line, process.communicate()
+    process.send_signal(signal.SIGINT)
+    while "a second signal ends the process" not in (line := process.stderr.readline()):
+        assert line, process.communicate()
+    process.send_signal(signal.SIGTERM)
+    process.communicate(timeout=PATIENCE)
+    assert process.returncode == 128 + signal.SIGTERM
+
+
 def test_without_a_server_it_says_so_and_ends(place):
     code, _, err = client("--timeout", "0.3")
     assert code == 255

@@ -1,0 +1,105 @@
+"""The readers of files from anywhere: how each is called, valid files to begin with, and what a reader must not do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from sample_files import sample, worlds
+
+from libgz import GazeboError, GzVector, World
+from libgz.errors import UNFORESEEN
+from libgz.files import installed_worlds
+from libgz.models.greyimage import read_grey
+from libgz.models.gzb import read_gzb
+from libgz.models.roadfile import read_road
+from libgz.physics.mesh_files import read_mesh
+from libgz.rendering.image import read_image
+from libgz.rendering.skin import read_skin
+
+__all__ = ["ASSETS", "KINDS", "TEXT", "problem", "seeds", "warm"]
+
+ROOT = Path(__file__).parents[1]
+EVERYTHING = ROOT / "tests" / "data" / "worlds" / "everything.sdf"
+
+# Where each kind of asset stands in a world, and what reads it alone. A road's model adds the file's name.
+GEOMETRY = (
+    "<sdf version='1.6'><model name='m'><static>1</static><link name='l'>"
+    "<collision name='c'><geometry>{}</geometry></collision></link></model></sdf>"
+)
+LEGACY = "<gz:world xmlns:gz='g' xmlns:model='m'>{}</gz:world>"
+HEIGHTS = "<heightmap><uri>{0}</uri><size>10 10 1</size></heightmap>"
+MESH = "<mesh><uri>{0}</uri></mesh>"
+ASSET_WORLDS = {
+    "3ds": LEGACY.format("<model:SimpleSolid><skinFile>{0}</skinFile></model:SimpleSolid>"),
+    "gzb": LEGACY.format("<model:Terrain><terrainFile>{0}</terrainFile></model:Terrain>"),
+    "road": LEGACY.format("<model:Road><roadFile>{0}</roadFile></model:Road>"),
+    **dict.fromkeys(("ppm", "png"), GEOMETRY.format(HEIGHTS)),
+    "jpeg": LEGACY.format("<model:Terrain><dataFile>{0}</dataFile></model:Terrain>"),
+    **dict.fromkeys(("stl", "obj", "dae"), GEOMETRY.format(MESH)),
+}
+READERS: dict[str, list[Callable[[Path], object]]] = {
+    "3ds": [read_skin],
+    "gzb": [read_gzb],
+    "road": [lambda path: read_road(path, GzVector())],
+    **{kind: [read_image, read_grey] for kind in ("ppm", "png", "jpeg")},
+    **{kind: [read_mesh] for kind in ("stl", "obj", "dae")},
+}
+ASSETS = tuple(ASSET_WORLDS)
+KINDS = ("legacy", "sdf", *ASSETS)
+TEXT = ("legacy", "sdf", "road", "obj", "dae")
+
+
+def seeds(kind: str) -> list[bytes]:
+    """Valid files of a kind: worlds of this project, or small assets."""
+    if kind == "legacy":
+        return [path.read_bytes() for path in worlds(installed_worlds(), b"gz:world")]
+    if kind == "sdf":
+        files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf")
+        return [path.read_bytes() for path in files]
+    return [sample(kind, number) for number in range(2)]
+
+
+def warm() -> None:
+    """Load worlds with all models and sensors, so that their modules are imported."""
+    for path in (*worlds(installed_worlds(), b"gz:world"), EVERYTHING):
+        with World.from_file(path) as world:
+            world.step(1)
+
+
+def problem(kind: str, path: Path, after: Callable[[World], object] | None = None) -> str:
+    """What is wrong with how a file is read; an empty string if it is read, or refused as it should be.
+
+    Args:
+        kind: of the file, one of KINDS.
+        path: the file; the world of an asset is written beside it.
+        after: called with the loaded world, if it is given.
+    """
+
+    def load(path: Path) -> None:
+        with World.from_file(path) as world:
+            if after is not None:
+                after(world)
+
+    if kind not in ASSETS:
+        return _problem(path, load, line=True)
+    for reader in READERS[kind]:
+        found = _problem(path, reader)
+        if found and kind != "road":
+            return found
+    world = path.with_suffix(".world")
+    world.write_text(ASSET_WORLDS[kind].format(path.name))
+    return _problem(world, load, line=True)
+
+
+def _problem(path: Path, action: Callable[[Path], object], line: bool = False) -> str:
+    try:
+        action(path)
+    except GazeboError as error:
+        text = str(error)
+        if UNFORESEEN in text or "Load failed with" in text or "Init failed with" in text:
+            return text[:2000]
+        if not (re.match(r".+:\d+: ", text) if line else path.name in text):
+            return f"the message names no {'line' if line else 'file'}: {text[:2000]}"
+    return ""

@@ -18,6 +18,7 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 RUNTIME = ("libstdc++.so.6", "libgcc_s.so.1", "libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1")
+LIBRARIES = Path("/usr/lib") / (sysconfig.get_config_var("MULTIARCH") or "")
 PATHS = "import json, sys, sysconfig; print(json.dumps([sysconfig.get_paths()['stdlib'], sys.executable]))"
 ENVIRONMENT = {"HOME": "/home/user", "USER": "user", "PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "LC_ALL": "C.UTF-8"}
 
@@ -64,11 +65,13 @@ class FreshRoot:
             (self.folder / name).mkdir(parents=True)
             (self.folder / name).chmod(0o1777)
         self.copy(self.python)
-        modules = [str(path) for path in self.stdlib.glob("lib-dynload/*.so")]
-        found = re.findall(r"(/\S+) \(0x", output("ldd", str(self.python), *modules))
-        multiarch = sysconfig.get_config_var("MULTIARCH") or ""
-        found += [f"/usr/lib/{multiarch}/{name}" for name in RUNTIME]
-        for library in map(Path, sorted(set(found))):
+        self.copy_libraries(self.python, *self.stdlib.glob("lib-dynload/*.so"))
+        for name in RUNTIME:
+            self.copy(LIBRARIES / name)
+
+    def copy_libraries(self, *users):
+        """Copy what programs or libraries need."""
+        for library in map(Path, sorted(set(re.findall(r"(/\S+) \(0x", output("ldd", *map(str, users)))))):
             if not library.is_relative_to(self.stdlib):
                 self.copy(library)
 

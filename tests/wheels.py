@@ -1,5 +1,6 @@
 """The wheel, built once, and what must hold when it was installed and used in a fresh root."""
 
+import importlib.metadata
 import subprocess
 import sys
 from pathlib import Path
@@ -7,6 +8,9 @@ from pathlib import Path
 from fresh_root import ROOT
 
 PROGRAM = (Path(__file__).parent / "installed_wheel.py").read_text()
+
+
+DEPENDENCIES = ("numpy", "lxml", "pillow", "PyOpenGL")
 
 
 def build_wheel(folder):
@@ -21,6 +25,16 @@ def use_wheel(root, wheels, *options, **environment):
     """Install the wheel from a folder of wheels in a root, and use it; returns what happened."""
     root.bind(wheels, "/wheels")
     return root.run(PROGRAM, "/wheels", *options, **environment)
+
+
+def use_wheel_offline(root, wheels):
+    """The same without an index: this environment's dependencies stand in for it."""
+    for name in DEPENDENCIES:
+        distribution = importlib.metadata.distribution(name)
+        for top in sorted({file.parts[0] for file in distribution.files if file.parts[0] != ".."}):
+            if (source := Path(distribution.locate_file(top))).is_dir():
+                root.bind(source, f"/packages/{top}")
+    return use_wheel(root, wheels, PYTHONPATH="/packages")
 
 
 def check_use(found):

@@ -4,11 +4,13 @@ import json
 import os
 import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import pytest
-from fresh_root import FreshRoot, needs_namespaces, output
+from fresh_root import LIBRARIES, FreshRoot, needs_namespaces, output
 from trials.table import trial
-from wheels import build_wheel, check_use, use_wheel
+from wheels import build_wheel, check_use, use_wheel, use_wheel_offline
 
 pytestmark = [pytest.mark.trial, needs_namespaces]
 VERSIONS = ("3.11", "3.12", "3.13")
@@ -55,3 +57,40 @@ def test_the_wheel_suffices(wheel, tmp_path, version):
         row.count, row.result = 1, f"{found['root']['python']}: {json.dumps(sorted(found))}"
         check_use(found)
         assert found["root"]["python"].startswith(version)
+
+
+VENDOR = Path("/usr/share/glvnd/egl_vendor.d/50_mesa.json")
+BACKENDS = {
+    "osmesa": [LIBRARIES / "libOSMesa.so.8"],
+    "egl": [
+        LIBRARIES / "libEGL.so.1",
+        LIBRARIES / "libEGL_mesa.so.0",
+        VENDOR,
+        LIBRARIES / "dri" / "swrast_dri.so",
+    ],
+}
+
+
+@pytest.mark.parametrize(("backend", "without"), [("osmesa", None), ("egl", None), ("egl", 1), ("egl", 2), ("egl", 3)])
+def test_cameras_use_what_the_system_has(wheel, tmp_path, backend, without):
+    files = [path for i, path in enumerate(BACKENDS[backend]) if i != without]
+    if not all(path.exists() for path in BACKENDS[backend]):
+        pytest.skip(f"{backend} is not on this machine in Debian's places")
+    with trial(f"cameras by {backend} in a fresh root, without {without}") as row:
+        root = FreshRoot(tmp_path / "root", sys.executable)
+        root.copy_libraries(*(path for path in files if path != VENDOR))
+        for path in files:
+            root.copy(path)
+        found = use_wheel_offline(root, wheel.parent)
+        (line,) = (line for line in found["doctor"]["output"].splitlines() if line[8:22].strip() == backend)
+        row.count, row.result = 1, line
+        assert found["gazebo"]["code"] == 0
+        if without is None:
+            assert line.startswith("ok")
+            assert " renders: llvmpipe" in line
+            assert found["camera"]["code"] == 0, found["camera"]
+        else:
+            absent = BACKENDS[backend][without]
+            name = f"egl_vendor.d/{absent.name}" if absent == VENDOR else absent.name
+            assert f"missing: {name}; install with apt-get install lib" in line
+            assert found["camera"]["code"] == 1

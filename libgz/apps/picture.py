@@ -19,6 +19,7 @@ from libgz.geometry import GzPose
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo
+from libgz.models.camera import eye_of
 from libgz.rendering.camera import Camera as FreeCamera
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
@@ -39,6 +40,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--size", type=size, default=(640, 480), metavar="WxH", help="image size of the free camera [px]")
     add("-o", dest="output", metavar="FILE", default="picture.png", help="the file to write (default picture.png)")
     add("--time", type=float, default=0.0, metavar="T", help="save the last image up to this sim time [s] (default 0)")
+    add(
+        "--shadows",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="with shadows, and light computed at each pixel, unless an SDF scene forbids them (default); "
+        "--no-shadows: the image exactly as the camera serves it",
+    )
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
 
 
@@ -79,9 +87,10 @@ class _FreeCamera:
 
     label = "a free camera"
 
-    def __init__(self, world: World, pose: GzPose, size: tuple[int, int]) -> None:
+    def __init__(self, world: World, pose: GzPose, size: tuple[int, int], shadows: bool) -> None:
         self._camera = FreeCamera(world, *size, near=0.05, far=200.0)
         self._camera.SetPose(pose)
+        self._camera.options.shadows = shadows
         self._camera.options.displayGrid = world.sdf is not None  # as in classic's window
 
     def image(self) -> Image:
@@ -91,38 +100,43 @@ class _FreeCamera:
 class _SensorCamera:
     """A camera sensor of an SDF world."""
 
-    def __init__(self, sensor: CameraSensor) -> None:
-        self._sensor, self.label = sensor, repr(sensor.ScopedName())
+    def __init__(self, sensor: CameraSensor, shadows: bool) -> None:
+        self._sensor, self.label, self._shadows = sensor, repr(sensor.ScopedName()), shadows
 
     def image(self) -> Image:
-        self._sensor.Update(True)
         camera = self._sensor.Camera()
+        if self._shadows:
+            camera.core.options.shadows = True
+        self._sensor.Update(True)
         return _EMPTY if camera.core.blind else camera.pixels
 
 
 class _ModelCamera:
     """A camera model of a legacy world."""
 
-    def __init__(self, interface: Camera | Guicam | Stereo) -> None:
+    def __init__(self, world: World, interface: Camera | Guicam | Stereo, shadows: bool) -> None:
         self._interface, self.label = interface, repr(interface.id)
+        self._eye = eye_of(world.model(interface.id)) if shadows else None
 
     def image(self) -> Image:
         interface = self._interface
-        return interface.left_image if isinstance(interface, Stereo) else interface.image
+        served = interface.left_image if isinstance(interface, Stereo) else interface.image
+        return self._eye.shaded() if self._eye is not None and served.size else served
 
 
 def _camera(world: World, options: argparse.Namespace) -> _Camera:
     """The camera given on the command line."""
     if options.pose is not None:
-        return _FreeCamera(world, options.pose, options.size)
+        return _FreeCamera(world, options.pose, options.size, options.shadows)
     if world.sdf is not None:
         manager = attach(world).sensors
         sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
         scoped = {sensor.ScopedName(): sensor for sensor in sensors}
         short = {sensor.Name(): sensor for sensor in reversed(sensors)}  # the first one of a name
-        return _SensorCamera(_choose({**scoped, **short}, list(scoped), options.camera, "name"))
+        sensor = _choose({**scoped, **short}, list(scoped), options.camera, "name")
+        return _SensorCamera(sensor, options.shadows)
     cameras = {i.id: i for i in world.gz_server.interfaces.values() if isinstance(i, Camera | Guicam | Stereo)}
-    return _ModelCamera(_choose(cameras, list(cameras), options.camera, "id"))
+    return _ModelCamera(world, _choose(cameras, list(cameras), options.camera, "id"), options.shadows)
 
 
 def _choose(cameras: Mapping[str, C], names: list[str], wanted: str | None, what: str) -> C:

@@ -22,7 +22,16 @@ __all__ = ["Shading"]
 FOGS = ("none", "linear", "exp", "exp2")
 NO_RANGE = 1e30  # [m]
 LIGHTS = 8  # the most of a shot
-UNIFORMS = (b"image", b"near_map", b"far_map", b"lamp_map", b"into", b"texel", b"step", b"reach", b"up", b"bounce")
+UNIFORMS = (
+    b"image",
+    *(f"{name}_map".encode() for name in MAPS),
+    b"into",
+    b"texel",
+    b"step",
+    b"reach",
+    b"up",
+    b"bounce",
+)
 
 VERTEX = """
 varying vec3 place, normal;  // in the eye frame
@@ -38,53 +47,51 @@ void main() {
 FRAGMENT = """
 varying vec3 place, normal;
 uniform sampler2D image;
-uniform sampler2DShadow near_map, far_map, lamp_map;
-uniform mat4 into[3];     // from the eye frame into the maps, 0 to 1
-uniform float texel[3];   // [m] where w is 1; 0 for a map that is not used
+uniform sampler2DShadow sun_near_map, sun_far_map, lamp_near_map, lamp_far_map;
+uniform mat4 into[4];     // from the eye frame into the maps, 0 to 1
+uniform float texel[4];   // [m] where w is 1; 0 for a map that is not used
 uniform float step;       // of a map
 uniform float reach[8];   // [m] of the lights
 uniform vec3 up;
 uniform float bounce;     // light that comes from other bodies, 0 to 1
 
-// The share of light that arrives: the mean of 9 places around.
+// The share of light that arrives: the mean of 16 places around, of which those in the middle count most.
 float light_at(sampler2DShadow map, vec4 at) {
     float sum = 0.0;
     vec3 middle = at.xyz / at.w;
-    for (int i = -1; i < 2; i++)
-        for (int j = -1; j < 2; j++)
-            sum += shadow2D(map, middle + vec3(float(i) * 1.5 * step, float(j) * 1.5 * step, 0.0)).r;
-    return sum / 9.0;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++) {
+            float weight = (i == 0 || i == 3 ? 1.0 : 3.0) * (j == 0 || j == 3 ? 1.0 : 3.0);
+            vec2 away = 1.5 * step * vec2(float(i) - 1.5, float(j) - 1.5);
+            sum += weight * shadow2D(map, middle + vec3(away, 0.0)).r;
+        }
+    return sum / 64.0;
 }
 
 // A point seen from a map, moved off its surface so that this does not shade itself.
 vec4 seen(int map, vec3 n, float facing) {
     vec4 at = into[map] * vec4(place, 1.0);
-    float off = texel[map] * at.w * (1.0 + 3.0 * sqrt(max(1.0 - facing * facing, 0.0)));
+    float off = texel[map] * at.w * (1.0 + 3.5 * sqrt(max(1.0 - facing * facing, 0.0)));
     return into[map] * vec4(place + off * n, 1.0);
 }
 
 bool inside(vec4 at) {
     vec2 p = at.xy / at.w;
-    float rim = 3.0 * step;
+    float rim = 4.0 * step;
     return at.w > 0.0 && p.x > rim && p.y > rim && p.x < 1.0 - rim && p.y < 1.0 - rim;
 }
 
-float sun_light(vec3 n, float facing) {
-    if (texel[0] > 0.0) {
-        vec4 at = seen(0, n, facing);
-        if (inside(at)) return light_at(near_map, at);
+// The share of light that arrives: by the map for what is near if that shows it, else by the one for all.
+float arriving(sampler2DShadow near, sampler2DShadow far, int first, vec3 n, float facing) {
+    if (texel[first] > 0.0) {
+        vec4 at = seen(first, n, facing);
+        if (inside(at)) return light_at(near, at);
     }
-    if (texel[1] > 0.0) {
-        vec4 at = seen(1, n, facing);
-        if (inside(at)) return light_at(far_map, at);
+    if (texel[first + 1] > 0.0) {
+        vec4 at = seen(first + 1, n, facing);
+        if (inside(at)) return light_at(far, at);
     }
     return 1.0;
-}
-
-float lamp_light(vec3 n, float facing) {
-    if (texel[2] == 0.0) return 1.0;
-    vec4 at = seen(2, n, facing);
-    return inside(at) ? light_at(lamp_map, at) : 1.0;
 }
 
 void main() {
@@ -114,8 +121,9 @@ void main() {
         everywhere += fade * gl_LightSource[i].ambient.rgb;
         float facing = dot(n, way);
         if (facing > 0.0 && fade > 0.0) {
-            if (i == SUN) fade *= sun_light(n, facing);
-            if (i == LAMP) fade *= lamp_light(n, facing);
+            if (i == SUN) fade *= arriving(sun_near_map, sun_far_map, 0, n, facing);
+            if (i == LAMP) fade *= arriving(lamp_near_map, lamp_far_map, 2, n, facing);
+            facing *= smoothstep(0.02, 0.35, facing);  // where round shapes shade themselves, their corners show
             direct += fade * facing * gl_LightSource[i].diffuse.rgb;
             float exponent = gl_FrontMaterial.shininess < 1.0 ? 24.0 : gl_FrontMaterial.shininess;
             float share = pow(max(dot(n, normalize(way + back)), 0.0), exponent);
@@ -124,10 +132,13 @@ void main() {
     }
     float height = 0.5 + 0.5 * dot(n, up);
     vec3 own = gl_FrontMaterial.ambient.rgb, color = gl_FrontMaterial.diffuse.rgb;
-    vec3 fill = mix(0.6, 1.1, height) * everywhere * max(own, 0.35 * color) + bounce * mix(0.07, 0.16, height) * color;
+    vec3 fill = mix(0.6, 1.1, height) * everywhere * max(own, 0.35 * color) + bounce * mix(0.16, 0.26, height) * color;
     vec4 texture = texture2D(image, gl_TexCoord[0].st);
     vec3 sum = gl_FrontMaterial.emission.rgb + fill + direct * color;
     vec3 result = sum * texture.rgb + shine * gl_FrontMaterial.specular.rgb;
+    // Above 0.7 ever less is added, so that bright textures keep their details.
+    vec3 above = max(result - 0.7, 0.0);
+    result = min(result, 0.7) + 0.3 * (1.0 - exp(-above / 0.3));
 
     float distance = abs(place.z), clear = 1.0;
     if (FOG == 1) clear = (gl_Fog.end - distance) * gl_Fog.scale;

@@ -1,4 +1,4 @@
-"""Shadow maps: depth as one light sees it, in textures. One sun has two maps, near and far; one lamp has one.
+"""Shadow maps: depth as a light sees it, in textures. One sun and one lamp have two each: for what is near, for all.
 
 A lamp is a spot, or, where no spot casts shadows, a point light, whose map covers what the camera sees.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import ctypes
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +18,16 @@ from libgz.rendering.gl import GL, Constant
 from libgz.rendering.library import SEGMENTS, Table
 from libgz.rendering.shot import Light, Shot, View
 
-__all__ = ["FIRST_UNIT", "MAPS", "SIZE", "Balls", "Fit", "ShadowMaps", "lamp_fit", "pick", "sun_fits"]
+__all__ = ["FIRST_UNIT", "MAPS", "SIZE", "Balls", "Fit", "ShadowMaps", "lamp_fits", "pick", "sun_fits"]
 
-MAPS = ("near", "far", "lamp")
+MAPS = ("sun_near", "sun_far", "lamp_near", "lamp_far")
 FIRST_UNIT = 1  # of the maps' texture units; unit 0 is the texture of the materials
 SIZE = 2048  # [texels] of a side of a map
-LEAST_SIDE = 8.0  # [m] of the sun's maps: edges of shadows are some 2 cm wide at least
-SPLIT = 15.0  # [m] how far from the camera the sun's near map reaches
+LEAST_SIDE = 6.0  # [m] covered by a map: edges of shadows are some 12 mm wide at least
+SPLIT = 8.0  # [m] how far from the camera the near maps reach
 MARGIN = 1.02  # of a map around what it has to cover
 AROUND = 3.0  # [m] how far outside of the image a body may be for which a point light's map is aimed
-WIDEST = math.radians(70.0)  # half of the angle that a lamp's map covers at most
+WIDEST = math.radians(72.0)  # half of the angle that a lamp's map covers at most
 NEAREST = 0.05  # [m] what is nearer to a lamp casts no shadow
 
 Array = NDArray[np.float64]
@@ -91,85 +92,120 @@ def _corners(view: View, near: float, far: float) -> Array:
     return np.asarray((points - eye[:3, 3]) @ eye[:3, :3])
 
 
+class Window(NamedTuple):
+    """What a light sees through a window: the low and the high corner of each ball and of the window, shape (..., 2).
+
+    A sun's are metres across its light, a lamp's tangents of angles from its axis.
+    """
+
+    low: Array
+    high: Array
+
+    def of(self, rows: NDArray[Any]) -> Window:
+        """The window around some of the balls."""
+        return Window(self.low[rows].min(axis=0), self.high[rows].max(axis=0))
+
+    def overlap(self, other: Window) -> NDArray[np.bool_]:
+        """Which balls another window shows."""
+        return np.asarray((self.high >= other.low).all(axis=-1) & (self.low <= other.high).all(axis=-1))
+
+    def cut(self, other: Window) -> Window:
+        """What is in both."""
+        return Window(np.maximum(self.low, other.low), np.minimum(self.high, other.high))
+
+    def steady(self, least: float) -> tuple[Array, float]:
+        """The middle and the side of a square that contains it; `least`: of the side.
+
+        Steps in size and place keep the edges of shadows still while the camera moves.
+        """
+        side = max(MARGIN * float((self.high - self.low).max()), least)
+        side = 2.0 ** (math.ceil(4.0 * math.log2(side)) / 4.0)
+        return np.round((self.low + self.high) / 2.0 * SIZE / side) * side / SIZE, side
+
+
 def sun_fits(view: View, light: Light, balls: Balls) -> list[Fit | None]:
-    """The near and the far map of a sun; None for one that is not needed.
+    """The near and the far map of a sun; None for one that is not needed."""
+    axes = _axes(-np.array(light.direction))
+    centres = balls.centres @ axes.T
+    shown = Window(centres[:, :2] - balls.radii[:, None], centres[:, :2] + balls.radii[:, None])
+
+    def fit(near: float, far: float) -> tuple[float, Fit] | None:
+        corners = (_corners(view, near, far) @ axes.T)[:, :2]
+        image = Window(corners.min(axis=0), corners.max(axis=0))
+        inside = balls.cast & shown.overlap(image)
+        if not inside.any():
+            return None
+        middle, side = image.cut(shown.of(inside)).steady(LEAST_SIDE)
+        front = float((centres[inside, 2] + balls.radii[inside]).max())
+        back = float((centres[inside, 2] - balls.radii[inside]).min())
+        into = np.eye(4)
+        into[0, :3], into[1, :3] = axes[0] * 2.0 / side, axes[1] * -2.0 / side
+        into[2, :3], into[2, 3] = axes[2] * -2.0 / (front - back), (front + back) / (front - back)
+        into[:2, 3] = -middle[0] * 2.0 / side, middle[1] * 2.0 / side
+        return side, Fit(into, np.flatnonzero(inside), side / SIZE)
+
+    return _near_and_far(view, fit)
+
+
+def lamp_fits(view: View, light: Light, balls: Balls) -> list[Fit | None]:
+    """The near and the far map of a spot or a point light; None for one that is not needed."""
+    place = np.array(light.position)
+    offsets = balls.centres - place
+    distances = np.linalg.norm(offsets, axis=1)
+    lit = balls.cast & (distances - balls.radii <= light.range)
+    if light.kind == "spot":
+        aim, limit = np.array(light.direction), min(light.spot[1] / 2.0, WIDEST)
+    else:
+        seen = lit & _in_view(view, balls)
+        outside = seen & (distances > balls.radii)
+        aimed = outside if outside.any() else seen
+        if not seen.any():
+            return [None, None]
+        low = (offsets - balls.radii[:, None])[aimed].min(axis=0)
+        aim, limit = (low + (offsets + balls.radii[:, None])[aimed].max(axis=0)) / 2.0, WIDEST
+    if float(np.linalg.norm(aim)) < 1e-9:
+        aim = np.array((0.0, 0.0, -1.0))
+    axes = _axes(-aim)
+    whole = Window(np.full(2, -math.tan(limit)), np.full(2, math.tan(limit)))
+    centres = offsets @ axes.T
+    along = -centres[:, 2]
+    angles = np.arctan2(centres[:, :2], along[:, None])
+    sizes = np.hypot(centres[:, :2], along[:, None])
+    widths = np.where(sizes > balls.radii[:, None], np.arcsin(np.minimum(balls.radii[:, None] / sizes, 1.0)), math.pi)
+    shown = Window(np.tan(np.clip(angles - widths, -WIDEST, WIDEST)), np.tan(np.clip(angles + widths, -WIDEST, WIDEST)))
+
+    def fit(near: float, far: float) -> tuple[float, Fit] | None:
+        corners = (_corners(view, near, far) - place) @ axes.T
+        image = whole
+        if (corners[:, 2] < -NEAREST).all():
+            slopes = corners[:, :2] / -corners[:, 2:]
+            image = whole.cut(Window(slopes.min(axis=0), slopes.max(axis=0)))
+        inside = lit & shown.overlap(image) & (along + balls.radii > NEAREST)
+        if not inside.any() or (image.high <= image.low).any():
+            return None
+        start = max(float((along - balls.radii)[inside].min()), NEAREST)
+        end = max(float((along + balls.radii)[inside].max()), 2.0 * start)
+        middle, side = image.cut(shown.of(inside)).steady(LEAST_SIDE / end)
+        into, lens = np.eye(4), np.zeros((4, 4))
+        into[:3, :3], into[:3, 3] = axes, -axes @ place
+        lens[0, 0], lens[1, 1], lens[3, 2] = 2.0 / side, -2.0 / side, -1.0
+        lens[0, 2], lens[1, 2] = middle[0] * 2.0 / side, -middle[1] * 2.0 / side
+        lens[2, 2], lens[2, 3] = -(end + start) / (end - start), -2.0 * end * start / (end - start)
+        return side, Fit(lens @ into, np.flatnonzero(inside), side / SIZE)
+
+    return _near_and_far(view, fit)
+
+
+def _near_and_far(view: View, fit: Callable[[float, float], tuple[float, Fit] | None]) -> list[Fit | None]:
+    """The maps for what is near and for all, or only the latter if it is no coarser.
 
     A point outside of the shadows of all balls is lit. So a map covers what is both in the image and behind a ball.
     """
-    axes = _axes(-np.array(light.direction))
-    centres = balls.centres @ axes.T
-
-    def fit(near: float, far: float) -> tuple[float, Fit] | None:
-        corners = _corners(view, near, far) @ axes.T
-        low, high = corners.min(axis=0)[:2], corners.max(axis=0)[:2]
-        below, above = centres[:, :2] - balls.radii[:, None], centres[:, :2] + balls.radii[:, None]
-        inside = balls.cast & (above >= low).all(axis=1) & (below <= high).all(axis=1)
-        if not inside.any():
-            return None
-        low, high = np.maximum(low, below[inside].min(axis=0)), np.minimum(high, above[inside].max(axis=0))
-        # Steps in size and place keep the edges of shadows still while the camera moves.
-        side = 2.0 ** (math.ceil(4.0 * math.log2(max(MARGIN * float((high - low).max()), LEAST_SIDE))) / 4.0)
-        texel = side / SIZE
-        middle = np.round((low + high) / (2.0 * texel)) * texel
-        front = float((centres[inside, 2] + balls.radii[inside]).max())
-        back = float((centres[inside, 2] - balls.radii[inside]).min())
-        into = np.zeros((4, 4))
-        into[0, :3], into[1, :3], into[2, :3] = (
-            axes[0] * 2.0 / side,
-            axes[1] * -2.0 / side,
-            axes[2] * -2.0 / (front - back),
-        )
-        into[:2, 3] = -middle[0] * 2.0 / side, middle[1] * 2.0 / side
-        into[2, 3], into[3, 3] = (front + back) / (front - back), 1.0
-        return side, Fit(into, np.flatnonzero(inside), texel)
-
     whole = fit(view.near, view.far)
     close = fit(view.near, SPLIT) if view.near < SPLIT < view.far else None
     if whole is None or close is None or close[0] >= whole[0]:
         return [whole[1] if whole is not None else None, None]
     return [close[1], whole[1]]
-
-
-def lamp_fit(view: View, light: Light, balls: Balls) -> Fit | None:
-    """The map of a spot or a point light; None if it sees nothing that casts a shadow."""
-    place = np.array(light.position)
-    offsets = balls.centres - place
-    distances = np.linalg.norm(offsets, axis=1)
-    widths = np.arcsin(np.minimum(balls.radii / np.maximum(distances, 1e-9), 1.0))  # half the angle of each ball
-    if light.kind == "spot":
-        aim, half = np.array(light.direction), light.spot[1] / 2.0
-    else:
-        seen = balls.cast & _in_view(view, balls)
-        outside = seen & (distances > balls.radii)
-        if not seen.any():
-            return None
-        aimed = outside if outside.any() else seen
-        low = (offsets - balls.radii[:, None])[aimed].min(axis=0)
-        high = (offsets + balls.radii[:, None])[aimed].max(axis=0)
-        aim = (low + high) / 2.0
-        half = math.pi
-    length = float(np.linalg.norm(aim))
-    if length < 1e-9:
-        aim, length = np.array((0.0, 0.0, -1.0)), 1.0
-    along = offsets @ (aim / length)
-    angles = np.arccos(np.clip(along / np.maximum(distances, 1e-9), -1.0, 1.0))
-    if light.kind != "spot":
-        half = float((angles + widths)[seen].max())
-    half = min(max(half, 0.01), WIDEST)
-    inside = (
-        balls.cast & ((angles - widths < 1.42 * half) | (distances < balls.radii)) & (along + balls.radii > NEAREST)
-    )
-    inside &= distances - balls.radii <= light.range
-    if not inside.any():
-        return None
-    near = max(float((along - balls.radii)[inside].min()), NEAREST)
-    far = max(float((along + balls.radii)[inside].max()), 2.0 * near)
-    axes, into, zoom = _axes(-aim), np.eye(4), 1.0 / (MARGIN * math.tan(half))
-    into[:3, :3], into[:3, 3] = axes, -axes @ place
-    lens = np.zeros((4, 4))
-    lens[0, 0], lens[1, 1], lens[3, 2] = zoom, -zoom, -1.0
-    lens[2, 2], lens[2, 3] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
-    return Fit(lens @ into, np.flatnonzero(inside), 2.0 / (zoom * SIZE))
 
 
 def _in_view(view: View, balls: Balls) -> NDArray[np.bool_]:
@@ -199,8 +235,9 @@ class ShadowMaps:
         """
         sun, lamp = pick(shot.lights)
         balls = Balls.of(shot, table)
-        fits = sun_fits(shot.view, shot.lights[sun], balls) if sun is not None else [None, None]
-        fits.append(lamp_fit(shot.view, shot.lights[lamp], balls) if lamp is not None else None)
+        fits: list[Fit | None] = []
+        for place, fitted in ((sun, sun_fits), (lamp, lamp_fits)):
+            fits += [None, None] if place is None else fitted(shot.view, shot.lights[place], balls)
         for i, fit in enumerate(fits):
             if fit is not None:
                 self._render(i, fit, shot, table)

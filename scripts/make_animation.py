@@ -64,7 +64,6 @@ def main() -> None:
     images = frames()
     path = ROOT / "docs" / "drive.png"
     images[0].save(path, save_all=True, append_images=images[1:], duration=1000.0 / RATE, loop=0, optimize=True)
-    print(f"{path}: {path.stat().st_size / 1e6:.2f} MB")
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ SPLIT = 8.0  # [m] how far from the camera the near maps reach
 MARGIN = 1.02  # of a map around what it has to cover
 AROUND = 3.0  # [m] how far outside of the image a body may be for which a point light's map is aimed
 WIDEST = math.radians(72.0)  # half of the angle that a lamp's map covers at most
+FINE = 40.0  # [texels] radius above which a body is rendered in detail
 NEAREST = 0.05  # [m] what is nearer to a lamp casts no shadow
 
 Array = NDArray[np.float64]
@@ -240,10 +241,10 @@ class ShadowMaps:
             fits += [None, None] if place is None else fitted(shot.view, shot.lights[place], balls)
         for i, fit in enumerate(fits):
             if fit is not None:
-                self._render(i, fit, shot, table)
+                self._render(i, fit, shot, table, balls)
         return (sun, lamp), fits
 
-    def _render(self, i: int, fit: Fit, shot: Shot, table: Table) -> None:
+    def _render(self, i: int, fit: Fit, shot: Shot, table: Table, balls: Balls) -> None:
         gl = self.gl
         gl.glBindFramebuffer(Constant.FRAMEBUFFER, self._target(i))
         gl.glViewport(0, 0, SIZE, SIZE)
@@ -255,9 +256,11 @@ class ShadowMaps:
         gl.glPolygonOffset(1.5, 4.0)
         matrices = np.ascontiguousarray((fit.matrix @ shot.poses[fit.casters]).transpose(0, 2, 1))
         start = matrices.ctypes.data
-        for k, caster in enumerate(fit.casters.tolist()):
+        away = balls.centres[fit.casters] @ fit.matrix[3, :3] + fit.matrix[3, 3]
+        fine = balls.radii[fit.casters] > FINE * fit.texel * np.maximum(away, NEAREST)
+        for k, (caster, finer) in enumerate(zip(fit.casters.tolist(), fine.tolist(), strict=True)):
             gl.glLoadMatrixd(start + 128 * k)
-            gl.glCallList(table.list(caster, SEGMENTS[0]))
+            gl.glCallList(table.list(caster, SEGMENTS[0] if finer else SEGMENTS[1]))
         gl.glDisable(Constant.POLYGON_OFFSET_FILL)
 
     def _target(self, i: int) -> int:

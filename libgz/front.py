@@ -109,7 +109,7 @@ class World(world.World):
             WorldFileError: it has errors; the message lists them all.
         """
         self.extension(SdfWorld).load(file)
-        if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
+        if file.busy:
             self.attach_era()
         self.problems.check()
         return 0

@@ -67,15 +67,7 @@ class Appearance:
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
 
-    STATE: ClassVar[tuple[str, ...]] = (
-        "ambient",
-        "fog_color",
-        "fog_kind",
-        "fog_start",
-        "fog_end",
-        "threaded",
-        "shadows",
-    )
+    STATE: ClassVar[tuple[str, ...]] = ("fog_kind", "shadows")  # the world keeps the numbers
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's

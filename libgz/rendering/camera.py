@@ -41,6 +41,8 @@ class Camera:
         LibraryError: the chosen OpenGL does not work here.
     """
 
+    STATE = ("width", "height", "near", "far", "hfov", "pose", "image")
+
     def __init__(
         self,
         world: SceneWorld,

@@ -26,6 +26,8 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
+    STATE = ("cast_shadows",)
+
     is_model = False
 
     def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:

@@ -103,11 +103,9 @@ class World:
         "clock",
         "simSpeed",
         "utcOffset",
-        "utmZone",
-        "utmOffset",
-        "skyColor",
         "fogEnable",
         "fogDensity",
+        "_surroundings",
         "backdrop",
         "physics_enabled",
         "starts_paused",
@@ -195,6 +193,11 @@ class World:
             self._extensions[kind] = kind(self)
         extension: E = self._extensions[kind]
         return extension
+
+    @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
 
     @property
     def extensions(self) -> list[Any]:
@@ -748,9 +751,33 @@ class World:
         snapshot.restore(self, self._start)
 
     @property
+    def _surroundings(self) -> tuple[tuple[float, ...], ...]:
+        """Vectors and colours as plain numbers."""
+        backdrop = self.backdrop
+        fog = backdrop.fog_color
+        return (
+            tuple(self.utmZone),
+            tuple(self.utmOffset),
+            tuple(self.skyColor),
+            tuple(backdrop.ambient),
+            () if fog is None else tuple(fog),
+            (backdrop.fog_start, backdrop.fog_end),
+        )
+
+    @_surroundings.setter
+    def _surroundings(self, numbers: tuple[tuple[float, ...], ...]) -> None:
+        zone, offset, sky, ambient, fog, reach = numbers
+        backdrop = self.backdrop
+        self.utmZone, self.utmOffset = GzVector(*zone), GzVector(*offset)
+        self.skyColor, backdrop.ambient = GzColor(*sky), GzColor(*ambient)
+        backdrop.fog_color = GzColor(*fog) if fog else None
+        backdrop.fog_start, backdrop.fog_end = reach
+
+    @property
     def _fallen_rows(self) -> tuple[int, ...]:
         """The rows of the bodies that were reported as fallen."""
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
+        fallen = self._fallen
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
 
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:

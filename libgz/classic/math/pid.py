@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import SupportsFloat
 
 from libgz.classic.math.number import clamp
@@ -69,6 +70,15 @@ class PID:
         self.iMax, self.iMin = float(imax), float(imin)
         self.cmdMax, self.cmdMin = float(cmdMax), float(cmdMin)
         self.Reset()
+
+    def SaveState(self) -> tuple[float, ...]:
+        """All values, for a snapshot of the world."""
+        return tuple([getattr(self, name) for name in self.__slots__])
+
+    def LoadState(self, state: Sequence[float]) -> None:
+        """Take what SaveState returned."""
+        for name, value in zip(self.__slots__, state, strict=True):
+            setattr(self, name, value)
 
     def Reset(self) -> None:
         """Set all errors and the command to 0."""

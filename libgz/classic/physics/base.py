@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 __all__ = ["Base", "Entity", "find_named", "view_of"]
 
 V = TypeVar("V")
-
-_ids = itertools.count(1)
 
 
 def view_of(core: Any, make: Callable[[], V]) -> V:
@@ -47,7 +44,6 @@ class Base:
 
     def __init__(self, world: World, name: str, parent: Base | None, sdf: Element | None = None) -> None:
         self._world, self._name, self._parent, self._sdf = world, name, parent, sdf
-        self._number = next(_ids)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.GetScopedName()!r}>"
@@ -97,8 +93,8 @@ class Base:
         return self._sdf
 
     def GetId(self) -> int:
-        """The id, unique in the process."""
-        return self._number
+        """The id, unique in its world; it is given when it is first asked for."""
+        return self._world.server.ids.of(self)
 
     def GetType(self) -> int:
         """The bit mask of its types: Base.ENTITY, Base.MODEL and so on."""

@@ -32,6 +32,8 @@ __all__ = ["Link"]
 class Link(Entity):
     """A view on a Body. Forces act for one step; vectors and poses are in the world frame unless stated otherwise."""
 
+    STATE = ("inertial",)
+
     entity_type = Base.ENTITY | Base.LINK
 
     def __init__(self, model: Model, name: str, body: Body, sdf: Element | None) -> None:
@@ -194,7 +196,18 @@ class Link(Entity):
         """Mass and inertia: the same object at each call. Changes to it act at UpdateMass."""
         if self._inertial is None:
             self._inertial = Inertial(self.body, self._sdf)
+            self._world.server.activity.edited[self] = None
         return self._inertial
+
+    @property
+    def inertial(self) -> Inertial:
+        """The same, for states."""
+        return self.GetInertial()
+
+    def forget_edits(self) -> None:
+        """Take mass and inertia from the file and the body: a state is loaded that has no changes of them."""
+        if self._inertial is not None:
+            self._inertial.forget()
 
     def SetInertial(self, inertial: Inertial) -> None:
         """Set mass and inertia to a copy of these values, at once.

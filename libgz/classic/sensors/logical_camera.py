@@ -28,6 +28,11 @@ class LogicalCameraSensor(LinkSensor):
     A model without collisions counts as a point. Its own model is left out, and models do not hide each other.
     """
 
+    STATE = (
+        "_camera_pose",
+        "_seen",
+    )
+
     topic_suffix: ClassVar[str | None] = "models"
     message_type: ClassVar[Any] = msgs.LogicalCameraImage
 

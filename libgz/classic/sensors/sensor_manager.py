@@ -11,6 +11,7 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.registry import own_world
 from libgz.classic.sensors.kinds import KINDS
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.sdf.upgrade import upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.sensors.manager import WorldSensors
@@ -82,6 +83,7 @@ class SensorManager:
         sensors.start_new()
         if sensor is None:
             raise ParameterError(f"{sdf.where}: this sensor could not be made")
+        sensor.source = upgraded(sdf).ToString()
         return sensor.ScopedName()
 
     def RemoveSensor(self, name: str) -> None:

@@ -57,7 +57,7 @@ LEGACY = {
     "gripper": Picture(("robot1", "block"), azimuth=40.0, share=0.75),
     "heightmap": Picture(("hills",), elevation=35.0, share=1.4),
     "terrain": Picture(azimuth=205.0, elevation=12.0, share=0.2),
-    "map": Picture(("rooms",), elevation=50.0, share=0.95),
+    "map": Picture((), elevation=50.0, share=0.95),
     "road": Picture(("robot1",), azimuth=150.0, elevation=22.0, share=0.2),
     "wifi": Picture(("robot1", "robot2", "mast"), share=0.85),
     "truth": Picture(("robot1", "crate"), azimuth=150.0, share=0.85),

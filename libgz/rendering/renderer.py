@@ -104,7 +104,7 @@ class Renderer:
         if shot.shadows:
             self.library.use(shot.content)
             maps = self._maps.render(shot, self.library.table(shot.content, _look_of(shot), plain=True))
-        drawn = self._bind(view.width, view.height, samples)
+        sampled = self._bind(view.width, view.height, samples)
         eye = self._begin(shot)
         self._set_options(shot)
         self._dome(shot, eye)
@@ -122,7 +122,7 @@ class Renderer:
         self.gl.glDisable(Constant.FOG)
         self.gl.check()
         if samples:
-            self._resolve(drawn, view)
+            self._resolve(sampled, view)
         self._read(view, image, depth)
 
     def _can_shade(self) -> bool:
@@ -139,11 +139,11 @@ class Renderer:
             self._samples = SAMPLES if most.value >= SAMPLES else 0
         return self._shades
 
-    def _resolve(self, drawn: int, view: View) -> None:
+    def _resolve(self, sampled: int, view: View) -> None:
         """Copy the mean of each pixel's samples into the buffer that is read."""
         gl, area = self.gl, (0, 0, view.width, view.height)
         self._bind(view.width, view.height)
-        gl.glBindFramebuffer(Constant.READ_FRAMEBUFFER, drawn)
+        gl.glBindFramebuffer(Constant.READ_FRAMEBUFFER, sampled)
         gl.glBlitFramebuffer(*area, *area, Constant.COLOR_BUFFER_BIT, Constant.NEAREST)
         self._bind(view.width, view.height)
 

@@ -133,13 +133,13 @@ def save(image: Image.Image, path: Path) -> None:
 def main() -> None:
     """Render all ready worlds and examples, unless only the text is wanted, and write the page."""
     images = ROOT / "docs" / "worlds"
-    images.mkdir(exist_ok=True)
+    (images / "sdf").mkdir(parents=True, exist_ok=True)
     asked = [word for word in sys.argv[1:] if not word.startswith("--")]
 
     def row(path: Path, title: str, name: str, picture: Picture) -> str:
         if "--text" not in sys.argv[1:] and (not asked or name in asked):
             render(path, images / f"{name}.png", picture)
-        return f"## {title}\n\n{description(path)}\n\n![{name}](worlds/{name}.png)\n"
+        return f"## {title}\n\n{description(path)}\n\n![{path.stem}](worlds/{name}.png)\n"
 
     rows = ["# Ready worlds\n\n`gazebo worlds/NAME` runs one of them. `scripts/make_gallery.py` writes this page.\n"]
     for path in sorted((ROOT / "worlds").glob("*.world")):
@@ -148,7 +148,7 @@ def main() -> None:
     for name, picture in SDF.items():
         path = ROOT / "examples" / "plugins" / name / f"{name}.world"
         os.environ["GAZEBO_PLUGIN_PATH"] = str(path.parent)
-        rows.append(row(path, f"examples/plugins/{name}/{path.name}", f"sdf_{name}", picture))
+        rows.append(row(path, f"examples/plugins/{name}/{path.name}", f"sdf/{name}", picture))
     (ROOT / "docs" / "worlds.md").write_text("\n".join(rows))
 
 

@@ -15,6 +15,7 @@ from libgz.geometry import GzPose, GzPosePointAt, GzVector
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo
+from libgz.models.camera import eye_of
 from libgz.physics.geoms import DomeGeom, LightGeom, PlaneGeom
 from libgz.rendering.camera import Camera as FreeCamera
 
@@ -41,13 +42,15 @@ class FreeView:
         world: the world.
         pose: of the camera, which looks along x [m].
         size: of its images: width, height [px].
+        shadows: whether they are rendered with shadows, unless an SDF scene forbids them.
     """
 
     label = "a free camera"
 
-    def __init__(self, world: World, pose: GzPose, size: tuple[int, int] = (640, 480)) -> None:
+    def __init__(self, world: World, pose: GzPose, size: tuple[int, int] = (640, 480), shadows: bool = False) -> None:
         self._camera = FreeCamera(world, *size, near=0.05, far=200.0)
         self._camera.SetPose(pose)
+        self._camera.options.shadows = shadows
         self._camera.options.displayGrid = world.sdf is not None  # as in classic's window
 
     def image(self) -> Image:
@@ -58,34 +61,44 @@ class FreeView:
 class _SensorCamera:
     """A camera sensor of an SDF world."""
 
-    def __init__(self, sensor: CameraSensor) -> None:
-        self._sensor, self.label = sensor, repr(sensor.ScopedName())
+    def __init__(self, sensor: CameraSensor, shadows: bool) -> None:
+        self._sensor, self.label, self._shadows = sensor, repr(sensor.ScopedName()), shadows
 
     def image(self) -> Image:
-        self._sensor.Update(True)
         camera = self._sensor.Camera()
+        if self._shadows:
+            camera.core.options.shadows = True
+        self._sensor.Update(True)
         return _EMPTY if camera.core.blind else camera.pixels
 
 
 class _ModelCamera:
     """A camera model of a legacy world."""
 
-    def __init__(self, interface: Camera | Guicam | Stereo) -> None:
+    def __init__(self, world: World, interface: Camera | Guicam | Stereo, shadows: bool) -> None:
         self._interface, self.label = interface, repr(interface.id)
+        self._eye = eye_of(world.model(interface.id)) if shadows else None
 
     def image(self) -> Image:
         interface = self._interface
-        return interface.left_image if isinstance(interface, Stereo) else interface.image
+        served = interface.left_image if isinstance(interface, Stereo) else interface.image
+        return self._eye.shaded() if self._eye is not None and served.size else served
 
 
-def cameras_of(world: World) -> dict[str, ImageSource]:
-    """The cameras of a world, by the ids of their models, or the full names of their sensors in a world of SDF."""
+def cameras_of(world: World, shadows: bool = False) -> dict[str, ImageSource]:
+    """The cameras of a world, by the ids of their models, or the full names of their sensors in a world of SDF.
+
+    Args:
+        world: the world.
+        shadows: whether images are rendered again with shadows, unless an SDF scene forbids them; else they are those
+            that the cameras serve.
+    """
     if world.sdf is None:
         served = world.gz_server.interfaces.values()
-        return {i.id: _ModelCamera(i) for i in served if isinstance(i, Camera | Guicam | Stereo)}
+        return {i.id: _ModelCamera(world, i, shadows) for i in served if isinstance(i, Camera | Guicam | Stereo)}
     manager = attach(world).sensors
     sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
-    return {sensor.ScopedName(): _SensorCamera(sensor) for sensor in sensors}
+    return {sensor.ScopedName(): _SensorCamera(sensor, shadows) for sensor in sensors}
 
 
 def overview(world: World, size: tuple[int, int] = (640, 480)) -> FreeView:

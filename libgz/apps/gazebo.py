@@ -140,6 +140,12 @@ def make_parser() -> argparse.ArgumentParser:
         help="record a camera's images to a video file; may be repeated",
     )
     add(
+        "--shadows",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="videos show shadows (default), which clients' images do not",
+    )
+    add(
         "--solver",
         choices=("world", "quick"),
         default="world",
@@ -255,7 +261,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path)
             world.Initialize()
-            run.recorders += [Recorder(world, request) for request in options.record]
+            run.recorders += [Recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
             with SnapshotControl(world, options.rewind) as run.control:

@@ -28,6 +28,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--size", type=size, default=(640, 480), metavar="WxH", help="image size of the free camera [px]")
     add("-o", dest="output", metavar="FILE", default="picture.png", help="the file to write (default picture.png)")
     add("--time", type=float, default=0.0, metavar="T", help="save the last image up to this sim time [s] (default 0)")
+    add(
+        "--shadows",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="with shadows, and light computed at each pixel, unless an SDF scene forbids them (default); "
+        "--no-shadows: the image exactly as the camera serves it",
+    )
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
 
 
@@ -57,8 +64,8 @@ def run(options: argparse.Namespace) -> int:
 def _camera(world: World, options: argparse.Namespace) -> ImageSource:
     """The camera given on the command line."""
     if options.pose is not None:
-        return FreeView(world, options.pose, options.size)
-    cameras = cameras_of(world)
+        return FreeView(world, options.pose, options.size, options.shadows)
+    cameras = cameras_of(world, options.shadows)
     # Cameras of SDF worlds have a short name, too, which stands for the first one of that name.
     short = {name.rpartition("::")[2]: camera for name, camera in reversed(cameras.items())}
     what = "id" if world.sdf is None else "name"

@@ -366,9 +366,10 @@ class LightGeom(Geom):
         direction: in which directional lights and spots shine, in the body frame.
         spot: inner and outer angle of a spot's cone [rad] and the falloff between them, as a power.
         range: nothing beyond is lit [m].
+        cast_shadows: whether bodies cast shadows in its light, where images have shadows.
     """
 
-    KEPT = ("attenuation", "kind", "direction", "spot", "range")
+    KEPT = ("attenuation", "kind", "direction", "spot", "range", "cast_shadows")
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)
@@ -377,6 +378,7 @@ class LightGeom(Geom):
         self.direction = GzVector(0.0, 0.0, -1.0)
         self.spot = (0.0, 0.0, 0.0)
         self.range = math.inf
+        self.cast_shadows = True
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:

@@ -148,6 +148,14 @@ class Camera:
         """The current pose and optics."""
         return View(self.pose, self.width, self.height, self.hfov, self.near, self.far, self.options)
 
+    def shaded(self) -> NDArray[np.uint8]:
+        """The last image again, with shadows unless the world's scene forbids them; shape (height, width, 3).
+
+        Raises:
+            LibraryError: there is no image yet.
+        """
+        return self._scene.shade(self._last_shot())
+
     @property
     def depth(self) -> NDArray[np.float32]:
         """Distance ahead, along the axis, in the last image [m], shape (height, width); infinite for the sky.

@@ -83,7 +83,6 @@ class Scene:
         element = world.SDF()
         scene = element.child("scene") if element is not None and element.name == "world" else None
         self.grid = scene.Get(bool, "grid") if scene is not None and scene.HasElement("grid") else True
-        self._shadows = scene.Get(bool, "shadows") if scene is not None else True
         # The backdrop belongs to the engine's world, which must not keep this scene alive.
         this = weakref.ref(self)
         world.core.backdrop.lines.append(lambda view: () if (alive := this()) is None else alive._lines_for(view))
@@ -328,13 +327,12 @@ class Scene:
     SetSkyXMode = SetSky
 
     def SetShadowsEnabled(self, value: bool) -> None:
-        """The value is kept, but there are no shadows."""
-        _log_once("images have no shadows")
-        self._shadows = bool(value)
+        """Set whether images of all cameras have shadows."""
+        self.world.core.backdrop.shadows = bool(value)
 
     def ShadowsEnabled(self) -> bool:
-        """The value last set."""
-        return self._shadows
+        """Whether images may have shadows; cameras of sensors have them only if `<shadows>` or a plugin says so."""
+        return self.world.core.backdrop.shadows is not False
 
     GetShadowsEnabled = ShadowsEnabled
 

@@ -19,6 +19,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
 from libgz.rendering.camera import Camera as Eye, horizontal_view
 from libgz.rendering.image import write_pnm
+from libgz.simulation.entity import Entity
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import angle, boolean, integer, length, number, numbers, text
 from libgz.worldfile.node import WorldFileNode
@@ -82,7 +83,7 @@ def make_eye(model: Model, values: CameraAttributes) -> Eye:
     return eye
 
 
-def eye_of(model: Model) -> Eye | None:
+def eye_of(model: Entity) -> Eye | None:
     """The rendering camera of a camera model, the left one of two; None if it has none, or none yet."""
     for owner in (model, getattr(model, "camera", None)):
         eye = getattr(owner, "eye", None) or getattr(owner, "eyes", {}).get("left")

@@ -1,6 +1,7 @@
 """The wheel, built once, and what must hold when it was installed and used in a fresh root."""
 
 import importlib.metadata
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -10,7 +11,9 @@ from fresh_root import ROOT
 PROGRAM = (Path(__file__).parent / "installed_wheel.py").read_text()
 
 
-DEPENDENCIES = ("numpy", "lxml", "pillow", "PyOpenGL")
+DEPENDENCIES = [
+    re.match(r"[\w.-]+", line)[0] for line in importlib.metadata.requires("libgz") if "extra ==" not in line
+]
 
 
 def build_wheel(folder):

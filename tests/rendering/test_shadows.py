@@ -27,8 +27,8 @@ SUN = (
     "<specular>.2 .2 .2 1</specular><direction>1 0 -1</direction></light>"
 )
 SPOT = (
-    "<light name='spot' type='spot'><pose>0 -3 3 0 0 0</pose><cast_shadows>1</cast_shadows><diffuse>.6 .6 .5 1</diffuse>"
-    "<direction>0 1 -1</direction><spot><inner_angle>.6</inner_angle><outer_angle>1</outer_angle><falloff>1</falloff>"
+    "<light name='spot' type='spot'><pose>0 -3 3 0 0 0</pose><cast_shadows>1</cast_shadows>"
+    "<diffuse>.6 .6 .5 1</diffuse><direction>0 1 -1</direction><spot><inner_angle>.6</inner_angle><outer_angle>1</outer_angle><falloff>1</falloff>"
     "</spot></light>"
 )
 GROUND = (
@@ -156,13 +156,13 @@ def test_without_shaders_there_are_images_without_shadows_and_one_warning(monkey
         raise LibraryError("this OpenGL has no function glCreateProgram")
 
     monkeypatch.setattr(renderer, "Shading", fail)
-    with sdf(SUN.format(1), GROUND, box()) as world, caplog.at_level(logging.WARNING):
-        with Camera(world, 80, 60) as camera:
-            camera.options.shadows = False
-            plain = camera.Update().copy()
-            camera.options.shadows = True
-            for _ in range(3):
-                assert np.array_equal(camera.Update(), plain)
+    caplog.set_level(logging.WARNING)
+    with sdf(SUN.format(1), GROUND, box()) as world, Camera(world, 80, 60) as camera:
+        camera.options.shadows = False
+        plain = camera.Update().copy()
+        camera.options.shadows = True
+        for _ in range(3):
+            assert np.array_equal(camera.Update(), plain)
     assert [r.message for r in caplog.records if "shadows" in r.message] == [
         "images have no shadows: this OpenGL has no function glCreateProgram"
     ]

@@ -98,6 +98,10 @@ class EngineState:
     def _engine(self) -> Any:
         return self._owner()
 
+    def forget(self) -> None:
+        """Drop what was collected, which can be large."""
+        self._collected, self._block, self._parts = [], b"", None
+
     # Get ---------------------------------------------------------------------------------------------------------
 
     def get(self) -> dict[str, Any]:

@@ -32,7 +32,8 @@ def save(world: World) -> bytes:
         ParameterError: an object declares something as its state that is not plain data, or cannot be read.
     """
     number = {entity: index for index, entity in enumerate(world.entities)}
-    sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
+    origins = [entity.origin for entity in world.entities]
+    sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
     plain = {
         "file": world.era.digest,
         "world": state.get_state(world),
@@ -108,11 +109,11 @@ def _name(thing: Any) -> str:
 # Entities -----------------------------------------------------------------------------------------------------------
 
 
-def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, int]) -> dict[str, Any]:
+def _saved_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
     origin = entity.origin
     parent, body = _holder(entity, number)
     return {
-        "origin": (sources.index(origin.source), origin.place) if origin is not None else None,
+        "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
         "parent": parent,
         "body": body,

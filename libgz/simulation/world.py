@@ -753,14 +753,14 @@ class World:
     @property
     def _surroundings(self) -> tuple[tuple[float, ...], ...]:
         """Vectors and colours as plain numbers."""
-        backdrop = self.backdrop
-        fog = backdrop.fog_color
+        backdrop, zone, offset, sky = self.backdrop, self.utmZone, self.utmOffset, self.skyColor
+        ambient, fog = backdrop.ambient, backdrop.fog_color
         return (
-            tuple(self.utmZone),
-            tuple(self.utmOffset),
-            tuple(self.skyColor),
-            tuple(backdrop.ambient),
-            () if fog is None else tuple(fog),
+            (zone.x, zone.y, zone.z),
+            (offset.x, offset.y, offset.z),
+            (sky.r, sky.g, sky.b, sky.a),
+            (ambient.r, ambient.g, ambient.b, ambient.a),
+            () if fog is None else (fog.r, fog.g, fog.b, fog.a),
             (backdrop.fog_start, backdrop.fog_end),
         )
 

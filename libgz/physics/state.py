@@ -13,8 +13,8 @@ import base64
 import ctypes
 import functools
 import json
+import struct
 import weakref
-from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
@@ -51,6 +51,7 @@ SETTINGS = (
     "record_contacts",
     "record_motion",
 )
+_POSE = struct.Struct("7d")
 _settings = attrgetter(*SETTINGS)
 _counters = attrgetter(*COUNTERS)
 _solver = attrgetter("iterations", "over_relaxation")
@@ -72,6 +73,11 @@ def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
 @functools.cache
 def _kept(kind: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
+
+
+def _pose_bytes(pose: GzPose) -> bytes:
+    place, turn = pose.pos, pose.rot
+    return _POSE.pack(place.x, place.y, place.z, turn.u, turn.x, turn.y, turn.z)
 
 
 class _Present:
@@ -146,7 +152,7 @@ class EngineState:
             "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in present.joints]) if turning else b"",
             "surfaces": tables.geoms.surface[geom_rows].tobytes(),
-            "dummies": array("d", [n for d in engine.dummies for n in (*d._pose.pos, *d._pose.rot)]).tobytes(),
+            "dummies": b"".join(_pose_bytes(dummy._pose) for dummy in engine.dummies),
             "couplings": [list(_plain_values(coupling)) for coupling in engine.couplings if not coupling.broken],
             "feedback": b"".join(bytes(joint._feedback) for joint in present.joints if joint._feedback is not None),
             "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",

@@ -12,10 +12,13 @@ import pytest
 from classic_runs import Run, first_difference, opened
 
 from libgz import World
+from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
 from libgz.classic.math import PID, Pose3d, Rand, Vector3d
 from libgz.classic.server import attach
+from libgz.classic.transport import Node, TopicManager
 from libgz.errors import ClosedError, StateError
+from libgz.simulation.event import owner
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 WORLDS = sorted(path for path in EXAMPLES.glob("*/*.world") if path.parent.name != "hello_world")
@@ -401,3 +404,50 @@ def test_reset_of_time_and_of_entities_keep_their_meaning(run):
     assert tuple(two.WorldPose().Pos()) == (0.1, 0.1, 1.8)
     assert run.world.GetSimTime() > 0.0
     assert run.view.ModelByName("new") is not None
+
+
+def test_commands_to_a_clone_move_only_the_clone():
+    with World.from_file(EXAMPLES / "diff_drive" / "diff_drive.world") as world:
+        world.step(100)
+        state = world.get_state()
+        expected = []
+        for _ in range(STEPS):
+            world.step()
+            expected.append(world.engine.states.tobytes())
+        world.set_state(state)
+        with world.clone() as silent, world.clone() as driven:
+            assert driven.get_state() == silent.get_state() == state
+            node = Node()
+            node.Init(driven.topic_space)
+            publisher = node.Advertise(msgs.Pose, "~/pioneer2dx/vel_cmd")
+            moved, turn = [], msgs.Pose()
+            msgs.Set(turn, Pose3d(0.0, 0.0, 0.0, 0.0, 0.0, 0.8))
+            for number in range(STEPS):
+                if number % 10 == 0:
+                    publisher.Publish(turn)
+                for each in (driven, world, silent):
+                    each.step()
+                assert world.engine.states.tobytes() == expected[number]
+                assert silent.engine.states.tobytes() == expected[number]
+                moved.append(driven.engine.states.tobytes())
+            assert moved[0] == expected[0]
+            assert moved[-1] != expected[-1]
+        world.step()  # the clones' end leaves its topics
+
+
+def test_plugins_of_a_clone_find_its_topics_by_the_name_of_the_world():
+    with World.from_file(EXAMPLES / "diff_drive" / "diff_drive.world") as world, world.clone() as clone:
+        assert clone.name == world.name
+        topics = TopicManager.Instance().topics
+        for space in (world.topic_space, clone.topic_space):
+            assert len(topics[f"/gazebo/{space}/pioneer2dx/vel_cmd"].live_subscribers()) == 1
+        plugin = next(attach(clone).plugins())
+        token = owner.set(plugin)
+        try:
+            node = Node()
+            node.Init(world.name)
+            assert node.GetTopicNamespace() == clone.topic_space
+            assert node.DecodeTopicName(f"/gazebo/{world.name}/a") == f"/gazebo/{clone.topic_space}/a"
+            assert node.EncodeTopicName(f"/gazebo/{clone.topic_space}/a") == "~/a"
+        finally:
+            owner.reset(token)

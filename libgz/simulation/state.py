@@ -21,7 +21,7 @@ import io
 import pickle
 import random
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from operator import attrgetter
 from typing import Any, TypeVar
@@ -101,7 +101,7 @@ def get_state(thing: Any) -> Any:
     """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
     kind: Any = type(thing)
     names, read, saves = _reader(kind)
-    values = read(thing)
+    values: Sequence[Any] = read(thing)
     if not _PLAIN.issuperset(map(type, values)):
         values = [value if type(value) in _PLAIN else _saved(value) for value in values]
     state = dict(zip(names, values, strict=True))

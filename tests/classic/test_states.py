@@ -14,7 +14,8 @@ from classic_runs import Run, first_difference, opened
 from libgz import World
 from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
-from libgz.classic.math import PID, Pose3d, Rand, Vector3d
+from libgz.classic.math import PID, Color, Pose3d, Rand, Vector3d
+from libgz.classic.rendering import Visual, get_scene
 from libgz.classic.server import attach
 from libgz.classic.transport import Node, TopicManager
 from libgz.errors import ClosedError, StateError
@@ -451,3 +452,52 @@ def test_plugins_of_a_clone_find_its_topics_by_the_name_of_the_world():
             assert node.EncodeTopicName(f"/gazebo/{clone.topic_space}/a") == "~/a"
         finally:
             owner.reset(token)
+
+
+def test_groups_lines_and_shapes_of_visuals(run):
+    blue = (0.0, 0.0, 1.0, 1.0)
+    before = run.world.get_state()
+    scene = get_scene("default")
+    assert run.world.get_state() == before  # a scene that nothing changed is no part of the state
+    model = scene.GetVisual("one")
+    model.SetTransparency(0.25)
+    model.SetVisible(False)
+    model.SetMaterial("Gazebo/Red")
+    line = model.CreateDynamicLine()
+    line.AddPoint((0, 0, 0), Color(*blue))
+    line.AddPoint((0, 0, 1))
+    arrow = Visual("arrow", scene)
+    arrow.AttachMesh("unit_box")
+    arrow.SetPosition((1, 2, 3))
+    state = run.world.get_state()
+
+    model.SetTransparency(0.75)
+    model.SetVisible(True)
+    model.SetMaterial("Gazebo/Green")
+    line.SetPoint(1, (5, 5, 5))
+    line.AddPoint((1, 1, 1))
+    model.CreateDynamicLine()
+    scene.GetVisual("two").SetTransparency(0.5)
+    arrow.Fini()
+    Visual("later", scene).AttachMesh("unit_sphere")
+    run.world.set_state(state)
+    assert run.world.get_state() == state
+    assert (model.Transparency(), model.Visible(), model.GetMaterialName()) == (0.25, False, "Gazebo/Red")
+    assert scene.lines == [line]
+    assert (line.PointCount(), line.Point(1)) == (2, Vector3d(0, 0, 1))
+    assert scene.GetVisual("two").Transparency() == 0.0
+    assert scene.GetVisual("later") is None
+    assert scene.GetVisual("arrow").Position() == Vector3d(1, 2, 3)
+
+    run.world.DeleteModel("one")
+    run.world.set_state(state)  # the model is built again, and its visual is a new one
+    assert run.world.get_state() == state
+    assert scene.GetVisual("one") is not model
+    assert scene.GetVisual("one").Transparency() == 0.25
+    assert [line.PointCount() for line in scene.lines] == [2]
+
+    run.world.set_state(before)
+    assert run.world.get_state() == before
+    assert (scene.GetVisual("one").Transparency(), scene.GetVisual("one").Visible()) == (0.0, True)
+    assert scene.GetVisual("arrow") is None
+    assert scene.lines == []

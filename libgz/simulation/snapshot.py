@@ -111,14 +111,15 @@ def _name(thing: Any) -> str:
 
 def _saved_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
     origin = entity.origin
-    parent, body = _holder(entity, number)
+    parent, body = (None, None) if entity.parent is None else _holder(entity, number)
+    failed, plugin_error = entity.failed, entity.plugin_error
     return {
         "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
         "parent": parent,
         "body": body,
-        "failed": _text_of(entity.failed),
-        "plugin_error": _text_of(entity.plugin_error),
+        "failed": None if failed is None else _text_of(failed),
+        "plugin_error": None if plugin_error is None else _text_of(plugin_error),
         "state": _own_state(entity),
     }
 

@@ -83,7 +83,7 @@ def examine() -> Iterator[Finding]:
         yield Finding(package, version or f"not installed; pip install {package}", good=version is not None)
     for name, extra in EXTRAS.items():
         yield _extra(name, extra)
-    yield _try("ode", lambda: f"{ode().path}: {ode().configuration}")
+    yield _try("ode", lambda: f"{ode().path}, {ode().origin}: {ode().configuration}")
     yield _try("step", _step)
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)

@@ -20,6 +20,7 @@ from libgz.apps.console import (
     number_from_zero,
     set_up_messages,
     whole_number,
+    wire_version,
 )
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
@@ -38,7 +39,6 @@ __all__ = ["main"]
 
 log = logging.getLogger("libgz.gazebo")
 
-WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.7": 0x060}
 STATUS_PERIOD = 0.2  # [s] of real time
 
 
@@ -58,12 +58,6 @@ def _seconds(text: str) -> float | None:
 
 
 _seconds.__name__ = "number of seconds"
-
-
-def _wire_version(text: str) -> int:
-    if text not in WIRE_VERSIONS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a wire version; allowed are {', '.join(WIRE_VERSIONS)}")
-    return WIRE_VERSIONS[text]
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -120,10 +114,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add(
         "--wire-version",
-        type=_wire_version,
+        type=wire_version,
         default=LIBGAZEBO_VERSION,
         metavar="V",
-        help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
+        help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5 and Player 1.6.5",
     )
     add(
         "--gl",

@@ -25,6 +25,10 @@ except ImportError:
     _library = None
 if _library is None:  # with OSMesa or EGL alone, the declarations still need a library
     platform.PLATFORM.GL = SimpleNamespace(glGetError=None)
+try:
+    _current = platform.PLATFORM.GetCurrentContext
+except (AttributeError, ImportError):  # no GLX either
+    platform.PLATFORM.GetCurrentContext = None
 
 from OpenGL.raw.GL.VERSION import GL_1_1, GL_1_2, GL_1_4, GL_3_0  # type: ignore[import-untyped]
 

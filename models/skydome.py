@@ -38,6 +38,16 @@ class SkyDome(Model):
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         self.dome.SetDayTime(self.world.GetDayTime())
 
+    def SaveState(self) -> tuple[float, float]:
+        """Time since midnight at the start, and time since the start [s]."""
+        return self.dome.start, self.dome.elapsed
+
+    def LoadState(self, state: tuple[float, float]) -> None:
+        """Return to these times."""
+        start, elapsed = state
+        self.dome.SetDayTime(start)
+        self.dome.SetElapsedTime(elapsed)
+
     def Update(self, step: float) -> None:  # noqa: D102
         if self.values.timeLapse:
             self.dome.SetElapsedTime(self.world.GetSimTime())

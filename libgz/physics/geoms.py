@@ -399,25 +399,30 @@ class LightGeom(Geom):
 
 
 class DomeGeom(Geom):
-    """The sky around every camera; its texture is a tone map: midnight to midnight, zenith to horizon."""
+    """The sky around every camera; its texture is a tone map: midnight to midnight, zenith to horizon.
+
+    Attributes:
+        start: time since midnight at the start [s].
+        elapsed: time since the start [s].
+    """
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=False)
         self.appearance.render_order = RENDER_LIGHT
-        self._start = self._elapsed = 0.0
+        self.start = self.elapsed = 0.0
 
     def SetDayTime(self, seconds: float) -> None:
         """Time since midnight at the start [s]."""
-        self._start = finite(seconds, "time of day [s]")
+        self.start = finite(seconds, "time of day [s]")
 
     def SetElapsedTime(self, seconds: float) -> None:
         """Time since the start [s]."""
-        self._elapsed = finite(seconds, "elapsed time [s]")
+        self.elapsed = finite(seconds, "elapsed time [s]")
 
     @property
     def day_share(self) -> float:
         """The time of day as a share of 24 hours, 0 to 1."""
-        return math.fmod((self._start + self._elapsed) / 86400.0, 1.0)
+        return math.fmod((self.start + self.elapsed) / 86400.0, 1.0)
 
 
 class FrustrumGeom(Geom):

@@ -435,3 +435,19 @@ def test_errors_in_a_models_own_code_name_the_model(world, tmp_path):
         state = wrong.get_state()
         with pytest.raises(StateError, match=r"model 'w' \(Wrong\): its state cannot be set"):
             wrong.set_state(state)
+
+
+def test_the_time_of_day_of_a_sky():
+    """A camera that comes before its sky in the file shows the restored one in its first image."""
+    text = (
+        "<gz:world xmlns:gz='g' xmlns:model='m'><model:SkyDome><id>sky</id><timeLapse>true</timeLapse></model:SkyDome>"
+        "</gz:world>"
+    )
+    with libgz.World.from_string(text) as world:
+        dome = world.model("sky").dome
+        world.step(10)
+        state, share = world.get_state(), dome.day_share
+        world.step(1000)
+        assert dome.day_share != share
+        world.set_state(state)
+        assert dome.day_share == share

@@ -31,6 +31,7 @@ __all__ = ["ContactLog", "FullContacts", "make_surface"]
 
 _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
+_REST_DEPTH, _REST_ERP, _REST_CFM = 1e-5, 0.2, 1e-8  # [m], -, [s/kg]; explained in step.c
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -122,6 +123,7 @@ class FullContacts:
         self._ode: OdeLibrary = ode()
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
+        self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
         self.count = 0
 
     def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
@@ -152,6 +154,8 @@ class FullContacts:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
             limits = _limits(a, b, body1, body2)
+            if not ghost:
+                self.touches.append((body1 or body2, body2 if body1 else 0, count))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
@@ -222,9 +226,24 @@ class FullContacts:
         if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
-        point.geom.depth = max(0.0, point.geom.depth - min_depth)
+        self._set_depth(limit, min_depth, point)
+
+    def _set_depth(self, limit: float, min_depth: float, point: Any) -> None:
+        """set_depth in step.c."""
+        context, surface = self._context, point.surface
+        found, kept = point.geom.depth, _REST_DEPTH if context.exact_rest else 0.0
+        bouncing = bool(surface.mode & ContactMode.BOUNCE)
+        point.geom.depth = max(0.0, found - max(min_depth, kept))
+        if context.exact_rest and not bouncing:
+            if surface.soft_erp > _REST_ERP:
+                surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
+                surface.soft_erp = _REST_ERP
+            surface.soft_cfm = max(surface.soft_cfm, _REST_CFM)
         if point.geom.depth > 0.0:
-            surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+            surface.soft_erp = min(surface.soft_erp, limit * context.step / point.geom.depth)
+        elif found < kept and not bouncing:
+            surface.motionN = surface.soft_erp * (found - kept) / context.step
+            surface.mode |= ContactMode.MOTION_N
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""

@@ -91,6 +91,17 @@ typedef struct {
     X(void, dJointGroupEmpty, (void *))                                         \
     X(int, dWorldStep, (void *, double))                                        \
     X(int, dWorldQuickStep, (void *, double))                                   \
+    X(void *, dJointGetBody, (void *, int))                                     \
+    X(void *, dBodyGetData, (void *))                                           \
+    X(void, dBodySetData, (void *, void *))                                     \
+    X(void, dBodyEnable, (void *))                                              \
+    X(void, dBodyDisable, (void *))                                             \
+    X(int, dBodyGetAutoDisableFlag, (void *))                                   \
+    X(void, dBodySetAutoDisableFlag, (void *, int))                             \
+    X(int, dBodyGetAutoDisableSteps, (void *))                                  \
+    X(void, dBodySetAutoDisableSteps, (void *, int))                            \
+    X(double, dBodyGetAutoDisableTime, (void *))                                \
+    X(void, dBodySetAutoDisableTime, (void *, double))                          \
     X(void, dWorldCleanupWorkingMemory, (void *))                               \
     X(int, dWorldSetStepMemoryManager, (void *, const memory_functions *))      \
     X(void, dRandSetSeed, (unsigned long))                                      \
@@ -184,6 +195,11 @@ typedef struct {
     int64_t reversed; /* ODE's first body is that of the second geom */
 } pending_contact;
 
+/* Bodies that touch in a step, by row, and in how many points; body2 is -1 where the world is touched. */
+typedef struct {
+    int64_t body1, body2, count;
+} touch_record;
+
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
@@ -224,6 +240,10 @@ typedef struct {
     int64_t diverged;         /* number of bodies that diverged in the last step */
     int64_t collision_failed; /* 1: an assertion failed in the collision detection of a pair, or of a ray with a geom */
     int64_t failed_rows[2];   /* rows of the geoms of the last such pair; -1: a ray */
+    int64_t exact_rest;       /* 1: under the classic rule contacts keep a depth, and calm islands are solved exactly */
+    int64_t touch_count, touch_capacity;
+    touch_record *touches;    /* of this step, where the quick solver needs them */
+    int64_t parted;           /* 1: some bodies are set aside, while others are solved */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -235,7 +255,7 @@ enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5
 enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
-enum { ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
+enum { MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
 enum {
     SURFACE_KP,
@@ -263,6 +283,11 @@ enum {
 #define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
 #define MAX_EFFORT 1e12    /* [N] and [N m], before a step */
 #define DIVERGED_SPEED 2e9 /* [m/s] and [rad/s], after a step */
+#define REST_DEPTH 1e-5         /* [m] that resting contacts keep, so that none is lost from one step to the next */
+#define REST_ERP 0.2            /* share of the difference to it that is corrected in a step, at most */
+#define REST_CFM 1e-8           /* softness [s/kg] of a contact, at least: the exact solver fails on redundant stiff ones */
+#define CALM_SPEED 0.1          /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly, and what */
+#define FALLING_STEPS 2.0       /* so many steps of falling add */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -274,6 +299,7 @@ static void make_surface(const context *c, const double *a, const double *b, sur
 {
     double softness = 1.0 / a[SURFACE_KP] + 1.0 / b[SURFACE_KP];
     double kd = a[SURFACE_KD] + b[SURFACE_KD];
+    memset(s, 0, sizeof *s);
     s->mode = SOFT_ERP | SOFT_CFM | APPROX1;
     s->mu = smaller(a[SURFACE_MU], b[SURFACE_MU]);
     s->soft_erp = 1.0;
@@ -512,6 +538,29 @@ static void set_limits(touching *t)
     t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
 }
 
+/* The depth that is corrected, from the one that was found, and how. A body that is pushed out to depth 0 loses its
+ * contacts by the error of the solver, falls for a step and is caught again; so resting contacts keep REST_DEPTH. One
+ * that is pushed out within a step keeps the velocity that it takes, and bounces; so a stiff spring gets a damper. */
+static void set_depth(const context *c, const touching *t, contact *point)
+{
+    surface_parameters *s = &point->surface;
+    double found = point->geom.depth, kept = c->exact_rest ? REST_DEPTH : 0.0;
+    point->geom.depth = larger(0.0, found - larger(t->min_depth, kept));
+    if (c->exact_rest && !(s->mode & BOUNCE)) {
+        if (s->soft_erp > REST_ERP) {
+            s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
+            s->soft_erp = REST_ERP;
+        }
+        s->soft_cfm = larger(s->soft_cfm, REST_CFM);
+    }
+    if (point->geom.depth > 0.0)
+        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
+    else if (found < kept && !(s->mode & BOUNCE)) {
+        s->motionN = s->soft_erp * (found - kept) / c->step;
+        s->mode |= MOTION_N;
+    }
+}
+
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
 static void refine_point(const context *c, const touching *t, int count, contact *point)
@@ -528,9 +577,7 @@ static void refine_point(const context *c, const touching *t, int count, contact
         (c->cone && sliding_direction(c, t->body1, t->body2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
-    point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
-    if (point->geom.depth > 0.0)
-        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
+    set_depth(c, t, point);
 }
 
 /* Keep the `most` deepest of `count` contacts, in their order. */
@@ -611,6 +658,30 @@ static int find_points(context *c, void *geom1, void *geom2, int most, contact *
     return collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
 }
 
+/* Whether small calm islands are solved exactly. */
+static int solves_islands(const context *c)
+{
+    return c->exact_rest && c->quick && c->contact_rule == CLASSIC_RULE;
+}
+
+/* Note that two bodies touch. Without memory they are not noted, and so not taken for one island. */
+static void note_touch(context *c, void *body1, void *body2, int count)
+{
+    touch_record *t;
+    if (c->touch_count == c->touch_capacity) {
+        int64_t capacity = c->touch_capacity ? 2 * c->touch_capacity : 64;
+        t = realloc(c->touches, (size_t)capacity * sizeof(touch_record));
+        if (!t)
+            return;
+        c->touches = t;
+        c->touch_capacity = capacity;
+    }
+    t = c->touches + c->touch_count++;
+    t->body1 = (intptr_t)dBodyGetData(body1 ? body1 : body2);
+    t->body2 = body1 && body2 ? (intptr_t)dBodyGetData(body2) : -1;
+    t->count = count;
+}
+
 static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
@@ -637,6 +708,8 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
         set_limits(&pair);
+        if (!ghost && solves_islands(c))
+            note_touch(c, body1, body2, count);
     }
     for (i = 0; i < count; i++) {
         double depth = points[i].geom.depth;
@@ -792,7 +865,11 @@ static void read_joints(const context *c, double *state)
 /* The first half of a step: find contacts and make joints of them. */
 static void find_contacts(context *c)
 {
-    c->contact_count = c->record_count = 0;
+    int64_t i;
+    c->contact_count = c->record_count = c->touch_count = 0;
+    for (i = 0; solves_islands(c) && i < c->body_count; i++)
+        if (c->bodies[i])
+            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
     dSpaceCollide(c->space, c, collide);
 }
 
@@ -839,14 +916,16 @@ void gz_set_contacts(context *c, const contact_record *records, int64_t count)
         c->pending[i].joint = NULL;
 }
 
-/* Free the memory of the records. */
+/* Free the memory of what is recorded in a step. */
 void gz_free_contacts(context *c)
 {
     free(c->records);
     free(c->pending);
+    free(c->touches);
     c->records = NULL;
     c->pending = NULL;
-    c->record_count = c->record_capacity = 0;
+    c->touches = NULL;
+    c->record_count = c->record_capacity = c->touch_count = c->touch_capacity = 0;
 }
 
 static int is_within(const double *v, double most)
@@ -929,6 +1008,153 @@ static void free_step_memory(context *c)
     c->own_memory = 1;
 }
 
+/* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
+ * no other way; those in motion, and large ones, by iteration. */
+enum { EXACT_ROWS = 150, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
+enum { ALL_EXACT, ALL_QUICK, MIXED };
+
+typedef struct {
+    int64_t root; /* the member that stands for the island, or one that is nearer to it */
+    int64_t rows; /* of the solver, in the root's */
+    int fast;     /* 1: a body of the island is, in the root's */
+    int quick;    /* 1: to be solved by iteration */
+    int aside;    /* 1: the body was awake and is disabled for a part of the step */
+} member;
+
+static member *members; /* by row of body; guarded by ode_lock */
+static int64_t member_capacity;
+
+static int have_members(int64_t count)
+{
+    member *grown;
+    if (count <= member_capacity)
+        return 1;
+    grown = realloc(members, (size_t)(2 * count) * sizeof(member));
+    if (!grown)
+        return 0;
+    members = grown;
+    member_capacity = 2 * count;
+    return 1;
+}
+
+static int64_t root_of(int64_t i)
+{
+    while (members[i].root != i)
+        i = members[i].root = members[members[i].root].root;
+    return i;
+}
+
+/* Take two bodies, one of which may be the world (-1), for one island. */
+static void connect(const context *c, int64_t one, int64_t two, int64_t rows)
+{
+    if (one < 0 || !c->bodies[one])
+        one = two;
+    if (one < 0 || !c->bodies[one])
+        return;
+    one = root_of(one);
+    members[one].rows += rows;
+    if (two < 0 || !c->bodies[two])
+        return;
+    two = root_of(two);
+    if (two == one)
+        return;
+    members[two].root = one;
+    members[one].rows += members[two].rows;
+    members[one].fast |= members[two].fast;
+}
+
+static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetData(body) : -1; }
+
+/* Find the islands, and which of them are solved exactly. */
+static int sort_islands(const context *c)
+{
+    int64_t i;
+    double calm = CALM_SPEED + FALLING_STEPS * c->step * sqrt(dot(c->gravity, c->gravity));
+    int exact = 0, quick = 0;
+    for (i = 0; i < c->body_count; i++) {
+        const double *v, *w;
+        if (!c->bodies[i])
+            continue;
+        v = dBodyGetLinearVel(c->bodies[i]);
+        w = dBodyGetAngularVel(c->bodies[i]);
+        members[i] = (member){i, 0, dot(v, v) + dot(w, w) > calm * calm, 0, 0};
+        dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+    }
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i])
+            connect(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT);
+    for (i = 0; i < c->touch_count; i++)
+        connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count);
+    for (i = 0; i < c->body_count; i++) {
+        const member *root;
+        if (!c->bodies[i])
+            continue;
+        root = members + root_of(i);
+        members[i].quick = root->rows && (root->fast || root->rows > EXACT_ROWS);
+        if (!root->rows || !dBodyIsEnabled(c->bodies[i]))
+            continue;
+        exact |= !members[i].quick;
+        quick |= members[i].quick;
+    }
+    return !quick ? ALL_EXACT : exact ? MIXED : ALL_QUICK;
+}
+
+/* Disable the bodies that are, or are not, solved by iteration. */
+static void set_aside(const context *c, int quick)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i] && members[i].quick == quick && dBodyIsEnabled(c->bodies[i])) {
+            members[i].aside = 1;
+            dBodyDisable(c->bodies[i]);
+        }
+}
+
+/* Enable all bodies that were set aside, without restarting the time they have been idle for. */
+static void bring_back(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        int steps;
+        double time;
+        if (!body || !members[i].aside)
+            continue;
+        members[i].aside = 0;
+        if (!dBodyGetAutoDisableFlag(body)) {
+            dBodyEnable(body);
+            continue;
+        }
+        steps = dBodyGetAutoDisableSteps(body);
+        time = dBodyGetAutoDisableTime(body);
+        dBodySetAutoDisableFlag(body, 0); /* which enables the body */
+        dBodySetAutoDisableFlag(body, 1);
+        dBodySetAutoDisableSteps(body, steps);
+        dBodySetAutoDisableTime(body, time);
+    }
+}
+
+/* Move everything; 0 when ODE ran out of memory. */
+static int move(context *c)
+{
+    int kind = !c->quick ? ALL_EXACT : ALL_QUICK, done;
+    if (solves_islands(c) && have_members(c->body_count))
+        kind = sort_islands(c);
+    if (kind == ALL_QUICK)
+        return dWorldQuickStep(c->world, c->step);
+    if (kind == ALL_EXACT)
+        return dWorldStep(c->world, c->step);
+    c->parted = 1;
+    set_aside(c, 1);
+    done = dWorldStep(c->world, c->step);
+    bring_back(c);
+    set_aside(c, 0);
+    done = dWorldQuickStep(c->world, c->step) && done;
+    bring_back(c);
+    c->parted = 0;
+    return done;
+}
+
 enum { STEP_NEEDS_RECOVERY = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
@@ -946,8 +1172,12 @@ static int solve(context *c)
     if (SET_JUMP(escape))
         c->abandoned = 1;
     else
-        done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+        done = move(c);
     guarded = 0;
+    if (c->parted) { /* the step was abandoned meanwhile */
+        c->parted = 0;
+        bring_back(c);
+    }
     if (c->abandoned || c->own_memory)
         free_step_memory(c);
     collect_feedback(c);

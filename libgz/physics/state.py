@@ -50,6 +50,7 @@ SETTINGS = (
     "cone",
     "record_contacts",
     "record_motion",
+    "exact_rest",
 )
 _settings = attrgetter(*SETTINGS)
 _counters = attrgetter(*COUNTERS)

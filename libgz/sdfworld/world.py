@@ -49,11 +49,11 @@ class SdfWorld(Era):
     # Loading ---------------------------------------------------------------------------------------------------------
 
     def take_over(self, file: SdfFile) -> None:
-        """Make the world one of classic: its contact rule, its time convention, the name of the document's world."""
+        """Make the world one of classic: its contact rule, bodies that rest, its time convention, the name of the document's world."""
         world = self.world
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
-        world.engine.record_motion = True
+        world.engine.exact_rest = world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
         self.file = file
         named = next(file.root.named("world"), None)

@@ -23,6 +23,7 @@ from libgz.ode.types import (
     GeomClass,
     JointFeedback,
     JointType,
+    Mass,
     Surface,
     SurfaceParameters,
 )
@@ -31,7 +32,8 @@ __all__ = ["ContactLog", "FullContacts", "make_surface"]
 
 _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
-_REST_DEPTH, _REST_ERP, _REST_CFM = 1e-5, 0.2, 1e-8  # [m], -, [s/kg]; explained in step.c
+# Explained in step.c.
+_SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 1e-6, 0.2, 1e-8  # -, [m], -, [s]
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -149,20 +151,22 @@ class FullContacts:
         count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
-        surface, ghost, limits = make_surface(context, a, b), False, (math.inf, 0.0)
+        surface, ghost, limits, kept = make_surface(context, a, b), False, (math.inf, 0.0), 0.0
         if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
             limits = _limits(a, b, body1, body2)
+            kept = self._make_rigid(a, b, (body1, body2), limits[1], surface)
             if not ghost:
                 self.touches.append((body1 or body2, body2 if body1 else 0, count))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
-            depth = point.geom.depth
+            found = point.geom.depth
+            point.geom.depth = depth = max(0.0, found - kept) if kept > 0.0 else found
             point.surface = surface
             if classic:
-                self._refine(a, b, (geom1, geom2), (body1, body2), limits, count, point)
+                self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
@@ -209,13 +213,14 @@ class FullContacts:
         b: list[float],
         geoms: tuple[int, int],
         bodies: tuple[int, int],
-        limits: tuple[float, float],
+        limits: tuple[float, float, float],
         count: int,
+        found: float,
         point: Any,
     ) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limit, min_depth = limits
+        limit, min_depth, kept = limits
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
         if surface.slip1 > 0.0:
@@ -226,24 +231,33 @@ class FullContacts:
         if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
-        self._set_depth(limit, min_depth, point)
-
-    def _set_depth(self, limit: float, min_depth: float, point: Any) -> None:
-        """set_depth in step.c."""
-        context, surface = self._context, point.surface
-        found, kept = point.geom.depth, _REST_DEPTH if context.exact_rest else 0.0
-        bouncing = bool(surface.mode & ContactMode.BOUNCE)
-        point.geom.depth = max(0.0, found - max(min_depth, kept))
-        if context.exact_rest and not bouncing:
-            if surface.soft_erp > _REST_ERP:
-                surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
-                surface.soft_erp = _REST_ERP
-            surface.soft_cfm = max(surface.soft_cfm, _REST_CFM)
+        point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
-            surface.soft_erp = min(surface.soft_erp, limit * context.step / point.geom.depth)
-        elif found < kept and not bouncing:
-            surface.motionN = surface.soft_erp * (found - kept) / context.step
+            surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+        elif found < kept and not surface.mode & ContactMode.BOUNCE:
+            surface.motionN = surface.soft_erp * (found - kept) / self._context.step
             surface.mode |= ContactMode.MOTION_N
+
+    def _make_rigid(
+        self, a: list[float], b: list[float], bodies: tuple[int, int], min_depth: float, surface: Any
+    ) -> float:
+        """make_rigid in step.c: the depth that is kept."""
+        context = self._context
+        if not context.exact_rest:
+            return 0.0
+        mass = min(self._mass(body) for body in bodies if body)
+        if context.step * context.step <= _SOFT_RATIO * mass * (1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]):
+            return 0.0
+        if surface.soft_erp > _REST_ERP:
+            surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
+            surface.soft_erp = _REST_ERP
+        surface.soft_cfm = max(surface.soft_cfm, _REST_CFM / mass)
+        return max(0.0, _REST_DEPTH - min_depth)
+
+    def _mass(self, body: int) -> float:
+        mass = Mass()
+        self._ode.dBodyGetMass(body, ctypes.addressof(mass))
+        return float(mass.mass)
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""

@@ -31,6 +31,10 @@ typedef struct {
 } contact_geom;
 
 typedef struct {
+    double mass, c[4], inertia[12];
+} body_mass;
+
+typedef struct {
     surface_parameters surface;
     contact_geom geom;
     double fdir1[4];
@@ -92,6 +96,7 @@ typedef struct {
     X(int, dWorldStep, (void *, double))                                        \
     X(int, dWorldQuickStep, (void *, double))                                   \
     X(void *, dJointGetBody, (void *, int))                                     \
+    X(void, dBodyGetMass, (void *, body_mass *))                                \
     X(void *, dBodyGetData, (void *))                                           \
     X(void, dBodySetData, (void *, void *))                                     \
     X(void, dBodyEnable, (void *))                                              \
@@ -283,9 +288,10 @@ enum {
 #define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
 #define MAX_EFFORT 1e12    /* [N] and [N m], before a step */
 #define DIVERGED_SPEED 2e9 /* [m/s] and [rad/s], after a step */
-#define REST_DEPTH 1e-5         /* [m] that resting contacts keep, so that none is lost from one step to the next */
-#define REST_ERP 0.2            /* share of the difference to it that is corrected in a step, at most */
-#define REST_CFM 1e-8           /* softness [s/kg] of a contact, at least: the exact solver fails on redundant stiff ones */
+#define SOFT_RATIO 0.25 /* of step^2 kp / mass, up to which a spring is soft: its oscillation takes 12 steps or more */
+#define REST_DEPTH 1e-6 /* [m] that rigid contacts keep, so that none is lost from one step to the next */
+#define REST_ERP 0.2    /* share of the difference to it that is corrected in a step, at most */
+#define REST_CFM 1e-8   /* softness of rigid contacts [s/kg], at least, for a body of 1 kg */
 #define CALM_SPEED 0.1          /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly, and what */
 #define FALLING_STEPS 2.0       /* so many steps of falling add */
 #define TURN 6.2831853071795862 /* 2 pi */
@@ -520,6 +526,7 @@ typedef struct {
     const double *a, *b; /* their surfaces */
     void *geom1, *geom2, *body1, *body2;
     double max_vel, min_depth;
+    double kept; /* depth that is not corrected, nor reported */
 } touching;
 
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
@@ -538,32 +545,57 @@ static void set_limits(touching *t)
     t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
 }
 
-/* The depth that is corrected, from the one that was found, and how. A body that is pushed out to depth 0 loses its
- * contacts by the error of the solver, falls for a step and is caught again; so resting contacts keep REST_DEPTH. One
- * that is pushed out within a step keeps the velocity that it takes, and bounces; so a stiff spring gets a damper. */
-static void set_depth(const context *c, const touching *t, contact *point)
+/* The smaller mass of two bodies, or that of the one that moves [kg]. */
+static double lighter(void *body1, void *body2)
+{
+    body_mass one, two;
+    if (!body1 || !body2) {
+        dBodyGetMass(body1 ? body1 : body2, &one);
+        return one.mass;
+    }
+    dBodyGetMass(body1, &one);
+    dBodyGetMass(body2, &two);
+    return smaller(one.mass, two.mass);
+}
+
+/* Springs that are too stiff to be simulated stand for rigid surfaces. A body that these move out to depth 0 loses its
+ * contacts by the error of the solver, falls for a step and is caught again: so they keep REST_DEPTH. One that they move
+ * out within a step keeps the velocity that it takes, and bounces: so they get a damper. And the exact solver fails on
+ * redundant contacts without any softness. */
+static void make_rigid(const context *c, touching *t, surface_parameters *s)
+{
+    double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
+    t->kept = 0.0;
+    if (!c->exact_rest)
+        return;
+    mass = lighter(t->body1, t->body2);
+    if (c->step * c->step <= SOFT_RATIO * mass * softness)
+        return;
+    t->kept = larger(0.0, REST_DEPTH - t->min_depth);
+    if (s->soft_erp > REST_ERP) {
+        s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
+        s->soft_erp = REST_ERP;
+    }
+    s->soft_cfm = larger(s->soft_cfm, REST_CFM / mass);
+}
+
+/* What a contact point corrects: the depth that was found, without what is kept and min_depth, no faster than max_vel.
+ * One that is not as deep as what is kept lets the bodies approach. */
+static void set_depth(const context *c, const touching *t, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
-    double found = point->geom.depth, kept = c->exact_rest ? REST_DEPTH : 0.0;
-    point->geom.depth = larger(0.0, found - larger(t->min_depth, kept));
-    if (c->exact_rest && !(s->mode & BOUNCE)) {
-        if (s->soft_erp > REST_ERP) {
-            s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
-            s->soft_erp = REST_ERP;
-        }
-        s->soft_cfm = larger(s->soft_cfm, REST_CFM);
-    }
+    point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
     if (point->geom.depth > 0.0)
         s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
-    else if (found < kept && !(s->mode & BOUNCE)) {
-        s->motionN = s->soft_erp * (found - kept) / c->step;
+    else if (found < t->kept && !(s->mode & BOUNCE)) {
+        s->motionN = s->soft_erp * (found - t->kept) / c->step;
         s->mode |= MOTION_N;
     }
 }
 
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
-static void refine_point(const context *c, const touching *t, int count, contact *point)
+static void refine_point(const context *c, const touching *t, int count, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
     const double *a = t->a, *b = t->b;
@@ -577,7 +609,7 @@ static void refine_point(const context *c, const touching *t, int count, contact
         (c->cone && sliding_direction(c, t->body1, t->body2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
-    set_depth(c, t, point);
+    set_depth(c, t, found, point);
 }
 
 /* Keep the `most` deepest of `count` contacts, in their order. */
@@ -702,20 +734,22 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
-    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0};
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0};
     make_surface(c, a, b, &surface);
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
         set_limits(&pair);
+        make_rigid(c, &pair, &surface);
         if (!ghost && solves_islands(c))
             note_touch(c, body1, body2, count);
     }
     for (i = 0; i < count; i++) {
-        double depth = points[i].geom.depth;
+        double found = points[i].geom.depth, depth = pair.kept > 0.0 ? larger(0.0, found - pair.kept) : found;
         points[i].surface = surface;
+        points[i].geom.depth = depth;
         if (classic)
-            refine_point(c, &pair, count, &points[i]);
+            refine_point(c, &pair, count, found, &points[i]);
         if (!ghost) {
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.python_islands import is_calm
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
     Contact,
@@ -248,7 +249,7 @@ class FullContacts:
         mass = min(self._mass(body) for body in bodies if body)
         if context.step * context.step <= _SOFT_RATIO * mass * (1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]):
             return 0.0
-        if surface.soft_erp > _REST_ERP:
+        if surface.soft_erp > _REST_ERP and all(is_calm(context, self._ode, body) for body in bodies if body):
             surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
             surface.soft_erp = _REST_ERP
         surface.soft_cfm = max(surface.soft_cfm, _REST_CFM / mass)

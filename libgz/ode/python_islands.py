@@ -12,11 +12,20 @@ from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.tables import Tables
 from libgz.ode.types import ContactRule
 
-__all__ = ["Islands"]
+__all__ = ["Islands", "is_calm"]
 
 _EXACT_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 6, 3
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
+
+
+def is_calm(context: StepContext, ode_: OdeLibrary, body: int) -> bool:
+    """is_calm in step.c."""
+    x, y, z = context.gravity
+    calm = _CALM_SPEED + _FALLING_STEPS * context.step * math.sqrt(x * x + y * y + z * z)
+    v, w = (get(body).contents for get in (ode_.dBodyGetLinearVel, ode_.dBodyGetAngularVel))
+    square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
+    return bool(square <= calm * calm)
 
 
 class _Member:
@@ -66,14 +75,10 @@ class Islands:
     def _sort(self, touches: list[tuple[int, int, int]]) -> tuple[bool, bool, tuple[list[int], list[int]]]:
         """Whether bodies that are awake are solved exactly, and by iteration; all bodies of either kind."""
         context, ode_, tables = self._context, self._ode, self._tables
-        gx, gy, gz = context.gravity
-        calm = _CALM_SPEED + _FALLING_STEPS * context.step * math.sqrt(gx * gx + gy * gy + gz * gz)
         members = {}
         for body in tables.bodies.ids[: context.body_count].tolist():
             if body:
-                v, w = ode_.dBodyGetLinearVel(body).contents, ode_.dBodyGetAngularVel(body).contents
-                speed = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + (w[0] * w[0] + w[1] * w[1] + w[2] * w[2])
-                members[body] = _Member(speed > calm * calm)
+                members[body] = _Member(not is_calm(context, ode_, body))
         for joint in tables.joints.ids[: context.joint_count].tolist():
             if joint:
                 one, two = (ode_.dJointGetBody(joint, k) or 0 for k in (0, 1))

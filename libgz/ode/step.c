@@ -292,8 +292,8 @@ enum {
 #define REST_DEPTH 1e-6 /* [m] that rigid contacts keep, so that none is lost from one step to the next */
 #define REST_ERP 0.2    /* share of the difference to it that is corrected in a step, at most */
 #define REST_CFM 1e-8   /* softness of rigid contacts [s/kg], at least, for a body of 1 kg */
-#define CALM_SPEED 0.1          /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly, and what */
-#define FALLING_STEPS 2.0       /* so many steps of falling add */
+#define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
+#define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -558,10 +558,22 @@ static double lighter(void *body1, void *body2)
     return smaller(one.mass, two.mass);
 }
 
+/* Whether a body is slow, or nothing that moves. */
+static int is_calm(const context *c, void *body)
+{
+    double calm = CALM_SPEED + FALLING_STEPS * c->step * sqrt(dot(c->gravity, c->gravity));
+    const double *v, *w;
+    if (!body)
+        return 1;
+    v = dBodyGetLinearVel(body);
+    w = dBodyGetAngularVel(body);
+    return dot(v, v) + dot(w, w) <= calm * calm;
+}
+
 /* Springs that are too stiff to be simulated stand for rigid surfaces. A body that these move out to depth 0 loses its
  * contacts by the error of the solver, falls for a step and is caught again: so they keep REST_DEPTH. One that they move
- * out within a step keeps the velocity that it takes, and bounces: so they get a damper. And the exact solver fails on
- * redundant contacts without any softness. */
+ * out within a step keeps the velocity that it takes, and bounces: so they get a damper where bodies are calm. And the
+ * exact solver fails on redundant contacts without any softness. */
 static void make_rigid(const context *c, touching *t, surface_parameters *s)
 {
     double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
@@ -572,7 +584,7 @@ static void make_rigid(const context *c, touching *t, surface_parameters *s)
     if (c->step * c->step <= SOFT_RATIO * mass * softness)
         return;
     t->kept = larger(0.0, REST_DEPTH - t->min_depth);
-    if (s->soft_erp > REST_ERP) {
+    if (s->soft_erp > REST_ERP && is_calm(c, t->body1) && is_calm(c, t->body2)) {
         s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
         s->soft_erp = REST_ERP;
     }
@@ -1103,15 +1115,11 @@ static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetDat
 static int sort_islands(const context *c)
 {
     int64_t i;
-    double calm = CALM_SPEED + FALLING_STEPS * c->step * sqrt(dot(c->gravity, c->gravity));
     int exact = 0, quick = 0;
     for (i = 0; i < c->body_count; i++) {
-        const double *v, *w;
         if (!c->bodies[i])
             continue;
-        v = dBodyGetLinearVel(c->bodies[i]);
-        w = dBodyGetAngularVel(c->bodies[i]);
-        members[i] = (member){i, 0, dot(v, v) + dot(w, w) > calm * calm, 0, 0};
+        members[i] = (member){i, 0, !is_calm(c, c->bodies[i]), 0, 0};
         dBodySetData(c->bodies[i], (void *)(intptr_t)i);
     }
     for (i = 0; i < c->joint_count; i++)

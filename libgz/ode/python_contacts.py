@@ -127,7 +127,13 @@ class FullContacts:
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
         self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
+        self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
+
+    def find_held(self) -> None:
+        """find_held in step.c."""
+        ode_, joints = self._ode, self._tables.joints.ids[: self._context.joint_count].tolist()
+        self.held = {ode_.dJointGetBody(joint, 0) for joint in joints if joint and not ode_.dJointGetBody(joint, 1)}
 
     def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
         """The surfaces of two geoms."""
@@ -164,7 +170,8 @@ class FullContacts:
         for i in range(count):
             point, joint = points[i], 0
             found = point.geom.depth
-            point.geom.depth = depth = max(0.0, found - kept) if kept > 0.0 else found
+            if kept > 0.0:
+                point.geom.depth = max(0.0, found - kept)
             point.surface = surface
             if classic:
                 self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
@@ -173,7 +180,7 @@ class FullContacts:
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
             if context.record_contacts:
-                self.log.add(data, point.geom, depth, joint, not body1)
+                self.log.add(data, point.geom, found, joint, not body1)
 
     def _find_points(self, geom1: int, geom2: int, most: int) -> int:
         """find_points in step.c."""
@@ -244,7 +251,7 @@ class FullContacts:
     ) -> float:
         """make_rigid in step.c: the depth that is kept."""
         context = self._context
-        if not context.exact_rest:
+        if not context.exact_rest or all(body in self.held for body in bodies if body):
             return 0.0
         mass = min(self._mass(body) for body in bodies if body)
         if context.step * context.step <= _SOFT_RATIO * mass * (1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]):

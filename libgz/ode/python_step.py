@@ -182,6 +182,8 @@ class PythonStep:
             self._pairs_valid_for = valid_for
         self._contact_count = self._full.count = 0
         self._full.touches.clear()
+        if context.exact_rest and context.contact_rule == ContactRule.CLASSIC:
+            self._full.find_held()
         if recording:
             self._full.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)

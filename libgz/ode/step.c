@@ -526,7 +526,7 @@ typedef struct {
     const double *a, *b; /* their surfaces */
     void *geom1, *geom2, *body1, *body2;
     double max_vel, min_depth;
-    double kept; /* depth that is not corrected, nor reported */
+    double kept; /* depth that is not corrected */
 } touching;
 
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
@@ -543,6 +543,33 @@ static void set_limits(touching *t)
     int limited = t->a[SURFACE_MAX_VEL] < HUGE_VAL && t->b[SURFACE_MAX_VEL] < HUGE_VAL;
     t->max_vel = t->body1 && t->body2 && !limited ? HUGE_VAL : of_bodies(t, SURFACE_MAX_VEL);
     t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
+}
+
+/* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
+static char *held;
+static int64_t held_capacity;
+
+static void find_held(const context *c)
+{
+    int64_t i;
+    if (c->body_count > held_capacity) {
+        char *grown = realloc(held, (size_t)(2 * c->body_count));
+        if (!grown)
+            return;
+        held = grown;
+        held_capacity = 2 * c->body_count;
+    }
+    memset(held, 0, (size_t)c->body_count);
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i] && !dJointGetBody(c->joints[i], 1)) /* ODE's first body is never missing */
+            held[(intptr_t)dBodyGetData(dJointGetBody(c->joints[i], 0))] = 1;
+}
+
+/* Whether a body is held so, or is the world. */
+static int is_held(void *body)
+{
+    int64_t row = body ? (int64_t)(intptr_t)dBodyGetData(body) : -1;
+    return row < 0 || (row < held_capacity && held[row]);
 }
 
 /* The smaller mass of two bodies, or that of the one that moves [kg]. */
@@ -573,12 +600,13 @@ static int is_calm(const context *c, void *body)
 /* Springs that are too stiff to be simulated stand for rigid surfaces. A body that these move out to depth 0 loses its
  * contacts by the error of the solver, falls for a step and is caught again: so they keep REST_DEPTH. One that they move
  * out within a step keeps the velocity that it takes, and bounces: so they get a damper where bodies are calm. And the
- * exact solver fails on redundant contacts without any softness. */
+ * exact solver fails on redundant contacts without any softness. Bodies that joints hold to the world are left out: there
+ * contact and joint share the load, and a softer contact would carry nothing. */
 static void make_rigid(const context *c, touching *t, surface_parameters *s)
 {
     double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
     t->kept = 0.0;
-    if (!c->exact_rest)
+    if (!c->exact_rest || (is_held(t->body1) && is_held(t->body2)))
         return;
     mass = lighter(t->body1, t->body2);
     if (c->step * c->step <= SOFT_RATIO * mass * softness)
@@ -757,9 +785,10 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
             note_touch(c, body1, body2, count);
     }
     for (i = 0; i < count; i++) {
-        double found = points[i].geom.depth, depth = pair.kept > 0.0 ? larger(0.0, found - pair.kept) : found;
+        double found = points[i].geom.depth;
         points[i].surface = surface;
-        points[i].geom.depth = depth;
+        if (pair.kept > 0.0)
+            points[i].geom.depth = larger(0.0, found - pair.kept);
         if (classic)
             refine_point(c, &pair, count, found, &points[i]);
         if (!ghost) {
@@ -768,7 +797,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
             c->contact_count++;
         }
         if (c->record_contacts) {
-            points[i].geom.depth = depth;
+            points[i].geom.depth = found;
             record_point(c, &points[i], geom1, geom2, joint);
         }
     }
@@ -913,9 +942,12 @@ static void find_contacts(context *c)
 {
     int64_t i;
     c->contact_count = c->record_count = c->touch_count = 0;
-    for (i = 0; solves_islands(c) && i < c->body_count; i++)
-        if (c->bodies[i])
-            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+    if (c->exact_rest && c->contact_rule == CLASSIC_RULE) {
+        for (i = 0; i < c->body_count; i++)
+            if (c->bodies[i])
+                dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+        find_held(c);
+    }
     dSpaceCollide(c->space, c, collide);
 }
 

@@ -49,7 +49,7 @@ class SdfWorld(Era):
     # Loading ---------------------------------------------------------------------------------------------------------
 
     def take_over(self, file: SdfFile) -> None:
-        """Make the world one of classic: contact rule, honest rest, time convention, the name of the document's world."""
+        """Make the world one of classic: contact rule, exact rest, time convention, name of the document's world."""
         world = self.world
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC

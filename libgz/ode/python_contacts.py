@@ -34,7 +34,7 @@ __all__ = ["ContactLog", "FullContacts", "make_surface"]
 _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
 # Explained in step.c.
-_SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 1e-6, 0.2, 1e-8  # -, [m], -, [s]
+_SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:

@@ -289,9 +289,9 @@ enum {
 #define MAX_EFFORT 1e12    /* [N] and [N m], before a step */
 #define DIVERGED_SPEED 2e9 /* [m/s] and [rad/s], after a step */
 #define SOFT_RATIO 0.25 /* of step^2 kp / mass, up to which a spring is soft: its oscillation takes 12 steps or more */
-#define REST_DEPTH 1e-6 /* [m] that rigid contacts keep, so that none is lost from one step to the next */
+#define REST_DEPTH 3e-6 /* [m] that rigid contacts keep, so that none is lost from one step to the next */
 #define REST_ERP 0.2    /* share of the difference to it that is corrected in a step, at most */
-#define REST_CFM 1e-8   /* softness of rigid contacts [s/kg], at least, for a body of 1 kg */
+#define REST_CFM 1e-7   /* softness of rigid contacts [s/kg], at least, for a body of 1 kg */
 #define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
 #define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
 #define TURN 6.2831853071795862 /* 2 pi */

@@ -325,7 +325,7 @@ class Engine:
     def exact_rest(self) -> bool:
         """Whether bodies rest without shaking under the classic rule; off by default, on in SDF worlds.
 
-        Resting contacts then keep a depth of 1e-5 m instead of 0, so that none is lost from one step to the next; and
+        Resting contacts then keep a depth of 3e-6 m instead of 0, so that none is lost from one step to the next; and
         where the solver is ``"quick"``, islands (bodies that joints and contacts connect) of few constraints, all of
         whose bodies are slower than 0.1 m/s and rad/s, are solved exactly.
         """

@@ -10,6 +10,7 @@ from libgz.geometry import GzPose
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
@@ -93,6 +94,8 @@ class SdfWorld(Era):
             for insertions in state.named("insertions"):
                 self.add_entities(insertions.children, diagnostics)
             apply_state(world, state, diagnostics)
+        if not diagnostics.errors:
+            warn_of_contacts((model for model in world.entities if isinstance(model, SdfModel)), diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
         """Add the models and lights of a document to a running world, between two steps; all of them, or none.
@@ -109,6 +112,7 @@ class SdfWorld(Era):
             file.diagnostics.raise_errors()
             if not added:
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
+            warn_of_contacts((model for model in added if isinstance(model, SdfModel)), file.diagnostics)
         except BaseException:
             world.remove(world.entities[before:])
             raise

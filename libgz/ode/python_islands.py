@@ -14,7 +14,7 @@ from libgz.ode.types import ContactRule
 
 __all__ = ["Islands", "is_calm"]
 
-_EXACT_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 6, 3
+_EXACT_ROWS, _FAST_ROWS, _ROWS_OF_JOINT, _ROWS_OF_POINT = 150, 60, 6, 3
 _CALM_SPEED = 0.1  # [m/s] and [rad/s]
 _FALLING_STEPS = 2.0
 
@@ -31,12 +31,18 @@ def is_calm(context: StepContext, ode_: OdeLibrary, body: int) -> bool:
 class _Member:
     """A body, and what is known of its island if it is the root of that."""
 
-    __slots__ = ("fast", "root", "rows")
+    __slots__ = ("fast", "root", "rows", "touching")
 
     def __init__(self, fast: bool) -> None:
         self.root = self
         self.rows = 0
         self.fast = fast
+        self.touching = False
+
+    @property
+    def iterated(self) -> bool:
+        """Whether the island of this root is solved by iteration."""
+        return self.rows > ((0 if self.touching else _FAST_ROWS) if self.fast else _EXACT_ROWS)
 
     def find(self) -> _Member:
         """The root."""
@@ -82,14 +88,14 @@ class Islands:
         for joint in tables.joints.ids[: context.joint_count].tolist():
             if joint:
                 one, two = (ode_.dJointGetBody(joint, k) or 0 for k in (0, 1))
-                _connect(members.get(one), members.get(two), _ROWS_OF_JOINT)
+                _connect(members.get(one), members.get(two), _ROWS_OF_JOINT, touching=False)
         for one, two, count in touches:
-            _connect(members.get(one), members.get(two), _ROWS_OF_POINT * count)
+            _connect(members.get(one), members.get(two), _ROWS_OF_POINT * count, touching=True)
         exact = quick = False
         both: tuple[list[int], list[int]] = [], []
         for body, member in members.items():
             root = member.find()
-            iterated = bool(root.rows) and (root.fast or root.rows > _EXACT_ROWS)
+            iterated = root.iterated
             both[iterated].append(body)
             if root.rows and ode_.dBodyIsEnabled(body):
                 exact, quick = exact or not iterated, quick or iterated
@@ -116,13 +122,14 @@ class Islands:
             ode_.dBodySetAutoDisableTime(body, time)
 
 
-def _connect(one: _Member | None, two: _Member | None, rows: int) -> None:
+def _connect(one: _Member | None, two: _Member | None, rows: int, *, touching: bool) -> None:
     """connect in step.c."""
     one, two = one or two, two if one else None
     if one is None:
         return
     one = one.find()
     one.rows += rows
+    one.touching = one.touching or touching
     if two is None:
         return
     two = two.find()
@@ -130,3 +137,4 @@ def _connect(one: _Member | None, two: _Member | None, rows: int) -> None:
         two.root = one
         one.rows += two.rows
         one.fast = one.fast or two.fast
+        one.touching = one.touching or two.touching

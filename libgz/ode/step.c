@@ -1087,14 +1087,16 @@ static void free_step_memory(context *c)
 }
 
 /* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
- * no other way; those in motion, and large ones, by iteration. */
-enum { EXACT_ROWS = 150, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
+ * no other way; those that are fast only if they have no contacts, for the exact solver does not let wheels slip as they
+ * should; and if they are so small that it is the quicker way. */
+enum { EXACT_ROWS = 150, FAST_ROWS = 60, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
 enum { ALL_EXACT, ALL_QUICK, MIXED };
 
 typedef struct {
     int64_t root; /* the member that stands for the island, or one that is nearer to it */
     int64_t rows; /* of the solver, in the root's */
     int fast;     /* 1: a body of the island is, in the root's */
+    int touching; /* 1: the island has contacts, in the root's */
     int quick;    /* 1: to be solved by iteration */
     int aside;    /* 1: the body was awake and is disabled for a part of the step */
 } member;
@@ -1123,7 +1125,7 @@ static int64_t root_of(int64_t i)
 }
 
 /* Take two bodies, one of which may be the world (-1), for one island. */
-static void connect(const context *c, int64_t one, int64_t two, int64_t rows)
+static void connect(const context *c, int64_t one, int64_t two, int64_t rows, int touching)
 {
     if (one < 0 || !c->bodies[one])
         one = two;
@@ -1131,6 +1133,7 @@ static void connect(const context *c, int64_t one, int64_t two, int64_t rows)
         return;
     one = root_of(one);
     members[one].rows += rows;
+    members[one].touching |= touching;
     if (two < 0 || !c->bodies[two])
         return;
     two = root_of(two);
@@ -1139,6 +1142,7 @@ static void connect(const context *c, int64_t one, int64_t two, int64_t rows)
     members[two].root = one;
     members[one].rows += members[two].rows;
     members[one].fast |= members[two].fast;
+    members[one].touching |= members[two].touching;
 }
 
 static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetData(body) : -1; }
@@ -1151,20 +1155,21 @@ static int sort_islands(const context *c)
     for (i = 0; i < c->body_count; i++) {
         if (!c->bodies[i])
             continue;
-        members[i] = (member){i, 0, !is_calm(c, c->bodies[i]), 0, 0};
+        members[i] = (member){i, 0, !is_calm(c, c->bodies[i]), 0, 0, 0};
         dBodySetData(c->bodies[i], (void *)(intptr_t)i);
     }
     for (i = 0; i < c->joint_count; i++)
         if (c->joints[i])
-            connect(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT);
+            connect(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT,
+                    0);
     for (i = 0; i < c->touch_count; i++)
-        connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count);
+        connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
     for (i = 0; i < c->body_count; i++) {
         const member *root;
         if (!c->bodies[i])
             continue;
         root = members + root_of(i);
-        members[i].quick = root->rows && (root->fast || root->rows > EXACT_ROWS);
+        members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
         if (!root->rows || !dBodyIsEnabled(c->bodies[i]))
             continue;
         exact |= !members[i].quick;

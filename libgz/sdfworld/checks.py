@@ -26,7 +26,7 @@ ITERATIONS = 300  # that hold taller stacks still to 0.5 mm/s
 def warn_of_contacts(models: Iterable[SdfModel], diagnostics: Diagnostics) -> None:
     """Warn of models that sink into what they rest on, and of stacks that the quick solver does not hold."""
     moving = [model for model in models if not model.static and model.parent is None]
-    solids = []
+    solids: list[_Solid] = []
     for model in moving:
         engine = model.world.engine
         if engine.gravity[2] < 0.0:

@@ -23,7 +23,8 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "reference"],
+    ["convert", "reference", "images"],
+    ["testing"],
     ["apps"],
     ["__main__"],
 ]

@@ -48,6 +48,8 @@ ALIASES = {"inertia_ratio_reduction": "use_dynamic_moi_rescaling"}  # other name
 class PhysicsEngine:
     """The physics engine of a world, ODE: step size, rate and parameters."""
 
+    STATE = ("_without_effect", "_contacts")
+
     def __init__(self, world: World) -> None:
         self._world = world
         self._contacts = ContactManager(world)

@@ -29,6 +29,11 @@ class LogicalCameraSensor(LinkSensor):
     models are named by themselves, too, as ``outer::inner``.
     """
 
+    STATE = (
+        "_camera_pose",
+        "_seen",
+    )
+
     topic_suffix: ClassVar[str | None] = "models"
     message_type: ClassVar[Any] = msgs.LogicalCameraImage
 

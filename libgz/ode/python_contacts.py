@@ -133,7 +133,8 @@ class FullContacts:
     def find_held(self) -> None:
         """find_held in step.c."""
         ode_, joints = self._ode, self._tables.joints.ids[: self._context.joint_count].tolist()
-        self.held = {ode_.dJointGetBody(joint, 0) for joint in joints if joint and not ode_.dJointGetBody(joint, 1)}
+        pairs = [[ode_.dJointGetBody(joint, k) or 0 for k in (0, 1)] for joint in joints if joint]
+        self.held = {one or two for one, two in pairs if bool(one) != bool(two)}
 
     def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
         """The surfaces of two geoms."""

@@ -561,8 +561,11 @@ static void find_held(const context *c)
     }
     memset(held, 0, (size_t)c->body_count);
     for (i = 0; i < c->joint_count; i++)
-        if (c->joints[i] && !dJointGetBody(c->joints[i], 1)) /* ODE's first body is never missing */
-            held[(intptr_t)dBodyGetData(dJointGetBody(c->joints[i], 0))] = 1;
+        if (c->joints[i]) {
+            void *one = dJointGetBody(c->joints[i], 0), *two = dJointGetBody(c->joints[i], 1);
+            if ((one != NULL) != (two != NULL))
+                held[(intptr_t)dBodyGetData(one ? one : two)] = 1;
+        }
 }
 
 /* Whether a body is held so, or is the world. */

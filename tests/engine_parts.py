@@ -35,7 +35,7 @@ def in_both_forms(run, monkeypatch):
 def use_classic(engine):
     """Set the engine as SDF worlds do."""
     engine.contact_rule = ContactRule.CLASSIC
-    engine.count_turns = engine.check_divergence = True
+    engine.exact_rest = engine.count_turns = engine.check_divergence = True
 
 
 def ground(engine, friction=1.0):

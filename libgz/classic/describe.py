@@ -28,7 +28,6 @@ __all__ = [
     "statistics_message",
 ]
 
-JOINT_KINDS = ("revolute", "revolute2", "prismatic", "universal", "ball", "screw", "gearbox", "fixed")  # 1, 2, ...
 LIGHT_KINDS = ("point", "spot", "directional")
 
 
@@ -150,8 +149,7 @@ def _collision_message(collision: Collision) -> Any:
 
 
 def _joint_message(joint: Joint) -> Any:
-    kind = JOINT_KINDS.index(joint.GetMsgType()) + 1
-    message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=kind)
+    message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=joint.GetMsgType())
     message.parent, message.parent_id = _name_and_id(joint.GetParent())
     message.child, message.child_id = _name_and_id(joint.GetChild())
     for index in range(len(joint.core.axes)):

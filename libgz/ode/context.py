@@ -93,6 +93,11 @@ class StepContext(ctypes.Structure):
         ("diverged", c_int64),
         ("collision_failed", c_int64),
         ("failed_rows", c_int64 * 2),
+        ("exact_rest", c_int64),
+        ("touch_count", c_int64),
+        ("touch_capacity", c_int64),
+        ("touches", c_void_p),
+        ("parted", c_int64),
     ]
 
 

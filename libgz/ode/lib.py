@@ -47,6 +47,7 @@ _C_TYPES: dict[str, Any] = {
 _PROTOTYPE = re.compile(r"(\w+) (\w+)\((.*)\)")
 _POINTER_RESULTS = {"reals": ctypes.POINTER(ctypes.c_double * 4), "matrix": ctypes.POINTER(ctypes.c_double * 12)}
 _MESSAGE_HANDLER = ctypes.CFUNCTYPE(None, ctypes.c_int, ctypes.c_char_p, ctypes.c_void_p)
+_handlers: list[Any] = []  # kept for ever: ODE has their addresses, whatever becomes of an OdeLibrary
 
 
 def _parse(prototypes: str) -> dict[str, tuple[Any, list[Any]]]:
@@ -115,14 +116,13 @@ class OdeLibrary:
         self._shared, self.origin = _load()
         self._declared = _parse(PROTOTYPES)
         self._threads = threading.local()
-        self._handlers: list[Any] = []  # kept alive: ODE has their addresses
         for set_handler, kind, level in (
             (self.dSetErrorHandler, "error", logging.CRITICAL),
             (self.dSetDebugHandler, "debug", logging.CRITICAL),
             (self.dSetMessageHandler, "message", logging.DEBUG),
         ):
-            self._handlers.append(_message_handler(kind, level))
-            set_handler(ctypes.cast(self._handlers[-1], ctypes.c_void_p))
+            _handlers.append(_message_handler(kind, level))
+            set_handler(ctypes.cast(_handlers[-1], ctypes.c_void_p))
         if not self.dInitODE2(0):
             raise LibraryError("dInitODE2 failed: ODE cannot be initialised")
         self.ensure_thread()

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
+from libgz.ode.python_islands import is_calm
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
     Contact,
@@ -23,6 +24,7 @@ from libgz.ode.types import (
     GeomClass,
     JointFeedback,
     JointType,
+    Mass,
     Surface,
     SurfaceParameters,
 )
@@ -31,6 +33,8 @@ __all__ = ["ContactLog", "FullContacts", "make_surface"]
 
 _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
+# Explained in step.c.
+_SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -122,7 +126,15 @@ class FullContacts:
         self._ode: OdeLibrary = ode()
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
+        self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
+        self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
+
+    def find_held(self) -> None:
+        """find_held in step.c."""
+        ode_, joints = self._ode, self._tables.joints.ids[: self._context.joint_count].tolist()
+        pairs = [[ode_.dJointGetBody(joint, k) or 0 for k in (0, 1)] for joint in joints if joint]
+        self.held = {one or two for one, two in pairs if bool(one) != bool(two)}
 
     def rows(self, geom1: int, geom2: int) -> tuple[list[float], list[float]]:
         """The surfaces of two geoms."""
@@ -147,24 +159,29 @@ class FullContacts:
         count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
-        surface, ghost, limits = make_surface(context, a, b), False, (math.inf, 0.0)
+        surface, ghost, limits, kept = make_surface(context, a, b), False, (math.inf, 0.0), 0.0
         if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
             limits = _limits(a, b, body1, body2)
+            kept = self._make_rigid(a, b, (body1, body2), limits[1], surface)
+            if not ghost:
+                self.touches.append((body1 or body2, body2 if body1 else 0, count))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
-            depth = point.geom.depth
+            found = point.geom.depth
+            if kept > 0.0:
+                point.geom.depth = max(0.0, found - kept)
             point.surface = surface
             if classic:
-                self._refine(a, b, (geom1, geom2), (body1, body2), limits, count, point)
+                self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
             if not ghost:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
             if context.record_contacts:
-                self.log.add(data, point.geom, depth, joint, not body1)
+                self.log.add(data, point.geom, found, joint, not body1)
 
     def _find_points(self, geom1: int, geom2: int, most: int) -> int:
         """find_points in step.c."""
@@ -205,13 +222,14 @@ class FullContacts:
         b: list[float],
         geoms: tuple[int, int],
         bodies: tuple[int, int],
-        limits: tuple[float, float],
+        limits: tuple[float, float, float],
         count: int,
+        found: float,
         point: Any,
     ) -> None:
         """refine_point in step.c."""
         surface = point.surface
-        limit, min_depth = limits
+        limit, min_depth, kept = limits
         surface.slip1 = (a[Surface.SLIP1] + b[Surface.SLIP1]) * count
         surface.slip2 = (a[Surface.SLIP2] + b[Surface.SLIP2]) * count
         if surface.slip1 > 0.0:
@@ -225,6 +243,30 @@ class FullContacts:
         point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
             surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+        elif found < kept and not surface.mode & ContactMode.BOUNCE:
+            surface.motionN = surface.soft_erp * (found - kept) / self._context.step
+            surface.mode |= ContactMode.MOTION_N
+
+    def _make_rigid(
+        self, a: list[float], b: list[float], bodies: tuple[int, int], min_depth: float, surface: Any
+    ) -> float:
+        """make_rigid in step.c: the depth that is kept."""
+        context = self._context
+        if not context.exact_rest or all(body in self.held for body in bodies if body):
+            return 0.0
+        mass = min(self._mass(body) for body in bodies if body)
+        if context.step * context.step <= _SOFT_RATIO * mass * (1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]):
+            return 0.0
+        if surface.soft_erp > _REST_ERP and all(is_calm(context, self._ode, body) for body in bodies if body):
+            surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
+            surface.soft_erp = _REST_ERP
+        surface.soft_cfm = max(surface.soft_cfm, _REST_CFM / mass)
+        return max(0.0, _REST_DEPTH - min_depth)
+
+    def _mass(self, body: int) -> float:
+        mass = Mass()
+        self._ode.dBodyGetMass(body, ctypes.addressof(mass))
+        return float(mass.mass)
 
     def _friction_direction(self, a: list[float], b: list[float], geom1: int, geom2: int, point: Any) -> bool:
         """friction_direction in step.c."""

@@ -17,6 +17,7 @@ from libgz.ode.context import CONTACT, MAX_CONTACTS, NO_HIT, STEP_NEEDS_RECOVERY
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
+from libgz.ode.python_islands import Islands
 from libgz.ode.python_motion import MotionLimits, apply_spring, finish_motion, record_motion
 from libgz.ode.tables import Tables
 from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
@@ -59,6 +60,7 @@ class PythonStep:
         self._contact_arrays: dict[tuple[float, ...], tuple[Any, list[tuple[c_void_p, ...]]]] = {}
         self._full = FullContacts(context, tables)
         self._limits = MotionLimits(self._ode)
+        self._islands = Islands(context, tables)
         self._contact_count = 0
         self._near = self._make_near()
 
@@ -179,6 +181,9 @@ class PythonStep:
             self._full.log.clear()
             self._pairs_valid_for = valid_for
         self._contact_count = self._full.count = 0
+        self._full.touches.clear()
+        if context.exact_rest and context.contact_rule == ContactRule.CLASSIC:
+            self._full.find_held()
         if recording:
             self._full.log.clear()
         ode_.dSpaceCollide(context.space, None, self._near)
@@ -205,10 +210,7 @@ class PythonStep:
         if context.record_motion:
             for row, _ in moving:
                 record_motion(ode_, bodies, row)
-        if context.quick:
-            done = ode_.dWorldQuickStep(context.world, context.step)
-        else:
-            done = ode_.dWorldStep(context.world, context.step)
+        done = self._islands.move(self._full.touches)
         if recording:
             self._full.log.collect_feedback()
         ode_.dJointGroupEmpty(context.contacts)

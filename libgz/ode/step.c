@@ -31,6 +31,10 @@ typedef struct {
 } contact_geom;
 
 typedef struct {
+    double mass, c[4], inertia[12];
+} body_mass;
+
+typedef struct {
     surface_parameters surface;
     contact_geom geom;
     double fdir1[4];
@@ -91,6 +95,18 @@ typedef struct {
     X(void, dJointGroupEmpty, (void *))                                         \
     X(int, dWorldStep, (void *, double))                                        \
     X(int, dWorldQuickStep, (void *, double))                                   \
+    X(void *, dJointGetBody, (void *, int))                                     \
+    X(void, dBodyGetMass, (void *, body_mass *))                                \
+    X(void *, dBodyGetData, (void *))                                           \
+    X(void, dBodySetData, (void *, void *))                                     \
+    X(void, dBodyEnable, (void *))                                              \
+    X(void, dBodyDisable, (void *))                                             \
+    X(int, dBodyGetAutoDisableFlag, (void *))                                   \
+    X(void, dBodySetAutoDisableFlag, (void *, int))                             \
+    X(int, dBodyGetAutoDisableSteps, (void *))                                  \
+    X(void, dBodySetAutoDisableSteps, (void *, int))                            \
+    X(double, dBodyGetAutoDisableTime, (void *))                                \
+    X(void, dBodySetAutoDisableTime, (void *, double))                          \
     X(void, dWorldCleanupWorkingMemory, (void *))                               \
     X(int, dWorldSetStepMemoryManager, (void *, const memory_functions *))      \
     X(void, dRandSetSeed, (unsigned long))                                      \
@@ -184,6 +200,11 @@ typedef struct {
     int64_t reversed; /* ODE's first body is that of the second geom */
 } pending_contact;
 
+/* Bodies that touch in a step, by row, and in how many points; body2 is -1 where the world is touched. */
+typedef struct {
+    int64_t body1, body2, count;
+} touch_record;
+
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
@@ -224,6 +245,10 @@ typedef struct {
     int64_t diverged;         /* number of bodies that diverged in the last step */
     int64_t collision_failed; /* 1: an assertion failed in the collision detection of a pair, or of a ray with a geom */
     int64_t failed_rows[2];   /* rows of the geoms of the last such pair; -1: a ray */
+    int64_t exact_rest;       /* 1: under the classic rule contacts keep a depth, and calm islands are solved exactly */
+    int64_t touch_count, touch_capacity;
+    touch_record *touches;    /* of this step, where the quick solver needs them */
+    int64_t parted;           /* 1: some bodies are set aside, while others are solved */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -235,7 +260,7 @@ enum { JOINT_HINGE = 2, JOINT_SLIDER = 3, JOINT_CONTACT = 4, JOINT_UNIVERSAL = 5
 enum { JOINT_PISTON = 14 };
 enum { CAPSULE_CLASS = 2, CYLINDER_CLASS = 3, PLANE_CLASS = 4, RAY_CLASS = 5, HEIGHTFIELD_CLASS = 9 };
 enum { MU2 = 0x001, FDIR1 = 0x002, BOUNCE = 0x004, SOFT_ERP = 0x008, SOFT_CFM = 0x010, SLIP1 = 0x100, SLIP2 = 0x200 };
-enum { ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
+enum { MOTION_N = 0x080, ROLLING = 0x400, APPROX1 = 0x3000, APPROX1_N = 0x4000 };
 /* Columns of the surface table; fdir1 is in the geom's frame, and zero where it is not used. */
 enum {
     SURFACE_KP,
@@ -263,6 +288,12 @@ enum {
 #define MAX_SPEED 1e7      /* [m/s] and [rad/s], before a step */
 #define MAX_EFFORT 1e12    /* [N] and [N m], before a step */
 #define DIVERGED_SPEED 2e9 /* [m/s] and [rad/s], after a step */
+#define SOFT_RATIO 0.25 /* of step^2 kp / mass, up to which a spring is soft: its oscillation takes 12 steps or more */
+#define REST_DEPTH 3e-6 /* [m] that rigid contacts keep, so that none is lost from one step to the next */
+#define REST_ERP 0.2    /* share of the difference to it that is corrected in a step, at most */
+#define REST_CFM 1e-7   /* softness of rigid contacts [s/kg], at least, for a body of 1 kg */
+#define CALM_SPEED 0.1    /* [m/s] and [rad/s] of a body, up to which its island may be solved exactly */
+#define FALLING_STEPS 2.0 /* and so many steps of falling add to it */
 #define TURN 6.2831853071795862 /* 2 pi */
 #define PATCH_LEVER 0.58904862254808621 /* 3 pi / 16: mean lever of friction in a patch under Hertz's pressure */
 
@@ -274,6 +305,7 @@ static void make_surface(const context *c, const double *a, const double *b, sur
 {
     double softness = 1.0 / a[SURFACE_KP] + 1.0 / b[SURFACE_KP];
     double kd = a[SURFACE_KD] + b[SURFACE_KD];
+    memset(s, 0, sizeof *s);
     s->mode = SOFT_ERP | SOFT_CFM | APPROX1;
     s->mu = smaller(a[SURFACE_MU], b[SURFACE_MU]);
     s->soft_erp = 1.0;
@@ -494,6 +526,7 @@ typedef struct {
     const double *a, *b; /* their surfaces */
     void *geom1, *geom2, *body1, *body2;
     double max_vel, min_depth;
+    double kept; /* depth that is not corrected */
 } touching;
 
 /* max_vel and min_depth of a pair: the smaller of both bodies'. A geom without a body has no influence. */
@@ -512,9 +545,100 @@ static void set_limits(touching *t)
     t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
 }
 
+/* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
+static char *held;
+static int64_t held_capacity;
+
+static void find_held(const context *c)
+{
+    int64_t i;
+    if (c->body_count > held_capacity) {
+        char *grown = realloc(held, (size_t)(2 * c->body_count));
+        if (!grown)
+            return;
+        held = grown;
+        held_capacity = 2 * c->body_count;
+    }
+    memset(held, 0, (size_t)c->body_count);
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i]) {
+            void *one = dJointGetBody(c->joints[i], 0), *two = dJointGetBody(c->joints[i], 1);
+            if ((one != NULL) != (two != NULL))
+                held[(intptr_t)dBodyGetData(one ? one : two)] = 1;
+        }
+}
+
+/* Whether a body is held so, or is the world. */
+static int is_held(void *body)
+{
+    int64_t row = body ? (int64_t)(intptr_t)dBodyGetData(body) : -1;
+    return row < 0 || (row < held_capacity && held[row]);
+}
+
+/* The smaller mass of two bodies, or that of the one that moves [kg]. */
+static double lighter(void *body1, void *body2)
+{
+    body_mass one, two;
+    if (!body1 || !body2) {
+        dBodyGetMass(body1 ? body1 : body2, &one);
+        return one.mass;
+    }
+    dBodyGetMass(body1, &one);
+    dBodyGetMass(body2, &two);
+    return smaller(one.mass, two.mass);
+}
+
+/* Whether a body is slow, or nothing that moves. */
+static int is_calm(const context *c, void *body)
+{
+    double calm = CALM_SPEED + FALLING_STEPS * c->step * sqrt(dot(c->gravity, c->gravity));
+    const double *v, *w;
+    if (!body)
+        return 1;
+    v = dBodyGetLinearVel(body);
+    w = dBodyGetAngularVel(body);
+    return dot(v, v) + dot(w, w) <= calm * calm;
+}
+
+/* Springs that are too stiff to be simulated stand for rigid surfaces. A body that these move out to depth 0 loses its
+ * contacts by the error of the solver, falls for a step and is caught again: so they keep REST_DEPTH. One that they move
+ * out within a step keeps the velocity that it takes, and bounces: so they get a damper where bodies are calm. And the
+ * exact solver fails on redundant contacts without any softness. Bodies that joints hold to the world are left out: there
+ * contact and joint share the load, and a softer contact would carry nothing. */
+static void make_rigid(const context *c, touching *t, surface_parameters *s)
+{
+    double softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP], mass;
+    t->kept = 0.0;
+    if (!c->exact_rest || (is_held(t->body1) && is_held(t->body2)))
+        return;
+    mass = lighter(t->body1, t->body2);
+    if (c->step * c->step <= SOFT_RATIO * mass * softness)
+        return;
+    t->kept = larger(0.0, REST_DEPTH - t->min_depth);
+    if (s->soft_erp > REST_ERP && is_calm(c, t->body1) && is_calm(c, t->body2)) {
+        s->soft_cfm = s->soft_cfm * (REST_ERP / s->soft_erp);
+        s->soft_erp = REST_ERP;
+    }
+    s->soft_cfm = larger(s->soft_cfm, REST_CFM / mass);
+}
+
+/* What a contact point corrects: the depth that was found, without what is kept and min_depth, no faster than max_vel.
+ * One that is not as deep as what is kept lets the bodies approach. */
+static void set_depth(const context *c, const touching *t, double found, contact *point)
+{
+    surface_parameters *s = &point->surface;
+    point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
+    if (point->geom.depth > 0.0)
+        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
+    else if (found < t->kept && !(s->mode & BOUNCE)) {
+        s->motionN = s->soft_erp * (found - t->kept) / c->step;
+        s->mode |= MOTION_N;
+    }
+}
+
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
-static void refine_point(const context *c, const touching *t, int count, contact *point)
+static void refine_point(const context *c, const touching *t, int count, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
     const double *a = t->a, *b = t->b;
@@ -528,9 +652,7 @@ static void refine_point(const context *c, const touching *t, int count, contact
         (c->cone && sliding_direction(c, t->body1, t->body2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
-    point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
-    if (point->geom.depth > 0.0)
-        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
+    set_depth(c, t, found, point);
 }
 
 /* Keep the `most` deepest of `count` contacts, in their order. */
@@ -611,6 +733,30 @@ static int find_points(context *c, void *geom1, void *geom2, int most, contact *
     return collide_pair(c, geom1, geom2, most, &points[0].geom, sizeof(contact));
 }
 
+/* Whether small calm islands are solved exactly. */
+static int solves_islands(const context *c)
+{
+    return c->exact_rest && c->quick && c->contact_rule == CLASSIC_RULE;
+}
+
+/* Note that two bodies touch. Without memory they are not noted, and so not taken for one island. */
+static void note_touch(context *c, void *body1, void *body2, int count)
+{
+    touch_record *t;
+    if (c->touch_count == c->touch_capacity) {
+        int64_t capacity = c->touch_capacity ? 2 * c->touch_capacity : 64;
+        t = realloc(c->touches, (size_t)capacity * sizeof(touch_record));
+        if (!t)
+            return;
+        c->touches = t;
+        c->touch_capacity = capacity;
+    }
+    t = c->touches + c->touch_count++;
+    t->body1 = (intptr_t)dBodyGetData(body1 ? body1 : body2);
+    t->body2 = body1 && body2 ? (intptr_t)dBodyGetData(body2) : -1;
+    t->count = count;
+}
+
 static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
@@ -631,25 +777,30 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
-    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0};
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0};
     make_surface(c, a, b, &surface);
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
         set_limits(&pair);
+        make_rigid(c, &pair, &surface);
+        if (!ghost && solves_islands(c))
+            note_touch(c, body1, body2, count);
     }
     for (i = 0; i < count; i++) {
-        double depth = points[i].geom.depth;
+        double found = points[i].geom.depth;
         points[i].surface = surface;
+        if (pair.kept > 0.0)
+            points[i].geom.depth = larger(0.0, found - pair.kept);
         if (classic)
-            refine_point(c, &pair, count, &points[i]);
+            refine_point(c, &pair, count, found, &points[i]);
         if (!ghost) {
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);
             c->contact_count++;
         }
         if (c->record_contacts) {
-            points[i].geom.depth = depth;
+            points[i].geom.depth = found;
             record_point(c, &points[i], geom1, geom2, joint);
         }
     }
@@ -792,7 +943,14 @@ static void read_joints(const context *c, double *state)
 /* The first half of a step: find contacts and make joints of them. */
 static void find_contacts(context *c)
 {
-    c->contact_count = c->record_count = 0;
+    int64_t i;
+    c->contact_count = c->record_count = c->touch_count = 0;
+    if (c->exact_rest && c->contact_rule == CLASSIC_RULE) {
+        for (i = 0; i < c->body_count; i++)
+            if (c->bodies[i])
+                dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+        find_held(c);
+    }
     dSpaceCollide(c->space, c, collide);
 }
 
@@ -839,14 +997,16 @@ void gz_set_contacts(context *c, const contact_record *records, int64_t count)
         c->pending[i].joint = NULL;
 }
 
-/* Free the memory of the records. */
+/* Free the memory of what is recorded in a step. */
 void gz_free_contacts(context *c)
 {
     free(c->records);
     free(c->pending);
+    free(c->touches);
     c->records = NULL;
     c->pending = NULL;
-    c->record_count = c->record_capacity = 0;
+    c->touches = NULL;
+    c->record_count = c->record_capacity = c->touch_count = c->touch_capacity = 0;
 }
 
 static int is_within(const double *v, double most)
@@ -929,6 +1089,154 @@ static void free_step_memory(context *c)
     c->own_memory = 1;
 }
 
+/* Islands: bodies that joints and contacts connect. Those that are small and calm are solved exactly, for they rest in
+ * no other way; those that are fast only if they have no contacts, for the exact solver does not let wheels slip as they
+ * should; and if they are so small that it is the quicker way. */
+enum { EXACT_ROWS = 150, FAST_ROWS = 60, ROWS_OF_JOINT = 6, ROWS_OF_POINT = 3 };
+enum { ALL_EXACT, ALL_QUICK, MIXED };
+
+typedef struct {
+    int64_t root; /* the member that stands for the island, or one that is nearer to it */
+    int64_t rows; /* of the solver, in the root's */
+    int fast;     /* 1: a body of the island is, in the root's */
+    int touching; /* 1: the island has contacts, in the root's */
+    int quick;    /* 1: to be solved by iteration */
+    int aside;    /* 1: the body was awake and is disabled for a part of the step */
+} member;
+
+static member *members; /* by row of body; guarded by ode_lock */
+static int64_t member_capacity;
+
+static int have_members(int64_t count)
+{
+    member *grown;
+    if (count <= member_capacity)
+        return 1;
+    grown = realloc(members, (size_t)(2 * count) * sizeof(member));
+    if (!grown)
+        return 0;
+    members = grown;
+    member_capacity = 2 * count;
+    return 1;
+}
+
+static int64_t root_of(int64_t i)
+{
+    while (members[i].root != i)
+        i = members[i].root = members[members[i].root].root;
+    return i;
+}
+
+/* Take two bodies, one of which may be the world (-1), for one island. */
+static void connect(const context *c, int64_t one, int64_t two, int64_t rows, int touching)
+{
+    if (one < 0 || !c->bodies[one])
+        one = two;
+    if (one < 0 || !c->bodies[one])
+        return;
+    one = root_of(one);
+    members[one].rows += rows;
+    members[one].touching |= touching;
+    if (two < 0 || !c->bodies[two])
+        return;
+    two = root_of(two);
+    if (two == one)
+        return;
+    members[two].root = one;
+    members[one].rows += members[two].rows;
+    members[one].fast |= members[two].fast;
+    members[one].touching |= members[two].touching;
+}
+
+static int64_t row_of(void *body) { return body ? (int64_t)(intptr_t)dBodyGetData(body) : -1; }
+
+/* Find the islands, and which of them are solved exactly. */
+static int sort_islands(const context *c)
+{
+    int64_t i;
+    int exact = 0, quick = 0;
+    for (i = 0; i < c->body_count; i++) {
+        if (!c->bodies[i])
+            continue;
+        members[i] = (member){i, 0, !is_calm(c, c->bodies[i]), 0, 0, 0};
+        dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+    }
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i])
+            connect(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), ROWS_OF_JOINT,
+                    0);
+    for (i = 0; i < c->touch_count; i++)
+        connect(c, c->touches[i].body1, c->touches[i].body2, ROWS_OF_POINT * c->touches[i].count, 1);
+    for (i = 0; i < c->body_count; i++) {
+        const member *root;
+        if (!c->bodies[i])
+            continue;
+        root = members + root_of(i);
+        members[i].quick = root->rows > (root->fast ? root->touching ? 0 : FAST_ROWS : EXACT_ROWS);
+        if (!root->rows || !dBodyIsEnabled(c->bodies[i]))
+            continue;
+        exact |= !members[i].quick;
+        quick |= members[i].quick;
+    }
+    return !quick ? ALL_EXACT : exact ? MIXED : ALL_QUICK;
+}
+
+/* Disable the bodies that are, or are not, solved by iteration. */
+static void set_aside(const context *c, int quick)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i] && members[i].quick == quick && dBodyIsEnabled(c->bodies[i])) {
+            members[i].aside = 1;
+            dBodyDisable(c->bodies[i]);
+        }
+}
+
+/* Enable all bodies that were set aside, without restarting the time they have been idle for. */
+static void bring_back(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++) {
+        void *body = c->bodies[i];
+        int steps;
+        double time;
+        if (!body || !members[i].aside)
+            continue;
+        members[i].aside = 0;
+        if (!dBodyGetAutoDisableFlag(body)) {
+            dBodyEnable(body);
+            continue;
+        }
+        steps = dBodyGetAutoDisableSteps(body);
+        time = dBodyGetAutoDisableTime(body);
+        dBodySetAutoDisableFlag(body, 0); /* which enables the body */
+        dBodySetAutoDisableFlag(body, 1);
+        dBodySetAutoDisableSteps(body, steps);
+        dBodySetAutoDisableTime(body, time);
+    }
+}
+
+/* Move everything; 0 when ODE ran out of memory. */
+static int move(context *c)
+{
+    int kind = !c->quick ? ALL_EXACT : ALL_QUICK, done;
+    if (solves_islands(c) && have_members(c->body_count))
+        kind = sort_islands(c);
+    if (kind == ALL_QUICK)
+        return dWorldQuickStep(c->world, c->step);
+    if (kind == ALL_EXACT)
+        return dWorldStep(c->world, c->step);
+    c->parted = 1;
+    set_aside(c, 1);
+    done = dWorldStep(c->world, c->step);
+    bring_back(c);
+    set_aside(c, 0);
+    done = dWorldQuickStep(c->world, c->step) && done;
+    bring_back(c);
+    c->parted = 0;
+    return done;
+}
+
 enum { STEP_NEEDS_RECOVERY = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
@@ -946,8 +1254,12 @@ static int solve(context *c)
     if (SET_JUMP(escape))
         c->abandoned = 1;
     else
-        done = c->quick ? dWorldQuickStep(c->world, c->step) : dWorldStep(c->world, c->step);
+        done = move(c);
     guarded = 0;
+    if (c->parted) { /* the step was abandoned meanwhile */
+        c->parted = 0;
+        bring_back(c);
+    }
     if (c->abandoned || c->own_memory)
         free_step_memory(c);
     collect_feedback(c);

@@ -92,6 +92,7 @@ class ContactMode(enum.IntFlag):
     BOUNCE = 0x004
     SOFT_ERP = 0x008
     SOFT_CFM = 0x010
+    MOTION_N = 0x080
     SLIP1 = 0x100
     SLIP2 = 0x200
     ROLLING = 0x400

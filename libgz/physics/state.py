@@ -50,6 +50,7 @@ SETTINGS = (
     "cone",
     "record_contacts",
     "record_motion",
+    "exact_rest",
 )
 _POSE = struct.Struct("7d")
 _settings = attrgetter(*SETTINGS)

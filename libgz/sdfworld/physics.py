@@ -51,6 +51,10 @@ def _set_friction_model(world: World, value: str) -> None:
     world.engine.cone = value == "cone_model"
 
 
+def _set_exact_rest(world: World, value: bool) -> None:
+    world.engine.exact_rest = value
+
+
 def _set_iterations(world: World, value: int) -> None:
     world.engine.set_quick_step(value, world.engine.over_relaxation)
 
@@ -85,6 +89,7 @@ PHYSICS = {
     "friction_model": Parameter(
         (*_SOLVER, "friction_model"), str, lambda world: FRICTION_MODELS[world.engine.cone], _set_friction_model
     ),
+    "exact_rest": Parameter((*_SOLVER, "exact_rest"), bool, lambda world: world.engine.exact_rest, _set_exact_rest),
     "erp": Parameter((*_CONSTRAINTS, "erp"), float, lambda world: world.engine.erp, _set_erp),
     "cfm": Parameter((*_CONSTRAINTS, "cfm"), float, lambda world: world.engine.cfm, _set_cfm),
     "contact_max_correcting_vel": Parameter(

@@ -13,6 +13,7 @@ from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
@@ -83,11 +84,11 @@ class SdfWorld(Era):
     # Loading ---------------------------------------------------------------------------------------------------------
 
     def take_over(self, file: SdfFile) -> None:
-        """Make the world one of classic: its contact rule, its time convention, the name of the document's world."""
+        """Make the world one of classic: contact rule, exact rest, time convention, name of the document's world."""
         world = self.world
         world.era = self
         world.engine.contact_rule = ContactRule.CLASSIC
-        world.engine.record_motion = True
+        world.engine.exact_rest = world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
         if self.file is None:
             self.digest = hashlib.blake2b(file.root.ToString().encode(), digest_size=16).digest()
@@ -133,6 +134,8 @@ class SdfWorld(Era):
             document.elements.extend(part for part in inserted if part.name in BUILT)
             self._add(document, range(first, len(document.elements)), diagnostics)
             apply_state(world, state, diagnostics)
+        if not diagnostics.errors:
+            warn_of_contacts((model for model in world.entities if isinstance(model, SdfModel)), diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
         """Add the models and lights of a document to a running world, between two steps; all of them, or none.
@@ -157,6 +160,9 @@ class SdfWorld(Era):
             file.diagnostics.raise_errors()
             if len(world.entities) == before:
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
+            warn_of_contacts(
+                (model for model in world.entities[before:] if isinstance(model, SdfModel)), file.diagnostics
+            )
         except BaseException:
             world.remove(world.entities[before:])
             del self._documents[known:]

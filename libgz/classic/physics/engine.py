@@ -42,6 +42,7 @@ WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
     "use_dynamic_moi_rescaling": (("ode", "solver"), False),
     "world_step_solver": (("ode", "solver"), "ODE_DANTZIG"),
 }
+ALIASES = {"inertia_ratio_reduction": "use_dynamic_moi_rescaling"}  # other names of parameters
 
 
 class PhysicsEngine:
@@ -126,7 +127,7 @@ class PhysicsEngine:
         Raises:
             ParameterError: there is no such parameter, or the value is not allowed.
         """
-        match key:
+        match key := ALIASES.get(key, key):
             case "type":
                 if value != "ode":
                     raise ParameterError(f"type {value!r} is not supported; only ode is")
@@ -147,7 +148,7 @@ class PhysicsEngine:
         Raises:
             ParameterError: there is no such parameter.
         """
-        match key:
+        match key := ALIASES.get(key, key):
             case "type":
                 return "ode"
             case "gravity":

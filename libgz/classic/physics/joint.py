@@ -31,6 +31,10 @@ def first_axes(kind: str) -> list[GzVector]:
     return pairs.get(kind, [z])
 
 
+# The kinds by their numbers in msgs.Joint.Type, which begin with 1.
+JOINT_KINDS = ("revolute", "revolute2", "prismatic", "universal", "ball", "screw", "gearbox", "fixed")
+
+
 class Joint(Base):
     """A view on a joint of the engine. Angles in [rad], positions in [m], efforts in [N m] or [N]."""
 
@@ -40,9 +44,9 @@ class Joint(Base):
         super().__init__(world, core.name, model, core.plan.element)
         self.core = core
 
-    def GetMsgType(self) -> str:
-        """revolute, prismatic, ball, universal, revolute2, screw, gearbox or fixed."""
-        return self.core.kind
+    def GetMsgType(self) -> int:
+        """The kind of joint, a number of msgs.Joint.Type: 1 for a revolute one."""
+        return JOINT_KINDS.index(self.core.kind) + 1
 
     def DOF(self) -> int:
         """The number of its axes."""

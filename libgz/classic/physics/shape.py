@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import ClassVar
 
 from libgz.classic.math import Vector3d
@@ -34,6 +35,12 @@ class Shape:
         self._rescale(new, self.geom.scale)
         self.geom.scale = new
 
+    def ComputeVolume(self) -> float:
+        """The volume [m^3]: exact for box, sphere and cylinder, 0 for planes; for all others of the bounding box."""
+        low, high = self.geom.bounds()
+        volume = math.prod(b - a for a, b in zip(low, high, strict=True))
+        return volume if 0.0 < volume < math.inf else 0.0
+
     def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         """Change the size from one set of factors to another."""
 
@@ -54,6 +61,10 @@ class BoxShape(Shape):
         """Set the full lengths [m]."""
         self.geom.resize(*size)
 
+    def ComputeVolume(self) -> float:
+        """The volume [m^3]."""
+        return math.prod(self.geom.size)
+
     def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         self.SetSize([length * a / b for length, a, b in zip(self.geom.size, new, old, strict=True)])
 
@@ -71,6 +82,10 @@ class SphereShape(Shape):
     def SetRadius(self, radius: float) -> None:
         """Set the radius [m]."""
         self.geom.resize(radius)
+
+    def ComputeVolume(self) -> float:
+        """The volume [m^3]."""
+        return 4.0 / 3.0 * math.pi * self.geom.radius**3
 
     def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         self.SetRadius(self.geom.radius * max(new) / max(old))  # the largest factor applies
@@ -102,6 +117,10 @@ class CylinderShape(Shape):
         """Set radius and length [m]."""
         self.geom.resize(radius, length)
 
+    def ComputeVolume(self) -> float:
+        """The volume [m^3]."""
+        return math.pi * self.geom.radius**2 * self.geom.length
+
     def _rescale(self, new: tuple[float, ...], old: tuple[float, ...]) -> None:
         self.SetSize(self.geom.radius * max(new[:2]) / max(old[:2]), self.geom.length * new[2] / old[2])
 
@@ -117,6 +136,10 @@ class PlaneShape(Shape):
         return Vector3d(*self.geom.normal)
 
     GetNormal = Normal
+
+    def ComputeVolume(self) -> float:
+        """0 [m^3]."""
+        return 0.0
 
 
 class MeshShape(Shape):

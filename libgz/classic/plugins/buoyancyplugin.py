@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 from libgz.classic.common import gzwarn
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
-from libgz.classic.physics import BoxShape, CylinderShape, SphereShape
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 
 if TYPE_CHECKING:
-    from libgz.classic.physics import Collision, Link, Model
+    from libgz.classic.physics import Link, Model
     from libgz.sdf.element import Element
 
 WATER = 999.1026  # [kg/m^3] at 15 degrees and normal pressure
@@ -21,9 +19,9 @@ WATER = 999.1026  # [kg/m^3] at 15 degrees and normal pressure
 class BuoyancyPlugin(ModelPlugin):
     """Applies to each link the buoyancy of the fluid that it displaces: -density * volume * gravity.
 
-    The force acts at the centre of volume. Volumes are those of the collisions (box, sphere, cylinder) where the
-    element of the link does not give them. The fluid has no surface and no drag; `<velocity_decay>` or another plugin
-    can add drag.
+    The force acts at the centre of volume. Volumes are those of the collisions where the element of the link does not
+    give them; those of meshes are their bounding boxes', as in Gazebo. The fluid has no surface and no drag;
+    `<velocity_decay>` or another plugin can add drag.
 
     Elements:
         fluid_density: [kg/m^3] (999.1026, water).
@@ -73,22 +71,10 @@ def volume_of(link: Link) -> tuple[float, Vector3d]:
     """(volume [m^3], its centre in the link's frame [m]) of a link's collisions."""
     total, moment = 0.0, Vector3d()
     for collision in link.GetCollisions():
-        volume = shape_volume(collision)
+        volume = collision.GetShape().ComputeVolume()
         total += volume
         moment += collision.RelativePose().Pos() * volume
     return total, moment / total if total > 0.0 else moment
-
-
-def shape_volume(collision: Collision) -> float:
-    """The volume of a collision [m^3]; 0 for shapes other than box, sphere and cylinder."""
-    shape = collision.GetShape()
-    if isinstance(shape, BoxShape):
-        return math.prod(shape.Size())
-    if isinstance(shape, SphereShape):
-        return 4.0 / 3.0 * math.pi * shape.GetRadius() ** 3
-    if isinstance(shape, CylinderShape):
-        return math.pi * shape.GetRadius() ** 2 * shape.GetLength()
-    return 0.0
 
 
 GZ_REGISTER_MODEL_PLUGIN(BuoyancyPlugin)

@@ -16,7 +16,7 @@ from libgz.geometry import GzCoordPoseSub, rotate
 
 if TYPE_CHECKING:
     from libgz.classic.math import AxisAlignedBox
-    from libgz.classic.physics import Link
+    from libgz.classic.physics import Link, Model
     from libgz.sdf.element import Element
 
 __all__ = ["LogicalCameraSensor"]
@@ -25,7 +25,8 @@ __all__ = ["LogicalCameraSensor"]
 class LogicalCameraSensor(LinkSensor):
     """Names the models whose bounding box reaches into its field of view, with their poses; it looks along +x.
 
-    A model without collisions counts as a point. Its own model is left out, and models do not hide each other.
+    A model without collisions counts as a point. Its own model is left out, and models do not hide each other. Nested
+    models are named by themselves, too, as ``outer::inner``.
     """
 
     STATE = (
@@ -49,14 +50,16 @@ class LogicalCameraSensor(LinkSensor):
         """Find the models in sight."""
         self._camera_pose = pose = Pose3d(self.world_pose())
         planes = self._planes(pose)
+        self._seen = []
+        self._find(self.world.Models(), pose, planes)
+
+    def _find(self, models: list[Model], pose: Pose3d, planes: NDArray[np.float64]) -> None:
+        """Add those of some models, and of the models nested in them, that are in sight."""
         own = self.link.GetParentModel()
-        while own is not None and own.GetParent() is not None:
-            own = own.GetParent().GetParentModel()
-        self._seen = [
-            (model.GetScopedName(), Pose3d(GzCoordPoseSub(model.pose(), pose)))
-            for model in self.world.Models()
-            if model is not own and _reaches_in(_corners(model.BoundingBox(), model.pose().pos), planes)
-        ]
+        for model in models:
+            if model is not own and _reaches_in(_corners(model.BoundingBox(), model.pose().pos), planes):
+                self._seen.append((model.GetScopedName(), Pose3d(GzCoordPoseSub(model.pose(), pose))))
+            self._find(model.NestedModels(), pose, planes)
 
     def _planes(self, pose: Pose3d) -> NDArray[np.float64]:
         """The six sides as (inward normal, distance), shape (6, 4), global."""

@@ -1,0 +1,138 @@
+"""Warnings about contacts of SDF models that cannot carry what rests on them, with the values that would."""
+
+from __future__ import annotations
+
+import bisect
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from libgz.errors import Diagnostics
+from libgz.ode.types import Surface
+from libgz.physics.engine import Engine
+from libgz.physics.geom import Geom
+from libgz.physics.geoms import CylinderGeom, SphereGeom
+from libgz.sdfworld.model import SdfModel
+
+__all__ = ["warn_of_contacts"]
+
+MARGIN = 2.0  # between what would just carry a model, and what is advised
+GAP = 0.005  # [m] between solids of a stack as it is loaded
+RATIO = 20.0  # of the mass of a solid to that of the one below it, which 50 iterations carry
+EXACT = 12  # solids of a stack that are solved exactly at rest: four contact points each
+ITERATIONS = 300  # that hold taller stacks still to 0.5 mm/s
+
+
+def warn_of_contacts(models: Iterable[SdfModel], diagnostics: Diagnostics) -> None:
+    """Warn of models that sink into what they rest on, and of stacks that the quick solver does not hold."""
+    moving = [model for model in models if not model.static and model.parent is None]
+    solids: list[_Solid] = []
+    for model in moving:
+        engine = model.world.engine
+        if engine.gravity[2] < 0.0:
+            _warn_of_sinking(model, engine, diagnostics)
+            solids.extend(_solids(model))
+    if solids and solids[0].engine.solver == "quick":
+        _warn_of_stacks(solids, diagnostics)
+
+
+def _family_geoms(model: SdfModel) -> Iterator[Geom]:
+    for member in model.nested_family():
+        for body in member.bodies:
+            yield from (geom for geom in body.geoms if geom.id and geom.space is not None)
+
+
+def _points(geom: Geom) -> int:
+    """How many contact points a geom has on the ground, about."""
+    return 1 if isinstance(geom, SphereGeom) else 2 if isinstance(geom, CylinderGeom) else 4
+
+
+def _warn_of_sinking(model: SdfModel, engine: Engine, diagnostics: Diagnostics) -> None:
+    """A contact carries max_vel (h kp + kd) at most; a model that is heavier sinks for ever."""
+    bodies = [body for member in model.nested_family() for body in member.bodies if not body.dummy]
+    anchored = any(None in joint.bodies for body in bodies for joint in body.joints)
+    geoms = list(_family_geoms(model))
+    weight = -engine.gravity[2] * sum(body.mass for body in bodies if body.GetGravityMode())
+    if anchored or not geoms or weight <= 0.0 or any(body.kinematic for body in bodies):
+        return
+    carried = softest = 0.0
+    for geom in geoms:
+        kp, kd = geom.surface(Surface.KP), geom.surface(Surface.KD)
+        strength = _points(geom) * geom.surface(Surface.MAX_VEL) * (engine.step_time * kp + kd + 1.0)
+        if strength >= carried:
+            carried, softest = strength, kp
+            speed, damper, points = geom.surface(Surface.MAX_VEL), kd + 1.0, _points(geom)  # the ground's kd is 1
+    carried *= len(geoms)
+    if carried >= weight:
+        return
+    share = MARGIN * weight / (points * len(geoms))
+    faster = share / (engine.step_time * softest + damper)
+    stiffer = (share / speed - damper) / engine.step_time if speed > 0.0 else math.inf
+    advice = f"<max_vel> {_round_up(faster):g}" + (f" or <kp> {_round_up(stiffer):g}" if stiffer < math.inf else "")
+    diagnostics.warn(
+        model.sdf,
+        f"model {model.GetId()!r} sinks into what it rests on: contacts with <kp> {softest:g} and <max_vel> {speed:g} "
+        f"carry {carried:.2g} N of its {weight:.3g} N; {advice} would carry it (docs/contacts.md)",
+    )
+
+
+def _round_up(value: float) -> float:
+    """With one digit."""
+    unit = 10.0 ** math.floor(math.log10(value)) if value > 0.0 else 1.0
+    return math.ceil(value / unit) * unit
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """A model of one body that nothing but contacts holds."""
+
+    model: SdfModel
+    engine: Engine
+    mass: float
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+
+
+def _solids(model: SdfModel) -> Iterator[_Solid]:
+    geoms = list(_family_geoms(model))
+    if len(model.bodies) != 1 or model.nested or not geoms or model.bodies[0].joints or model.bodies[0].dummy:
+        return
+    corners = [geom.bounds() for geom in geoms]
+    low = tuple(min(corner[0][k] for corner in corners) for k in range(3))
+    high = tuple(max(corner[1][k] for corner in corners) for k in range(3))
+    yield _Solid(model, model.world.engine, model.bodies[0].mass, low, high)
+
+
+def _warn_of_stacks(solids: list[_Solid], diagnostics: Diagnostics) -> None:
+    engine = solids[0].engine
+    order = sorted(solids, key=lambda solid: solid.low[2])
+    by_top = sorted(solids, key=lambda solid: solid.high[2])
+    tops = [solid.high[2] for solid in by_top]
+    height: dict[int, int] = {}  # of the tallest stack that ends with a solid
+    carrying: set[int] = set()
+    most = EXACT if engine.exact_rest else 0
+    for solid in order:
+        near = by_top[bisect.bisect_left(tops, solid.low[2] - GAP) : bisect.bisect_right(tops, solid.low[2] + GAP)]
+        under = [b for b in near if id(b) in height and _stands_on(solid, b)]
+        carrying.update(map(id, under))
+        height[id(solid)] = 1 + max((height[id(b)] for b in under), default=0)
+        light = min((b.mass for b in under), default=math.inf)
+        if solid.mass > RATIO * light and height[id(solid)] > most and engine.iterations < solid.mass / light:
+            remedy = "<solver><type>world</type>" + ("" if engine.exact_rest else " or <exact_rest>true</exact_rest>")
+            diagnostics.warn(
+                solid.model.sdf,
+                f"model {solid.model.GetId()!r} of {solid.mass:g} kg stands on one of {light:g} kg and sinks into it: "
+                f"{engine.iterations} iterations cannot carry it; {remedy} would (docs/contacts.md)",
+            )
+    for solid in order:
+        if id(solid) not in carrying and height[id(solid)] > EXACT and engine.iterations < ITERATIONS:
+            diagnostics.warn(
+                solid.model.sdf,
+                f"model {solid.model.GetId()!r} is the top of a stack of {height[id(solid)]} solids, which "
+                f"{engine.iterations} iterations do not hold still; <solver><iters> {ITERATIONS} would "
+                "(docs/contacts.md)",
+            )
+
+
+def _stands_on(a: _Solid, b: _Solid) -> bool:
+    return all(a.low[k] < b.high[k] and b.low[k] < a.high[k] for k in (0, 1))

@@ -23,7 +23,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "reference"],
+    ["convert", "recording", "reference"],
     ["apps"],
     ["__main__"],
 ]

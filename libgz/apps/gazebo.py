@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from libgz._version import __version__
 from libgz.apps.console import (
@@ -21,6 +22,7 @@ from libgz.apps.console import (
     set_up_messages,
     whole_number,
 )
+from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
@@ -33,6 +35,9 @@ from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import free_server_id
+
+if TYPE_CHECKING:
+    from libgz.recording.capture import Capture
 
 __all__ = ["main"]
 
@@ -143,6 +148,7 @@ def make_parser() -> argparse.ArgumentParser:
         metavar="ID=FILE",
         help="record a camera's images to a video file; may be repeated",
     )
+    add_mcap_option(parser)
     add(
         "--solver",
         choices=("world", "quick"),
@@ -165,6 +171,7 @@ class Run:
         self.stopped = False
         self.recorders: list[Recorder] = []
         self.control: SnapshotControl | None = None
+        self.capture: Capture | None = None
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
     def stop(self, number: int) -> None:
@@ -183,6 +190,8 @@ class Run:
             done += 1
             for recorder in self.recorders:
                 recorder.take()
+            if self.capture is not None:
+                self.capture.take()
             if self.control is not None:
                 self.control.act()
             while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
@@ -267,7 +276,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             run.recorders += [Recorder(world, request) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
-            with SnapshotControl(world, options.rewind) as run.control:
+            with record_mcap(world, options) as run.capture, SnapshotControl(world, options.rewind) as run.control:
                 run.loop(world)
         finally:
             try:

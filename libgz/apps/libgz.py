@@ -30,6 +30,7 @@ COMMANDS = {
     "log": "read a log file of an SDF world, or start and stop recording in a running server",
     "model": "inspect, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
+    "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
     "picture": "run a world and save the image of one of its cameras",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",

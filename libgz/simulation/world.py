@@ -51,6 +51,7 @@ from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
+from libgz.transport.tables import LocalTables
 
 __all__ = ["World"]
 
@@ -367,6 +368,21 @@ class World:
         except GazeboError as error:  # of a model's own state; only a reset needs it
             self._start = error
         return 0
+
+    @exclusive
+    def publish(self) -> LocalTables:
+        """The tables and the scene that each step of the running world publishes; from now on, if it did not before.
+
+        Raises:
+            ClosedError: the world is closed, or `Initialize` was not called.
+        """
+        self._check_ready("published")
+        if self.gz_server.shared is None:
+            self.gz_server.shared = LocalTables()
+        if self._publication is None:
+            self._publication = Publication(self, self.gz_server.shared)
+            self._publication.publish(self._paused)
+        return self.gz_server.shared
 
     @exclusive
     def initialize(self, entities: Iterable[Entity]) -> None:

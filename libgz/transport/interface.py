@@ -246,6 +246,17 @@ class Interface(Generic[D]):
             memory: Any = self._memory
             return bytes(memory[: self.size])
 
+    def peek(self, start: int, end: int) -> bytes:
+        """Some bytes of the struct as they are now, without the lock; what no other process writes is consistent.
+
+        Raises:
+            ClosedError: the interface is not open.
+        """
+        memory = self._memory
+        if memory is None:
+            raise ClosedError(f"interface {self.type}.{self.id} is not open")
+        return bytes(memory[start:end])
+
     def set_bytes(self, state: bytes) -> None:
         """Write bytes that `get_bytes` returned, head included.
 

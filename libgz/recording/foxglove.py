@@ -28,6 +28,7 @@ __all__ = ["Converter"]
 
 PERIOD = 1.0 / 30.0  # [s] between two messages of frames and joints
 PLANE = 100.0  # [m], half a side of what is shown of an infinite plane
+SHOWN = ("box", "sphere", "cylinder", "wheel", "capsule", "mesh", "heightfield", "plane")
 QUALITY = 90  # of JPEG images
 
 _TRANSFORM_ORDER = (0, 1, 2, 4, 5, 6, 3)  # of a pose: the quaternion's real part comes last
@@ -101,7 +102,7 @@ class Converter:
         shown: set[str] = set()
         every = [body for entity in scene["entities"] for body in entity["bodies"]] + scene["others"]
         for body in every:
-            shapes = [shape for shape in body["shapes"] if shape["visible"]]
+            shapes = [shape for shape in body["shapes"] if shape["visible"] and shape["kind"] in SHOWN]
             if shapes:
                 self._add_entity(update, body, shapes, time)
                 shown.add(self._frames[body["id"]][0])
@@ -131,14 +132,12 @@ class Converter:
             tire = shape.get("tire_radius", 0.0)
             made.size.x = made.size.y = 2.0 * (shape["radius"] + tire)
             made.size.z = shape.get("length", 2.0 * tire)
-        elif kind in ("mesh", "heightfield", "plane"):
+        else:
             made = entity.triangles.add()
             points, indices = self._triangles(shape)
             for x, y, z in points.tolist():
                 made.points.add(x=x, y=y, z=z)
             made.indices.extend(indices.ravel().tolist())
-        else:
-            return
         _set_pose(made.pose, shape["pose"] if kind != "plane" else [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
         material = shape["material"]
         made.color.r, made.color.g, made.color.b = (float(part) for part in material["diffuse"][:3])
@@ -245,7 +244,9 @@ class Converter:
         _set_pose(scan.pose, pose)
         ranges = np.frombuffer(data.ranges, dtype=float)[:count]
         intensities = np.frombuffer(data.intensity, dtype=np.int32)[:count].astype(float)
-        parts = (packed_field(LaserScan, name, part) for name, part in (("ranges", ranges), ("intensities", intensities)))
+        parts = (
+            packed_field(LaserScan, name, part) for name, part in (("ranges", ranges), ("intensities", intensities))
+        )
         yield f"/{key.replace('.', '/')}/scan", Encoded(LaserScan, scan.SerializeToString() + b"".join(parts))
 
     def _position(self, key: str, data: Any, time: int) -> Iterator[Output]:

@@ -1,7 +1,7 @@
 """McapFile: writes an MCAP file.
 
-Records are those of the library mcap. Its own writer takes 20 us for a message, and a server at full speed makes tens of
-messages a step; so messages are packed here.
+Records are those of the library mcap. Its own writer takes 20 us for a message, and a server at full speed makes tens
+of them a step; so messages are packed here.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ _BEHIND_LENGTH = _MESSAGE.size - 9
 
 
 def _record(record: McapRecord) -> bytes:
-    builder = RecordBuilder()
-    record.write(builder)  # type: ignore[attr-defined]
+    builder: Any = RecordBuilder()
+    record.write(builder)
     return bytes(builder.end())
 
 
@@ -98,10 +98,10 @@ class McapFile:
 
     def add_message(self, channel: int, sequence: int, log_time: int, publish_time: int, data: bytes) -> None:
         """A message; times are in nanoseconds."""
+        if not self._index:
+            self._begin = self._end = log_time
         if channel not in self._index:
             self._index[channel] = []
-        if not self._begin and not self._end:
-            self._begin = self._end = log_time
         self._begin, self._end = min(self._begin, log_time), max(self._end, log_time)
         self._index[channel].append((log_time, self._size))
         head = _MESSAGE.pack(5, _BEHIND_LENGTH + len(data), channel, sequence & 0xFFFFFFFF, log_time, publish_time)

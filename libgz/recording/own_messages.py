@@ -11,10 +11,21 @@ from numpy.typing import NDArray
 from libgz.errors import ParameterError
 from libgz.transport.tables import BODY_COLUMNS, JOINT_COLUMNS
 
-__all__ = ["FILE_SCHEMA", "TABLES_SCHEMA", "States", "file_message", "read_file", "read_tables", "tables_message"]
+__all__ = [
+    "FILE_SCHEMA",
+    "SEPARATOR",
+    "TABLES_SCHEMA",
+    "States",
+    "file_message",
+    "read_file",
+    "read_tables",
+    "tables_message",
+]
+
+SEPARATOR = "=" * 80 + "\n"  # between the messages of a schema of ROS 1
 
 # The states of a step. The rows are those of the observer's tables.
-TABLES_SCHEMA = """int64 revision
+TABLES_SCHEMA = f"""int64 revision
 int64 steps
 int64 paused
 float64 sim_time
@@ -23,15 +34,13 @@ float64 real_time
 float64 step_time
 gz/Body[] bodies
 gz/Joint[] joints
-===
-MSG: gz/Body
+{SEPARATOR}MSG: gz/Body
 float64[3] position
 float64[4] rotation
 float64[3] center
 float64[3] velocity
 float64[3] angular_velocity
-===
-MSG: gz/Joint
+{SEPARATOR}MSG: gz/Joint
 float64[2] value
 float64[2] rate
 """

@@ -88,7 +88,10 @@ class Player:
     ) -> None:
         self.reader = LogReader(path)
         if not self.reader.about.get("format"):
-            raise ParameterError(f"{str(path)!r} was not recorded by libgz, so it cannot be played: `--mcap` records logs")
+            self.reader.close()
+            raise ParameterError(
+                f"{str(path)!r} was not recorded by libgz, so it cannot be played: `--mcap` records logs"
+            )
         try:
             version = int(self.reader.about.get("wire_version", LIBGAZEBO_VERSION))
         except ValueError:
@@ -104,12 +107,16 @@ class Player:
         self._rows = (-1, -1)
         self._revision = 0
         self._files: dict[str, bytes] = {}
-        self._folder = tempfile.TemporaryDirectory(prefix="gz-log-")
+        self._folder: tempfile.TemporaryDirectory[str] | None = None  # of textures that this machine lacks
         self._unpacked: dict[str, str] = {}
         self._anchor = (0.0, 0.0, 0.0)  # real time [s], time of the log [s] and speed there
         self._control: Control | None = None
-        self.server = Server(server_id, force, version)
-        self.server.start()
+        try:
+            self.server = Server(server_id, force, version)
+            self.server.start()
+        except GazeboError:
+            self.reader.close()
+            raise
         try:
             with contextlib.suppress(ServerError):
                 self._control = Control(self.server.path)
@@ -138,7 +145,8 @@ class Player:
         if self._topics is not None:
             self._topics.close()
         self.reader.close()
-        self._folder.cleanup()
+        if self._folder is not None:
+            self._folder.cleanup()
 
     # Time ------------------------------------------------------------------------------------------------------------
 
@@ -414,6 +422,7 @@ class Player:
             return name
         if name not in self._unpacked:
             # In a folder of its own, so that what names its neighbours finds them.
+            self._folder = self._folder or tempfile.TemporaryDirectory(prefix="gz-log-")
             target = Path(self._folder.name, f"{abs(hash(os.path.dirname(name))):x}", Path(name).name)  # noqa: PTH120
             target.parent.mkdir(exist_ok=True)
             target.write_bytes(self._files[name])

@@ -276,4 +276,3 @@ class LogReader:
                     found[message.channel.topic] = message
                 missing.discard(number)
         return found
-

@@ -13,7 +13,7 @@ from google.protobuf import descriptor_pb2
 
 from libgz.classic.msgs.fields import Field as MessageField
 from libgz.classic.msgs.message import Message
-
+from libgz.recording.own_messages import SEPARATOR
 
 __all__ = ["descriptors_of", "message_descriptors", "struct_schema"]
 
@@ -29,11 +29,12 @@ _ROS = {
     ctypes.c_size_t: "uint64",
 }
 
+
 def struct_schema(layout: type[ctypes.Structure]) -> str:
     """The schema of a struct as a message of ROS 1."""
     parts: dict[str, str] = {}
     text = _lines(layout, parts)
-    return text + "".join(f"===\nMSG: gz/{name}\n{lines}" for name, lines in parts.items())
+    return text + "".join(f"{SEPARATOR}MSG: gz/{name}\n{lines}" for name, lines in parts.items())
 
 
 def _lines(layout: type[ctypes.Structure], parts: dict[str, str]) -> str:
@@ -147,5 +148,3 @@ def _describe(message: Any, field: MessageField) -> None:
     elif field.default and not field.repeated:
         value = field.default
         made.default_value = str(value).lower() if isinstance(value, bool) else str(value)
-
-

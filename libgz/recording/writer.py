@@ -20,9 +20,9 @@ from libgz.interfaces.catalog import new_interface
 from libgz.recording.foxglove import Converter, Output
 from libgz.recording.frames import Frame, Frames, Kind, tick_times
 from libgz.recording.mcap_file import McapFile
+from libgz.recording.own_messages import read_file, read_tables
 from libgz.recording.schemas import descriptors_of, message_descriptors, struct_schema
 from libgz.recording.topics import type_of_topic
-from libgz.recording.own_messages import read_file, read_tables
 
 __all__ = ["LogWriter", "main"]
 

@@ -6,24 +6,29 @@ log of a server that is killed is finished by that process; if both are killed, 
 
 from __future__ import annotations
 
+import ctypes
 import fcntl
 import importlib.util
 import json
 import logging
 import os
+import struct
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz._version import __version__
 from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError
-from libgz.recording.frames import Kind, channel_frame, frame, frame_head, tick_frame
-from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message, tables_message
+from libgz.recording.changes import Changes, Piece
+from libgz.recording.frames import Kind, channel_frame, frame, tick_frame
+from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Data, fields_of
+from libgz.transport.layout import Data, commands_of
+from libgz.transport.tables import HEADER
 
 if TYPE_CHECKING:
     from libgz.recording.topics import TopicTap
@@ -33,13 +38,16 @@ __all__ = ["FORMAT", "Capture", "check_packages"]
 log = logging.getLogger("libgz.recording")
 
 FORMAT = "1"  # of the log
-LARGE = 16_384  # [byte]; arrays of that size change only together with the rest of their interface
+LARGE, BEGINNING = 8192, 1024  # [byte]
 LARGEST_FILE = 64 << 20  # [byte] of textures and skins that are kept in the log
 PIPE_SIZE = 1 << 20  # [byte]
-MOST_PARTS = 1024  # that one call of the system writes
+SEND_PERIOD = 0.01  # [s] between two calls of the system, each of which wakes the writer
+MOST_FRAMES = 200  # that wait for it
 PATIENCE = 60.0  # [s] for the writer to finish
 TABLES, SCENE, FILES, SERVED = 1, 2, 3, 4  # channels
 FIRST_CHANNEL = 10  # of interfaces and topics
+_END = frame(Kind.END, 0, b"")
+_REVISION, _REVISION_AT = struct.Struct("=q"), HEADER.fields["revision"][1]  # type: ignore[index]
 
 _NEEDED = {"mcap": "mcap", "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
 
@@ -55,42 +63,14 @@ def check_packages() -> None:
         raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: pip install 'libgz[log]'")
 
 
-class _InterfaceTap:
-    """Notices when the bytes of an interface change."""
+def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
+    """The parts of a large struct that change when it does: its beginning, with the time, and what clients write.
 
-    def __init__(self, interface: Interface[Any], channel: int) -> None:
-        self.interface, self.size = interface, interface.size
-        self.head = frame_head(Kind.MESSAGE, channel, self.size)
-        self._parts = _watched(interface.layout)
-        self._last: Any = None
-
-    def take(self) -> bytes | None:
-        """All bytes, if they are not those of the last time."""
-        interface = self.interface
-        if self._parts is None:
-            now = interface.peek(0, self.size)
-            if now == self._last:
-                return None
-            self._last = now
-            return now
-        key = [interface.peek(start, end) for start, end in self._parts]
-        if key == self._last:
-            return None
-        self._last = key
-        return interface.peek(0, self.size)
-
-
-def _watched(layout: type[Data]) -> list[tuple[int, int]] | None:
-    """The parts of a struct without its large arrays; None if it has none."""
-    large = [place for name in fields_of(layout) if (place := getattr(layout, name)).size >= LARGE]
-    if not large:
-        return None
-    parts, start = [], 0
-    for place in large:
-        parts.append((start, place.offset))
-        start = place.offset + place.size
-    parts.append((start, start + LARGE))
-    return parts
+    Nothing for a small one: all of it is compared.
+    """
+    if ctypes.sizeof(layout) < LARGE:
+        return ()
+    return (0, BEGINNING), *((part.start, part.stop - part.start) for part, _ in commands_of(layout))
 
 
 class Capture:
@@ -117,7 +97,9 @@ class Capture:
         self._due = 0.0
         self._revision = -1
         self._known: list[Interface[Any]] = []
-        self._taps: list[_InterfaceTap] = []
+        self._changes = Changes([])
+        self._memory: Any = None  # of the tables
+        self._states = Changes([])
         self._channels: dict[str, int] = {}
         self._files: set[str] = set()  # that the log has
         self._topics: TopicTap | None = None
@@ -128,6 +110,7 @@ class Capture:
 
             self._topics = TopicTap(world)
         self._frames: list[bytes] = []
+        self._sent = 0.0  # [s]
         about = {
             "format": FORMAT,
             "libgz": __version__,
@@ -195,18 +178,28 @@ class Capture:
             self._take_interfaces()
             if self._topics is not None:
                 self._take_topics(self._topics)
-        self._frames.append(frame(Kind.END, 0, b""))
-        self._send()
+        self._frames.append(_END)
+        now = time.monotonic()
+        if now - self._sent >= SEND_PERIOD or len(self._frames) > MOST_FRAMES:
+            self._sent = now
+            self._send()
 
     def _take_states(self) -> None:
-        head, bodies, joints = self._tables.states()
-        if head["revision"] != self._revision:
-            self._revision = int(head["revision"])
+        memory = self._tables.memory
+        revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
+        if revision != self._revision:
+            self._revision = revision
             self._take_scene()
         elif self._time < self._due - 1e-9:
             return
         self._due = self._time + self.period
-        self._frames.append(frame(Kind.MESSAGE, TABLES, tables_message(head, bodies, joints)))
+        if memory is self._memory:
+            self._frames.append(bytes(self._states.take()))
+            return
+        self._memory = memory
+        self._states = Changes([Piece(memory, TABLES)])
+        self._states.take()
+        self._frames.append(frame(Kind.MESSAGE, TABLES, bytes(memory)))
 
     def _take_scene(self) -> None:
         scene = json.loads(self._tables.scene)
@@ -226,29 +219,20 @@ class Capture:
         served = list(self.world.gz_server.interfaces.values())
         if served != self._known:
             self._notice(served)
-        frames = self._frames
-        for tap in self._taps:
-            content = tap.take()
-            if content is not None:
-                frames += tap.head, content
+        self._frames.append(bytes(self._changes.take()))
 
     def _notice(self, served: list[Interface[Any]]) -> None:
         """Interfaces came or went."""
-        taps = {tap.interface: tap for tap in self._taps}
         self._known = served
-        self._taps = [taps.get(interface) or self._tap(interface) for interface in served]
+        pieces = [Piece(one.memory, self._interface_channel(one), keys_of(one.layout)) for one in served]
+        self._changes = Changes(pieces, self._changes)
         names = [[interface.type, interface.id] for interface in served]
         self._frames.append(frame(Kind.MESSAGE, SERVED, json.dumps(names).encode()))
 
-    def _tap(self, interface: Interface[Any]) -> _InterfaceTap:
-        topic = f"/{interface.type}/{interface.id}"
+    def _interface_channel(self, interface: Interface[Any]) -> int:
+        kind, name, size = interface.type, interface.id, interface.size
         version = self.world.gz_server.version
-        return _InterfaceTap(
-            interface,
-            self._channel(
-                topic, kind="interface", type=interface.type, id=interface.id, version=version, size=interface.size
-            ),
-        )
+        return self._channel(f"/{kind}/{name}", kind="interface", type=kind, id=name, version=version, size=size)
 
     def _take_topics(self, tap: TopicTap) -> None:
         for topic, type_name, declaration, content in tap.take():
@@ -266,14 +250,10 @@ class Capture:
     # The pipe --------------------------------------------------------------------------------------------------------
 
     def _send(self) -> None:
-        frames, self._frames = self._frames, []
+        data, self._frames = memoryview(b"".join(self._frames)), []
         try:
-            while frames and self._pipe is not None:
-                some, frames = frames[:MOST_PARTS], frames[MOST_PARTS:]
-                written, size = os.writev(self._pipe, some), sum(map(len, some))
-                rest = memoryview(b"".join(some))[written:] if written < size else b""
-                while rest:
-                    rest = rest[os.write(self._pipe, rest) :]
+            while data and self._pipe is not None:
+                data = data[os.write(self._pipe, data) :]
         except BrokenPipeError:
             self._end("cannot be written any more; its reason is above")
 
@@ -290,6 +270,8 @@ class Capture:
         """Finish the log; waits for it. Can be called twice."""
         if self._topics is not None:
             self._topics.close()
+        if self._pipe is not None:
+            self._send()
         if self._pipe is not None:
             os.close(self._pipe)
             self._pipe = None

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from enum import IntEnum
 from typing import Any, NamedTuple
 
-__all__ = ["Frame", "Frames", "Kind", "channel_frame", "frame", "frame_head", "tick_frame", "tick_times"]
+__all__ = ["Frame", "Frames", "Kind", "channel_frame", "frame", "tick_frame", "tick_times"]
 
 _HEAD = struct.Struct("<BHI")  # kind, channel, length of what follows
 _TICK = struct.Struct("<qq")
@@ -22,6 +22,7 @@ class Kind(IntEnum):
     MESSAGE = 2
     END = 3  # of a step
     METADATA = 4  # about the whole log, JSON
+    PATCH = 5  # what has changed of an interface; see changes.c
 
 
 class Frame(NamedTuple):
@@ -35,11 +36,6 @@ class Frame(NamedTuple):
 def frame(kind: int, channel: int, content: bytes) -> bytes:
     """A frame as bytes."""
     return _HEAD.pack(kind, channel, len(content)) + content
-
-
-def frame_head(kind: int, channel: int, length: int) -> bytes:
-    """What comes before the content of a frame."""
-    return _HEAD.pack(kind, channel, length)
 
 
 def tick_frame(log_time: int, sim_time: int) -> bytes:

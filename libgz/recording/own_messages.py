@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import struct
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
-from libgz.transport.tables import BODY_COLUMNS, JOINT_COLUMNS
+from libgz.transport.tables import BODY_COLUMNS, HEADER, JOINT_COLUMNS
 
 __all__ = [
     "FILE_SCHEMA",
@@ -77,8 +77,11 @@ class States(NamedTuple):
         return np.frombuffer(self.joints).reshape(-1, JOINT_COLUMNS)
 
 
-def tables_message(head: Any, bodies: bytes, joints: bytes) -> bytes:
-    """The states of a step as a message of TABLES_SCHEMA; `head` is the header of the tables."""
+def tables_message(image: bytes | bytearray) -> bytes:
+    """The states of a step as a message of TABLES_SCHEMA, from the observer's tables with their header."""
+    head = np.frombuffer(image, dtype=HEADER, count=1)[0]
+    middle, end = int(head["joints_offset"]), int(head["size"])
+    bodies, joints = bytes(image[HEADER.itemsize : middle]), bytes(image[middle:end])
     return b"".join(
         (
             _NUMBERS.pack(*(head[name] for name in _NAMES)),

@@ -17,10 +17,11 @@ from typing import Any
 from libgz._version import __version__
 from libgz.errors import GazeboError
 from libgz.interfaces.catalog import new_interface
+from libgz.recording.changes import apply_patches
 from libgz.recording.foxglove import Converter, Output
 from libgz.recording.frames import Frame, Frames, Kind, tick_times
 from libgz.recording.mcap_file import McapFile
-from libgz.recording.own_messages import read_file, read_tables
+from libgz.recording.own_messages import read_file, read_tables, tables_message
 from libgz.recording.schemas import descriptors_of, message_descriptors, struct_schema
 from libgz.recording.topics import type_of_topic
 
@@ -40,10 +41,12 @@ class _Channel:
         self.layout: Any = None
         self.type: Any = None
         self.name = ("", "")
+        self.copy = bytearray()  # of an interface
         if self.kind == "interface":
             interface = new_interface(about["type"])
             self.layout = interface.layout_for(about["version"], about["size"])
             self.name = about["type"], about["id"]
+            self.copy = bytearray(about["size"])
             schema = f"gz/{self.layout.__name__}", "ros1msg", struct_schema(self.layout).encode()
             encoding = "ros1"
         elif self.kind == "topic":
@@ -79,6 +82,10 @@ class LogWriter:
         """Write a frame."""
         if frame.kind == Kind.MESSAGE:
             self._message(self._channels[frame.channel], frame.content)
+        elif frame.kind == Kind.PATCH:
+            channel = self._channels[frame.channel]
+            apply_patches(channel.copy, frame.content)
+            self._message(channel, bytes(channel.copy), patched=True)
         elif frame.kind == Kind.TICK:
             self._log_time, self._sim_time = tick_times(frame.content)
             self._sequence += 1
@@ -90,7 +97,11 @@ class LogWriter:
             self._file.add_metadata("libgz", json.loads(frame.content))
         self._pending = True
 
-    def _message(self, channel: _Channel, content: bytes) -> None:
+    def _message(self, channel: _Channel, content: bytes, patched: bool = False) -> None:
+        if channel.topic == "/gz/tables":
+            if not patched:
+                channel.copy = bytearray(content)
+            content = tables_message(content)
         self._write(channel.id, content)
         convert, now = self._convert, self._log_time
         if channel.topic == "/gz/tables":

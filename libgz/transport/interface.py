@@ -246,16 +246,16 @@ class Interface(Generic[D]):
             memory: Any = self._memory
             return bytes(memory[: self.size])
 
-    def peek(self, start: int, end: int) -> bytes:
-        """Some bytes of the struct as they are now, without the lock; what no other process writes is consistent.
+    @property
+    def memory(self) -> memoryview:
+        """The bytes of the struct, as they are in memory; to be read only, and without the lock.
 
         Raises:
             ClosedError: the interface is not open.
         """
-        memory = self._memory
-        if memory is None:
+        if self._memory is None:
             raise ClosedError(f"interface {self.type}.{self.id} is not open")
-        return bytes(memory[start:end])
+        return memoryview(self._memory)[: self.size].toreadonly()
 
     def set_bytes(self, state: bytes) -> None:
         """Write bytes that `get_bytes` returned, head included.

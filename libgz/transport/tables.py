@@ -142,12 +142,10 @@ class LocalTables:
             raise NotFoundError(f"there are no data {name!r}")
         return self._contents[name]
 
-    def states(self) -> tuple[Any, bytes, bytes]:
-        """The last publication: its header, and the tables of bodies and joints, copies."""
-        head = np.frombuffer(self._memory[: HEADER.itemsize], dtype=HEADER)[0]
-        middle = int(self.header[0]["joints_offset"])
-        end = int(self.header[0]["size"])
-        return head, bytes(self._memory[HEADER.itemsize : middle]), bytes(self._memory[middle:end])
+    @property
+    def memory(self) -> Any:
+        """Header and tables as they are in memory, to be read only; another object after `resize`."""
+        return self._memory
 
     def publish(self, numbers: dict[str, float], bodies: bytes, joints: bytes) -> None:
         """Publish states from tables of bytes; `numbers` are those of the header, from revision to real time.

@@ -58,7 +58,7 @@ def contents(folder):
 
 def interfaces_of(world):
     return {
-        f"{kind}.{name}": one.peek(0, one.size)
+        f"{kind}.{name}": bytes(one.memory)
         for (kind, name), one in world.gz_server.interfaces.items()
         if one.descriptor is not None
     }

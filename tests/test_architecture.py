@@ -18,7 +18,7 @@ LAYERS = [
     ["geometry"],
     ["ode"],
     ["physics", "transport", "worldfile", "sdf"],
-    ["interfaces"],
+    ["interfaces", "charts"],
     ["clib", "simulation", "rendering"],
     ["legacy", "sdfworld"],
     ["models", "classic"],

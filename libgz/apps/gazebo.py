@@ -24,7 +24,7 @@ from libgz.apps.console import (
 )
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
-from libgz.apps.record import Recorder
+from libgz.apps.record import Recorder, ViewRecorder, new_recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
@@ -146,7 +146,7 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="ID=FILE",
-        help="record a camera's images to a video file; may be repeated",
+        help="record a camera's images to a video file, or with view=FILE those of the whole world; may be repeated",
     )
     add_mcap_option(parser)
     add(
@@ -169,7 +169,7 @@ class Run:
         self.steps: int | None = options.steps
         self.deadline: float | None = None
         self.stopped = False
-        self.recorders: list[Recorder] = []
+        self.recorders: list[Recorder | ViewRecorder] = []
         self.control: SnapshotControl | None = None
         self.capture: Capture | None = None
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
@@ -273,7 +273,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path)
             world.Initialize()
-            run.recorders += [Recorder(world, request) for request in options.record]
+            run.recorders += [new_recorder(world, request) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
             with record_mcap(world, options) as run.capture, SnapshotControl(world, options.rewind) as run.control:

@@ -182,6 +182,11 @@ class World:
     ) -> None:
         self.close()
 
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else f"sim time {self.clock.sim_time:.3f} s"
+        where = "" if self.server_id is None else f", server {self.server_id}"
+        return f"<World {self.name!r}, {self.era.name}, {state}, {len(self.models)} models{where}>"
+
     @property
     def worldId(self) -> Engine:
         """What old plugins pass to joints: the engine."""

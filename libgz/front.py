@@ -7,14 +7,9 @@ import io
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
-from PIL import Image
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from libgz import models
-from libgz.charts import figure_of
 from libgz.errors import GazeboError, LibraryError, NotFoundError, nearest
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
@@ -22,13 +17,15 @@ from libgz.legacy.model import Model
 from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
-from libgz.rendering.camera import Camera
-from libgz.rendering.overview import FIELD_OF_VIEW, overview
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["World"]
 
@@ -171,10 +168,12 @@ class World(world.World):
         self.problems.check()
         return added
 
-    # In a notebook -----------------------------------------------------------------------------------------------------
+    # In a notebook; a world that nobody looks at loads neither OpenGL nor matplotlib --------------------------------
 
     def start_pose(self, width: int = 640, height: int = 480) -> GzPose:
         """Where a user's view begins: the pose of ObserverCam or `<gui><camera>`, or one that shows all models."""
+        from libgz.rendering.overview import overview
+
         return self.era.start_view(self) or overview(self, width / height)
 
     def image(self, width: int = 640, height: int = 480, pose: GzPose | None = None) -> NDArray[np.uint8]:
@@ -188,6 +187,9 @@ class World(world.World):
             LibraryError: rendering is disabled, or OpenGL does not work here.
             ParameterError: the size is out of range.
         """
+        from libgz.rendering.camera import Camera
+        from libgz.rendering.overview import FIELD_OF_VIEW
+
         pose = self.start_pose(width, height) if pose is None else pose
         far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
         with Camera(self, width, height, FIELD_OF_VIEW, 0.05, far) as camera:
@@ -207,15 +209,17 @@ class World(world.World):
             LibraryError: matplotlib is not installed.
             ParameterError: there is nothing to plot.
         """
+        from libgz.charts import figure_of
+
         served = {key: one for key, one in self.gz_server.interfaces.items() if key[0] not in ("sim", "factory")}
         if not names:
             return figure_of(list(served.values()))
         found = []
         for name in names:
-            kind, dot, id = name.partition(".")
-            mine = [one for key, one in served.items() if (key == (kind, id) if dot else key[1] == name)]
+            kind, dot, label = name.partition(".")
+            mine = [one for key, one in served.items() if (key == (kind, label) if dot else key[1] == name)]
             if not mine:
-                known = [*dict.fromkeys(id for _, id in served), *(".".join(key) for key in served)]
+                known = [*dict.fromkeys(key[1] for key in served), *(".".join(key) for key in served)]
                 raise NotFoundError(f"nothing called {name!r} serves data{nearest(name, known)}")
             found += mine
         return figure_of(found)
@@ -231,12 +235,12 @@ class World(world.World):
         """
         for entry in importlib.metadata.entry_points(group="libgz.viewers"):
             return entry.load()(self, **options)
-        raise LibraryError(
-            "there is no viewer here: pip install 'libgz[view]'; world.image() needs none"
-        )
+        raise LibraryError("there is no viewer here: pip install 'libgz[view]'; world.image() needs none")
 
     def _repr_png_(self) -> bytes | None:
         """What a notebook shows: an image of the world."""
+        from PIL import Image
+
         try:
             image = self.image()
         except GazeboError:

@@ -24,9 +24,7 @@ print(json.dumps([list(out.get("data", {"error": 0})) for c in notebook.cells fo
 
 @pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda path: path.stem)
 def test_a_notebook_runs(notebook, tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-c", RUN, notebook, tmp_path], capture_output=True, text=True, timeout=300
-    )
+    done = subprocess.run([sys.executable, "-c", RUN, notebook, tmp_path], capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     shown = json.loads(done.stdout.splitlines()[-1])
     assert sum("image/png" in kinds for kinds in shown) >= 3

@@ -33,7 +33,7 @@ COMMANDS = {
     "models": "list all models, or describe one",
     "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
     "picture": "run a world and save the image of one of its cameras",
-    "plot": "draw fields of a log or of a running server over time",
+    "plot": "plot fields of a log or of a running server over time",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
     "set": "write fields of an interface of a running server",

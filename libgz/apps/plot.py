@@ -1,4 +1,4 @@
-"""libgz plot: draw fields of a log or of a running server over sim time."""
+"""libgz plot: plot fields of a log or of a running server over sim time."""
 
 from __future__ import annotations
 

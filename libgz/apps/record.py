@@ -38,7 +38,7 @@ def new_recorder(world: World, request: str) -> Recorder | ViewRecorder:
 
 
 class ViewRecorder:
-    """Renders the world from where a user's view begins, and writes a video: 25 images a second of time, pauses included.
+    """Renders the world from where a user's view begins, and writes a video: 25 images a second.
 
     Args:
         world: an initialized world.

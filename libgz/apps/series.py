@@ -1,6 +1,6 @@
 """Series: numbers over time, of a log or of a running server; shared by `libgz plot` and `libgz export`.
 
-A target is an interface (``position.robot1``), the state of a body (``state.robot1`` or ``state.robot1::canonical``), or,
+A target is an interface (``position.robot1``), the state of a body (``state.robot1``, ``state.robot1::canonical``), or,
 in a log, a topic (``~/box/link/ray/scan``).
 """
 

@@ -65,7 +65,7 @@ static int changed(const struct row *row, int whole)
     return whole && memcmp(row->memory, row->shadow, (size_t)row->size);
 }
 
-/* Writes a frame for each row that changed; `out` has room for all rows with an eighth more, and 64 bytes for each.
+/* Writes a frame for each row that changed; `out` takes all rows with an eighth more, and 64 bytes for each.
    `turn` counts the calls. Returns the number of bytes. */
 int64_t gz_changes(struct row *rows, int64_t count, uint8_t *out, int64_t turn)
 {

@@ -108,8 +108,8 @@ class Changes:
                 )
             )
         )
-        room = sum(len(memory) + len(memory) // 8 + 64 for memory in self._memories)
-        self._out = (ctypes.c_char * max(room, 1))()
+        most = sum(len(memory) + len(memory) // 8 + 64 for memory in self._memories)
+        self._out = (ctypes.c_char * max(most, 1))()
         self._view = memoryview(self._out).cast("B")
         self._arguments = ctypes.addressof(self._rows), len(self._memories), ctypes.addressof(self._out)
 

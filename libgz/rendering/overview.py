@@ -6,6 +6,7 @@ import math
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.physics.engine import Engine
@@ -34,7 +35,7 @@ def overview(world: _World, aspect: float = 4.0 / 3.0) -> GzPose:
     """
     boxes = _boxes(world.engine)
     if not len(boxes):
-        boxes = np.array([[-1.0, -1.0, 0.0, 1.0, 1.0, 1.0]])
+        boxes = np.array([[-1.0, -1.0, 0.0, 1.0, 1.0, 1.0]], dtype=np.float64)
     low, high = boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)
     centre, radius = (low + high) / 2.0, max(float(np.linalg.norm(high - low)) / 2.0, NEAREST)
     half = min(FIELD_OF_VIEW / 2.0, math.atan(math.tan(FIELD_OF_VIEW / 2.0) / aspect))
@@ -44,16 +45,17 @@ def overview(world: _World, aspect: float = 4.0 / 3.0) -> GzPose:
     return GzPose(GzVector(x, y, z), GzQuaternFromEuler(0.0, PITCH, YAW))
 
 
-def _boxes(engine: Engine) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _boxes(engine: Engine) -> NDArray[np.float64]:
     """Corners of what can be seen, shape (n, 6), without grounds and what is far from all else."""
-    moving, fixed = [], []
+    moving: list[list[float]] = []
+    fixed: list[list[float]] = []
     for geom in engine.geoms.values():
         low, high = geom.bounds()
         box = [*low, *high]
         if isinstance(geom, PlaneGeom) or low == high or not geom.appearance.visible or not np.isfinite(box).all():
             continue
         (fixed if geom.body.dummy else moving).append(box)
-    chosen = np.array(moving or fixed, dtype=float).reshape(-1, 6)
+    chosen: NDArray[np.float64] = np.array(moving or fixed, dtype=np.float64).reshape(-1, 6)
     if len(chosen) > 2:
         centres = (chosen[:, :3] + chosen[:, 3:]) / 2.0
         distances = np.linalg.norm(centres - np.median(centres, axis=0), axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.interfaces.sample import SampleData, SampleInterface
-from libgz.interfaces.views import image
+from libgz.interfaces.views import image, unused
 from libgz.transport.interface import View
 from libgz.transport.layout import SERVER, Array, byte, double, layout, uint32
 from libgz.transport.legacy import LegacyFunctions
@@ -61,6 +61,11 @@ class Camera(SampleInterface[CameraData]):
     older = {0x050: CameraDataOld}
 
     all_pixels = View("image")
+
+    @property
+    def gap(self) -> tuple[int, int]:
+        """The bytes of the image that are not used."""
+        return unused(self, "image", self.data.image_size)
 
     @property
     def image(self) -> NDArray[np.uint8]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from libgz.interfaces.views import image
+from libgz.interfaces.views import image, unused
 from libgz.physics.check import finite_tuple
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import BOTH, CLIENT, SERVER, Array, Data, byte, double, int32, layout, uint32
@@ -74,6 +74,11 @@ class Guicam(Interface[GuicamData]):
     def sim_time(self) -> float:
         """Sim time of the last update [s]."""
         return self.data.sim_time
+
+    @property
+    def gap(self) -> tuple[int, int]:
+        """The bytes of the image that are not used."""
+        return unused(self, "image", self.data.image_size)
 
     @property
     def image(self) -> NDArray[np.uint8]:

@@ -1,4 +1,4 @@
-"""Views of the filled part of an interface's arrays."""
+"""The filled part of an interface's arrays, and where the rest is."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-__all__ = ["filled", "image"]
+from libgz.transport.interface import Interface
+
+__all__ = ["filled", "image", "unused"]
 
 
 def filled(array: NDArray[Any], count: int) -> NDArray[Any]:
@@ -34,3 +36,15 @@ def image(pixels: NDArray[Any], width: int, height: int, size: int, channels: in
         width = height = count = 0
     shape = (height, width, channels) if channels > 1 else (height, width)
     return pixels[:count].reshape(shape)
+
+
+def unused(interface: Interface[Any], name: str, count: int) -> tuple[int, int]:
+    """Where the bytes of an array behind its first `count` ones begin and end in the struct.
+
+    Args:
+        interface: an open interface.
+        name: of the array, whose elements are bytes.
+        count: how many the server has filled; a client may have overwritten it.
+    """
+    field = getattr(interface.layout, name)
+    return field.offset + min(max(count, 0), field.size), field.offset + field.size

@@ -23,7 +23,8 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "recording", "reference"],
+    ["convert", "recording", "reference", "images"],
+    ["testing"],
     ["apps"],
     ["__main__"],
 ]

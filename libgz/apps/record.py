@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
+from libgz.models.camera import eye_of
 from libgz.rendering.camera import Camera
 from libgz.rendering.overview import FIELD_OF_VIEW
 from libgz.simulation.rate import TIME_SLACK
@@ -22,7 +23,7 @@ KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interf
 VIEW, VIEW_RATE, VIEW_SIZE = "view", 25.0, (640, 480)  # name, images a second of sim time, and size [px]
 
 
-def new_recorder(world: World, request: str) -> Recorder | ViewRecorder:
+def new_recorder(world: World, request: str, shadows: bool = True) -> Recorder | ViewRecorder:
     """The recorder of a request, ``ID=FILE`` or ``view=FILE``; a camera that is called view is a camera.
 
     Raises:
@@ -33,8 +34,8 @@ def new_recorder(world: World, request: str) -> Recorder | ViewRecorder:
     """
     name, _, file = request.partition("=")
     if name == VIEW and file and not any((kind, name) in world.gz_server.interfaces for kind in KINDS):
-        return ViewRecorder(world, Path(file))
-    return Recorder(world, request)
+        return ViewRecorder(world, Path(file), shadows)
+    return Recorder(world, request, shadows=shadows)
 
 
 class ViewRecorder:
@@ -43,13 +44,14 @@ class ViewRecorder:
     Args:
         world: an initialized world.
         path: of the video.
+        shadows: whether it has shadows, unless an SDF scene forbids them.
 
     Raises:
         LibraryError: rendering is disabled, or OpenGL does not work here.
         GazeboError: the packages are missing, or the file cannot be written.
     """
 
-    def __init__(self, world: World, path: Path) -> None:
+    def __init__(self, world: World, path: Path, shadows: bool = True) -> None:
         pose = world.start_pose(*VIEW_SIZE)
         far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
         self._world, self._video = world, _Video(path, VIEW_RATE)
@@ -58,6 +60,7 @@ class ViewRecorder:
             self.close()
             raise LibraryError("--record view=... needs rendering, which is disabled (--gl none or LIBGZ_GL)")
         self._camera.SetPose(pose)
+        self._camera.options.shadows = shadows
         self._due = -1.0
 
     def take(self) -> None:
@@ -88,6 +91,7 @@ class Recorder:
     Args:
         world: an initialized world.
         request: ``ID=FILE``, the camera's id and a video file (.mp4, .mkv, ...).
+        shadows: whether the video has shadows, unless the world's scene forbids them; clients get images without.
 
     Raises:
         ParameterError: the request has another format.
@@ -95,7 +99,7 @@ class Recorder:
         GazeboError: the packages are missing, or the file cannot be written.
     """
 
-    def __init__(self, world: World, request: str) -> None:
+    def __init__(self, world: World, request: str, *, shadows: bool = True) -> None:
         name, equals, file = request.partition("=")
         if not (name and equals and file):
             raise ParameterError(f"--record {request!r}: it must be ID=FILE, a camera's id and a video file")
@@ -108,6 +112,7 @@ class Recorder:
                 f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}"
             )
         self._interface, self._field = interfaces[kind, name], KINDS[kind]
+        self._eye = eye_of(world.model(name)) if shadows else None
         self._rate = float(getattr(world.model(name), "values").updateRate)  # noqa: B009 - of the camera models
         self._last = -1.0
         self._video = _Video(self.path, self._rate)
@@ -124,6 +129,8 @@ class Recorder:
         if now == self._last or not image.size:
             return
         self._last = now
+        if self._eye is not None:
+            image = self._eye.shaded()
         self._video.write(image)
 
     def close(self) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.classic import msgs
@@ -13,6 +13,7 @@ from libgz.classic.describe import contacts_of, model_message, poses_message, st
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
+from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
@@ -51,9 +52,9 @@ class WorldTopics:
     def __init__(self, world: World, paused_steps: PausedSteps) -> None:
         self._world = world
         self._manager = TopicManager.Instance()
-        self._manager.AddTopicNamespace(world.Name())
+        self._manager.AddTopicNamespace(world.core.topic_space)
         self._node = Node()
-        self._node.Init(world.Name())
+        self._node.Init(world.core.topic_space)
         self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
         self._records = False  # whether contacts are recorded for that topic
         self._response = self._node.Advertise(msgs.Response, "~/response")
@@ -83,6 +84,33 @@ class WorldTopics:
         }
         return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
 
+    def save(self) -> list[tuple[str, Any]]:
+        """The messages of this process that wait for delivery, as plain data.
+
+        Those of other processes are not the world's, nor is the last message that a publisher keeps for late
+        subscribers.
+        """
+        return [(self._node.EncodeTopicName(name), message) for name, message in waiting_messages(self._prefix)]
+
+    def load(self, state: Sequence[tuple[str, Any]], *, replace: bool) -> None:
+        """Take what `save` returned.
+
+        Args:
+            state: what it returned.
+            replace: whether the messages of this process that wait now are dropped.
+        """
+        self._world.Physics().GetContactManager().release(self)
+        self._records = False  # until the next update finds subscribers
+        if replace:
+            drop_waiting(self._prefix)
+        for name, message in state:
+            queue_message(self._node.DecodeTopicName(name), message)
+
+    @property
+    def _prefix(self) -> str:
+        """Of the names of this world's topics."""
+        return f"/gazebo/{self._world.core.topic_space}/"
+
     def model_added(self, model: Model) -> None:
         """Publish a model that was inserted."""
         if self._models.HasConnections():
@@ -105,9 +133,9 @@ class WorldTopics:
 
     def close(self) -> None:
         """End the topics; the namespace stays if another world of this process has the same name."""
-        name = self._world.Name()
+        name = self._world.core.topic_space
         self._node.Fini()
         self._subscribers.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
-        if not any(core.name == name for core in others):
+        if not any(core.topic_space == name for core in others):
             self._manager.RemoveTopicNamespace(name)

@@ -127,7 +127,7 @@ def exclusive(method: Callable[Concatenate[T, P], R]) -> Callable[Concatenate[T,
     """
     # Compiled with the method's own parameters: to pack and unpack any arguments would cost three times as much.
     declared, passed = ["self"], ["self"]
-    values: dict[str, Any] = {"method": method}
+    values: dict[str, Any] = {"method": method, "__name__": __name__}
     keyword_only = False
     for name, parameter in list(inspect.signature(method).parameters.items())[1:]:
         if parameter.kind is parameter.KEYWORD_ONLY and not keyword_only:

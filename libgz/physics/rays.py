@@ -28,7 +28,7 @@ class RayProximity:
         rayCount: how many.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("_rays", "ranges", "rows")
+    STATE: ClassVar[tuple[str, ...]] = ("_numbers",)
 
     def __init__(self, world: HasEngine, body: Body, rayCount: int) -> None:
         if rayCount < 1:
@@ -42,6 +42,18 @@ class RayProximity:
         self._frame = np.zeros(7)
         self._scan = self.engine.scanner(RayScan(self._frame, self._rays, body.number, self.ranges, self.rows))
         self.engine.ray_bundles.add(self)
+
+    @property
+    def _numbers(self) -> bytes:
+        """The rays, and what they hit, as bytes: an array each would take longer to save."""
+        return self._rays.tobytes() + self.ranges.tobytes() + self.rows.tobytes()
+
+    @_numbers.setter
+    def _numbers(self, data: bytes) -> None:
+        count = len(self.ranges)
+        self._rays[:] = np.frombuffer(data, np.float64, 7 * count).reshape(count, 7)
+        self.ranges[:] = np.frombuffer(data, np.float64, count, 56 * count)
+        self.rows[:] = np.frombuffer(data, np.int64, count, 64 * count)
 
     def SetRay(self, index: int, a: VectorLike, b: VectorLike) -> None:
         """Place a ray in the body frame, from `a` to `b` [m].

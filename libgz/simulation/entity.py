@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, place_of
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
@@ -50,7 +50,7 @@ class Entity:
         world: the World.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("initPose", "relPose", "fixed", "_id", "_name", "_number")
+    STATE: ClassVar[tuple[str, ...]] = ("_homes", "fixed", "_id", "_name", "_number")
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
@@ -120,6 +120,17 @@ class Entity:
         self.modelSpaceId.close()
 
     # State -----------------------------------------------------------------------------------------------------------
+
+    @property
+    def _homes(self) -> tuple[float, ...]:
+        """The initial pose and the one in the parent body, as plain numbers."""
+        a, b, c, d = self.initPose.pos, self.initPose.rot, self.relPose.pos, self.relPose.rot
+        return a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z
+
+    @_homes.setter
+    def _homes(self, numbers: tuple[float, ...]) -> None:
+        self.initPose = GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:7]))
+        self.relPose = GzPose(GzVector(*numbers[7:10]), GzQuatern(*numbers[10:]))
 
     def MasterSaveState(self) -> object:
         """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, ParameterError, StateError
+from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
+from libgz.simulation.plugins import own_traceback
 
 if TYPE_CHECKING:
     from libgz.simulation.companion import Companion
@@ -28,10 +29,11 @@ def save(world: World) -> bytes:
     """The state of a world between two steps.
 
     Raises:
-        ParameterError: an object declares something as its state that is not plain data.
+        ParameterError: an object declares something as its state that is not plain data, or cannot be read.
     """
     number = {entity: index for index, entity in enumerate(world.entities)}
-    sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
+    origins = [entity.origin for entity in world.entities]
+    sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
     plain = {
         "file": world.era.digest,
         "world": state.get_state(world),
@@ -52,7 +54,7 @@ def save(world: World) -> bytes:
             try:
                 state.encode(entity.MasterSaveState())
             except ParameterError as own:
-                raise ParameterError(f"model {entity.GetId()!r} ({type(entity).__name__}): {own}") from error
+                raise ParameterError(f"{_described(entity)}: {own}") from error
         raise
 
 
@@ -71,6 +73,8 @@ def restore(world: World, data: bytes) -> None:
         for name in saved["companions"].keys() - set(map(_name, world.companions)):
             raise StateError(f"this state has a part that this world has not: {name}")
     _restore_entities(world, saved)
+    for companion in world.companions:
+        companion.entities_rebuilt()
     state.set_state(world, saved["world"])
     world.random = np.random.SeedSequence(world.seed, n_children_spawned=saved["spawned"])
     world.journal.inserted = saved["inserted"]
@@ -105,17 +109,41 @@ def _name(thing: Any) -> str:
 # Entities -----------------------------------------------------------------------------------------------------------
 
 
-def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, int]) -> dict[str, Any]:
-    origin, body = entity.origin, entity.parentBody
+def _saved_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
+    origin = entity.origin
+    parent, body = (None, None) if entity.parent is None else _holder(entity, number)
+    failed, plugin_error = entity.failed, entity.plugin_error
     return {
-        "origin": (sources.index(origin.source), origin.place) if origin is not None else None,
+        "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
-        "parent": number.get(entity.parent) if entity.parent is not None else None,
-        "body": entity.parent.bodies.index(body) if entity.parent is not None and body is not None else None,
-        "failed": _text_of(entity.failed),
-        "plugin_error": _text_of(entity.plugin_error),
-        "state": entity.MasterSaveState(),
+        "parent": parent,
+        "body": body,
+        "failed": None if failed is None else _text_of(failed),
+        "plugin_error": None if plugin_error is None else _text_of(plugin_error),
+        "state": _own_state(entity),
     }
+
+
+def _holder(entity: Entity, number: dict[Entity, int]) -> tuple[int | None, int | None]:
+    """The numbers of the parent and of the body there that an entity is attached to; None for none."""
+    parent, body = entity.parent, entity.parentBody
+    if parent is None:
+        return None, None
+    return number.get(parent), parent.bodies.index(body) if body is not None else None
+
+
+def _own_state(entity: Entity) -> object:
+    try:
+        return entity.MasterSaveState()
+    except GazeboError:
+        raise
+    except USER_ERRORS as error:
+        pass_interrupt(error)
+        raise ParameterError(f"{_described(entity)}: its state cannot be saved:\n{own_traceback(error)}") from error
+
+
+def _described(entity: Entity) -> str:
+    return f"model {entity.GetId()!r} ({type(entity).__name__})"
 
 
 def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
@@ -126,7 +154,13 @@ def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
     for name in ("failed", "plugin_error"):
         if _text_of(getattr(entity, name)) != kept[name]:
             setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
-    entity.MasterLoadState(kept["state"])
+    try:
+        entity.MasterLoadState(kept["state"])
+    except GazeboError:
+        raise
+    except USER_ERRORS as error:
+        pass_interrupt(error)
+        raise StateError(f"{_described(entity)}: its state cannot be set:\n{own_traceback(error)}") from error
 
 
 def _text_of(error: object) -> str | None:
@@ -143,11 +177,18 @@ def _restore_entities(world: World, saved: dict[str, Any]) -> None:
         Origin(sources[kept["origin"][0]], kept["origin"][1]) if kept["origin"] is not None else None
         for kept in saved["entities"]
     ]
-    present = [entity.origin for entity in world.entities]
-    if present == wanted:
+    number = {entity: index for index, entity in enumerate(world.entities)}
+    present = [(entity.origin, *_holder(entity, number)) for entity in world.entities]
+    then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, saved["entities"], strict=True)]
+    if present == then:
         return
-    same = next((i for i, (old, new) in enumerate(zip(present, wanted, strict=False)) if old != new), None)
-    same = min(len(present), len(wanted)) if same is None else same
+    pairs = enumerate(zip(present, then, strict=False))
+    same = next((i for i, (old, new) in pairs if old != new), min(len(present), len(then)))
+    # Whoever was attached to one of those that go is built again, too: the order of joints is part of the state.
+    while (
+        held := next((i for i, (_, at, _) in enumerate(present[:same]) if at is not None and at >= same), None)
+    ) is not None:
+        same = held
     missing: list[Origin] = []
     for kept, origin in zip(saved["entities"][same:], wanted[same:], strict=True):
         if origin is None:

@@ -21,14 +21,18 @@ import io
 import pickle
 import random
 from collections import deque
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any
+from operator import attrgetter
+from typing import Any, TypeVar
 
 import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "set_state", "undeclared"]
+__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
+
+C = TypeVar("C", bound=Callable[..., Any])
 
 FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
@@ -37,6 +41,7 @@ _ALLOWED = {
     ("builtins", "complex"),
     ("collections", "deque"),
     ("libgz.geometry", "GzColor"),
+    ("libgz.ode.types", "ContactRule"),
     ("libgz.geometry", "GzPose"),
     ("libgz.geometry", "GzQuatern"),
     ("libgz.geometry", "GzVector"),
@@ -46,13 +51,37 @@ _ALLOWED = {
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
 _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
+_WRITTEN: set[type] = set()  # classes of values that were found to be plain
+_MADE: list[type] = []  # base classes of what allowed functions make
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
+
+
+def plain(kind: C, of: type | None = None) -> C:
+    """Let the objects of a class be values in states, kept by pickling. A layer above declares its vectors by this.
+
+    Args:
+        kind: the class, or a function that makes values, which is safe to call with any arguments.
+        of: the base class of what that function makes.
+    """
+    _ALLOWED.add((kind.__module__, kind.__qualname__))
+    if of is not None:
+        _MADE.append(of)
+    return kind
 
 
 @cache
 def _names(kind: Any) -> tuple[str, ...]:
     """The attributes that a class and its bases declare, each once."""
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("STATE", ())))
+
+
+@cache
+def _reader(kind: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]], bool]:
+    """Those names, a function that reads their values of an object, and whether it has a SaveState."""
+    names = _names(kind)
+    read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
+    one = len(names) == 1
+    return names, (lambda thing: (read(thing),)) if one else read, hasattr(kind, "SaveState")
 
 
 @cache
@@ -71,10 +100,13 @@ def undeclared(kind: Any) -> bool:
 def get_state(thing: Any) -> Any:
     """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
     kind: Any = type(thing)
-    state = {name: _saved(getattr(thing, name)) for name in _names(kind)}
-    save = getattr(thing, "SaveState", None)
-    if save is not None:
-        state[""] = save()
+    names, read, saves = _reader(kind)
+    values: Sequence[Any] = read(thing)
+    if not _PLAIN.issuperset(map(type, values)):
+        values = [value if type(value) in _PLAIN else _saved(value) for value in values]
+    state = dict(zip(names, values, strict=True))
+    if saves:
+        state[""] = thing.SaveState()
     return state
 
 
@@ -98,8 +130,10 @@ def _saved(value: Any) -> Any:
     if kind in _PLAIN:
         return value
     if kind is list or kind is tuple:
-        return kind(map(_saved, value))
+        return kind(value) if _PLAIN.issuperset(map(type, value)) else kind(map(_saved, value))
     if kind is dict:
+        if _PLAIN.issuperset(map(type, value.values())):
+            return value.copy()
         return {key: _saved(item) for key, item in value.items()}
     if isinstance(value, np.random.Generator):
         return value.bit_generator.state
@@ -141,6 +175,8 @@ def _loaded(before: Any, value: Any) -> Any:
 
 
 def _matched(before: Any, value: Any) -> Any:
+    if _PLAIN.issuperset(map(type, before)):
+        return value
     rest = [None] * (len(value) - len(before))
     return type(value)(_loaded(old, new) for old, new in zip([*before, *rest], value, strict=False))
 
@@ -170,11 +206,15 @@ class _Writer(pickle.Pickler):
 
     def reducer_override(self, thing: Any) -> Any:
         """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
-        if isinstance(thing, _NUMBERS):
+        kind: Any = type(thing)
+        if kind in _WRITTEN or isinstance(thing, (*_NUMBERS, *_MADE)):
             return NotImplemented
-        kind = thing if hasattr(thing, "__qualname__") else type(thing)  # classes and functions stand for themselves
-        if (kind.__module__, kind.__qualname__) not in _ALLOWED:
+        itself = hasattr(thing, "__qualname__")  # classes and functions stand for themselves
+        named = thing if itself else kind
+        if (named.__module__, named.__qualname__) not in _ALLOWED:
             raise pickle.PicklingError(f"{thing!r} is none")
+        if not itself:
+            _WRITTEN.add(kind)
         return NotImplemented
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
 import numpy as np
 
@@ -53,14 +54,36 @@ from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
 
+if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
+    from libgz.interfaces.actarray import Actarray
+    from libgz.interfaces.camera import Camera
+    from libgz.interfaces.factory import Factory
+    from libgz.interfaces.fiducial import Fiducial
+    from libgz.interfaces.gps import Gps
+    from libgz.interfaces.gripper import Gripper
+    from libgz.interfaces.guicam import Guicam
+    from libgz.interfaces.ir import Ir
+    from libgz.interfaces.joint import Joints
+    from libgz.interfaces.laser import Laser
+    from libgz.interfaces.position import Position
+    from libgz.interfaces.power import Power
+    from libgz.interfaces.ptz import Ptz
+    from libgz.interfaces.sonar import Sonar
+    from libgz.interfaces.stereo import Stereo
+    from libgz.interfaces.truth import Truth
+    from libgz.interfaces.wifi import Wifi
+
 __all__ = ["World"]
 
 log = logging.getLogger("libgz.simulation")
 
 E = TypeVar("E")
+K = TypeVar("K", bound=Entity)
+J = TypeVar("J", bound=Joint)
 
 LOWEST = -1000.0  # [m]; a body that falls further is reported
 FALL_PERIOD = 256  # steps between two looks
+_clones = itertools.count(1)
 NAMED = 5  # bodies in one such message
 
 
@@ -92,6 +115,7 @@ class World:
         era: how time is counted, and what a reset does.
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
+        clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
 
     Raises:
@@ -104,11 +128,9 @@ class World:
         "clock",
         "simSpeed",
         "utcOffset",
-        "utmZone",
-        "utmOffset",
-        "skyColor",
         "fogEnable",
         "fogDensity",
+        "_surroundings",
         "backdrop",
         "physics_enabled",
         "starts_paused",
@@ -135,6 +157,7 @@ class World:
         self.seed = seed
         self.random = np.random.SeedSequence(seed)
         self.name = "default"
+        self.clone_name = ""
         self.clock = Clock()
         self.lock = self.engine.lock
         self.lock.report = report_wait
@@ -145,7 +168,7 @@ class World:
         self.journal = Journal()
         self.companions: list[Companion] = []
         self.entities: list[Entity] = []
-        self.models: list[Any] = []
+        self.models: list[Entity] = []
         self.sim = Sim()
         self._guard = Guard("sim.default")
         self.physics_enabled = True
@@ -174,7 +197,7 @@ class World:
         self.fogEnable, self.fogDensity = False, 0.25
         self.backdrop = Backdrop()
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -186,6 +209,11 @@ class World:
         state = "closed" if self._closed else f"sim time {self.clock.sim_time:.3f} s"
         where = "" if self.server_id is None else f", server {self.server_id}"
         return f"<World {self.name!r}, {self.era.name}, {state}, {len(self.models)} models{where}>"
+
+    @property
+    def topic_space(self) -> str:
+        """What `~` means in the names of its topics: its name; in a clone, a name that no other world has."""
+        return self.clone_name or self.name
 
     @property
     def worldId(self) -> Engine:
@@ -203,6 +231,11 @@ class World:
         return extension
 
     @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
+
+    @property
     def extensions(self) -> list[Any]:
         """The objects that extend this world, in order of construction."""
         return list(self._extensions.values())
@@ -213,7 +246,7 @@ class World:
         """How many models there are."""
         return len(self.models)
 
-    def GetModels(self) -> list[Any]:
+    def GetModels(self) -> list[Entity]:
         """All models, in order of the file."""
         return list(self.models)
 
@@ -221,15 +254,27 @@ class World:
         """The top space, which contains the models' own spaces."""
         return self.engine.top
 
-    def model(self, id: str) -> Any:
+    @overload
+    def model(self, id: str) -> Entity: ...
+
+    @overload
+    def model(self, id: str, kind: type[K]) -> K: ...
+
+    def model(self, id: str, kind: type[Entity] = Entity) -> Entity:
         """The first model, or light of an SDF world, with this id.
+
+        Args:
+            id: its id; in a world of SDF, its name.
+            kind: its class, such as one of your own, whose attributes type checkers then know:
+                `world.model("robot1", MyRobot).battery`.
 
         Raises:
             NotFoundError: there is none.
+            ParameterError: it is not of this class.
         """
         for entity in self.entities:
             if entity.GetId() == id:
-                return entity
+                return _of_kind(entity, kind, f"model {id!r}")
         ids = [entity.GetId() for entity in self.entities]
         raise NotFoundError(
             f"there is no model {id!r}; there are {', '.join(map(repr, ids)) or 'none'}{nearest(id, ids)}"
@@ -241,18 +286,87 @@ class World:
         Raises:
             NotFoundError: there is none.
         """
-        body: Body = self.model(model).GetBody(name)
-        return body
+        return self.model(model).GetBody(name)
 
-    def joint(self, model: str, name: str) -> Any:
+    @overload
+    def joint(self, model: str, name: str) -> Any: ...
+
+    @overload
+    def joint(self, model: str, name: str, kind: type[J]) -> J: ...
+
+    def joint(self, model: str, name: str, kind: type[Joint] = Joint) -> Any:
         """A joint by the id of its model and its own name.
+
+        Args:
+            model: the id of its model.
+            name: of the joint.
+            kind: its class, such as `HingeJoint`, whose methods type checkers then know.
 
         Raises:
             NotFoundError: there is none.
+            ParameterError: it is not of this class.
         """
-        joint: Joint = self.model(model).GetJoint(name)
-        return joint
+        return _of_kind(self.model(model).GetJoint(name), kind, f"joint {name!r} of model {model!r}")
 
+    # Written by scripts/make_overloads.py.
+    @overload
+    def interface(self, type: Literal["actarray"], id: str) -> Actarray: ...
+
+    @overload
+    def interface(self, type: Literal["camera"], id: str) -> Camera: ...
+
+    @overload
+    def interface(self, type: Literal["factory"], id: str) -> Factory: ...
+
+    @overload
+    def interface(self, type: Literal["fiducial"], id: str) -> Fiducial: ...
+
+    @overload
+    def interface(self, type: Literal["gps"], id: str) -> Gps: ...
+
+    @overload
+    def interface(self, type: Literal["gripper"], id: str) -> Gripper: ...
+
+    @overload
+    def interface(self, type: Literal["guicam"], id: str) -> Guicam: ...
+
+    @overload
+    def interface(self, type: Literal["ir"], id: str) -> Ir: ...
+
+    @overload
+    def interface(self, type: Literal["joint"], id: str) -> Joints: ...
+
+    @overload
+    def interface(self, type: Literal["laser"], id: str) -> Laser: ...
+
+    @overload
+    def interface(self, type: Literal["position"], id: str) -> Position: ...
+
+    @overload
+    def interface(self, type: Literal["power"], id: str) -> Power: ...
+
+    @overload
+    def interface(self, type: Literal["ptz"], id: str) -> Ptz: ...
+
+    @overload
+    def interface(self, type: Literal["sim"], id: str) -> Sim: ...
+
+    @overload
+    def interface(self, type: Literal["sonar"], id: str) -> Sonar: ...
+
+    @overload
+    def interface(self, type: Literal["stereo"], id: str) -> Stereo: ...
+
+    @overload
+    def interface(self, type: Literal["truth"], id: str) -> Truth: ...
+
+    @overload
+    def interface(self, type: Literal["wifi"], id: str) -> Wifi: ...
+
+    @overload
+    def interface(self, type: str, id: str) -> Interface[Any]: ...
+
+    # End of what is written.
     def interface(self, type: str, id: str) -> Interface[Any]:
         """An interface that a model serves, by its type and id; commands to it act at the model's next tick.
 
@@ -733,6 +847,8 @@ class World:
     def clone(self) -> Self:
         """An independent world of the same file in the same state, without a server for other processes.
 
+        Its name is the same; in the names of its topics, `topic_space` stands instead of it.
+
         Raises:
             GazeboError: a step is under way, or plugins load or are reset.
             StateError: the world was not loaded from a file.
@@ -745,6 +861,7 @@ class World:
                 wire_version=self.gz_server.version,
                 strict=self.problems.strict,
             )
+            clone.clone_name = f"{self.name}_clone{next(_clones)}"
             try:
                 self.era.load_into(clone)
                 clone.Initialize()
@@ -769,9 +886,33 @@ class World:
         snapshot.restore(self, self._start)
 
     @property
+    def _surroundings(self) -> tuple[tuple[float, ...], ...]:
+        """Vectors and colours as plain numbers."""
+        backdrop, zone, offset, sky = self.backdrop, self.utmZone, self.utmOffset, self.skyColor
+        ambient, fog = backdrop.ambient, backdrop.fog_color
+        return (
+            (zone.x, zone.y, zone.z),
+            (offset.x, offset.y, offset.z),
+            (sky.r, sky.g, sky.b, sky.a),
+            (ambient.r, ambient.g, ambient.b, ambient.a),
+            () if fog is None else (fog.r, fog.g, fog.b, fog.a),
+            (backdrop.fog_start, backdrop.fog_end),
+        )
+
+    @_surroundings.setter
+    def _surroundings(self, numbers: tuple[tuple[float, ...], ...]) -> None:
+        zone, offset, sky, ambient, fog, reach = numbers
+        backdrop = self.backdrop
+        self.utmZone, self.utmOffset = GzVector(*zone), GzVector(*offset)
+        self.skyColor, backdrop.ambient = GzColor(*sky), GzColor(*ambient)
+        backdrop.fog_color = GzColor(*fog) if fog else None
+        backdrop.fog_start, backdrop.fog_end = reach
+
+    @property
     def _fallen_rows(self) -> tuple[int, ...]:
         """The rows of the bodies that were reported as fallen."""
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
+        fallen = self._fallen
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
 
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:
@@ -874,6 +1015,13 @@ class World:
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
         return self.era.save(self)
+
+
+def _of_kind(found: E, kind: type[Any], what: str) -> E:
+    """What was found, if it is of a class."""
+    if not isinstance(found, kind):
+        raise ParameterError(f"{what} is a {type(found).__name__}, not a {kind.__name__}")
+    return found
 
 
 names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")

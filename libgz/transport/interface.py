@@ -236,15 +236,27 @@ class Interface(Generic[D]):
         head.parent_model_id = _int32(parent_model_id)
         self._head = bytes(head)
 
+    @property
+    def gap(self) -> tuple[int, int]:
+        """Where bytes without a meaning begin and end now, such as the unused end of an image."""
+        return self.size, self.size
+
     def get_bytes(self) -> bytes:
-        """All bytes of the struct, head included; under the lock, if a client does not hold it for long.
+        """The bytes that have a meaning, head included; under the lock, if a client does not hold it for long.
 
         Raises:
             ClosedError: the interface is not open.
         """
-        with self._locked_if_possible():
+        taken = self.lock()
+        try:
             memory: Any = self._memory
-            return bytes(memory[: self.size])
+            size = self.size
+            begin, end = self.gap
+            first = bytes(memory[:begin])
+            return first if end == size else first + bytes(memory[end:size])
+        finally:
+            if taken:
+                self.unlock()
 
     @property
     def memory(self) -> memoryview:
@@ -258,24 +270,23 @@ class Interface(Generic[D]):
         return memoryview(self._memory)[: self.size].toreadonly()
 
     def set_bytes(self, state: bytes) -> None:
-        """Write bytes that `get_bytes` returned, head included.
+        """Write bytes that `get_bytes` returned, head included, and zeros between them.
 
         Raises:
             ClosedError: the interface is not open.
         """
-        with self._locked_if_possible():
+        taken = self.lock()
+        try:
             memory: Any = self._memory
-            memory[: self.size] = state
+            before, end = self.gap
+            begin = len(state) - (self.size - end)
+            memory[:begin], memory[end : self.size] = state[:begin], state[begin:]
+            if before > begin:
+                memory[begin:before] = bytes(before - begin)
             self._head = bytes(state[:_HEAD])
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
             self.keep_commands()
-
-    @contextlib.contextmanager
-    def _locked_if_possible(self) -> Iterator[None]:
-        taken = self.lock()
-        try:
-            yield
         finally:
             if taken:
                 self.unlock()

@@ -118,6 +118,31 @@ def test_what_came_and_went(world, before, after):
     assert difference(seen, run(world, 45, 2)) is None
 
 
+def test_attachments_that_changed(world):
+    first = world.get_state()
+    seen = run(world, 45, 2)
+    world.model("laser").Detach()
+    run(world, 10, 3)
+    world.set_state(first)
+    assert difference(seen, run(world, 45, 2)) is None
+    world.model("laser").Detach()
+    box, two = world.model("box"), world.model("two")
+    box.SetParent(two, two.GetBody())
+    box.Attach()
+    run(world, 20, 4)
+    second = world.get_state()
+    then = run(world, 45, 5)
+    world.set_state(first)
+    assert world.get_state() == first
+    assert difference(seen, run(world, 45, 2)) is None
+    world.set_state(second)
+    assert world.get_state() == second
+    assert difference(then, run(world, 45, 5)) is None
+    with libgz.World.from_string(ROBOTS) as other:
+        other.set_state(second)
+        assert difference(then, run(other, 45, 5)) is None
+
+
 def test_what_goes_is_closed_and_what_stays_is_the_same(world):
     one, ground = world.model("one"), world.model("ground")
     state = world.get_state()
@@ -384,3 +409,29 @@ def test_rewound_worlds_continue_to_the_bit(world):
     world.rewind(40 * world.engine.step_time)
     assert world.get_state() == kept
     assert difference(seen, run(world, 40, 2)) is None
+
+
+def test_errors_in_a_models_own_code_name_the_model(world, tmp_path):
+    plugin = tmp_path / "Wrong.py"
+    plugin.write_text(
+        "from libgz import Body, Model, GZ_REGISTER_PLUGIN\n"
+        "class Wrong(Model):\n"
+        "    STATE = ('later',)\n"
+        "    def Load(self, file, node):\n"
+        "        self.AddBody(Body(self.world, dummy=True), True)\n"
+        "    def Update(self, step):\n"
+        "        self.later = 1\n"
+        "    def LoadState(self, state):\n"
+        "        raise ValueError('no')\n"
+        "    def SaveState(self):\n"
+        "        return 1\n"
+        "GZ_REGISTER_PLUGIN('Wrong', Wrong)\n"
+    )
+    text = f"<model:Wrong><id>w</id><plugin>{plugin}</plugin></model:Wrong>"
+    with libgz.World.from_string(f"{HEAD}{text}</gz:world>") as wrong:  # it starts all the same
+        with pytest.raises(ParameterError, match=r"model 'w' \(Wrong\): its state cannot be saved"):
+            wrong.Reset()
+        wrong.Step()
+        state = wrong.get_state()
+        with pytest.raises(StateError, match=r"model 'w' \(Wrong\): its state cannot be set"):
+            wrong.set_state(state)

@@ -34,18 +34,20 @@ CALLS = """
 one.SetPose(GzPose(GzVector(0, 0, 1), GzQuatern(1, 0, 0, 0)))
 world.SetModelPose(two, GzPose(GzVector(3, 0, 1), GzQuatern(1, 0, 0, 0)))
 one.GetBody().AddForce(1, 0, 0); one.GetBody().SetLinearVel((0, 0, 0.1))
-with world.lock: world.InsertModel("<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"); world.DeleteModel("new")
+with world.lock: world.InsertModel("<model:SimpleSolid><id>new</id></model:SimpleSolid>"); world.DeleteModel("new")
 with world.lock: h = libgz.HingeJoint(world); h.Attach(one.GetBody(), two.GetBody()); h.SetAnchor((1,0,0)); h.close()
 with world.lock: libgz.BoxGeom(two.GetBody(), two.modelSpaceId, 0.1, 0.1, 0.1).close()
 world.Reset(); world.engine.gravity = (0, 0, -9.8)
 world.set_state(world.get_state())
 one.GetPose(); one.joints; world.model("two"); two.GetBody().GetLinearVel(); world.engine.states.sum()
 """
+SOLID = "<model:SimpleSolid><id>new</id><xyz>0 5 3</xyz></model:SimpleSolid>"
 PROGRAM = """
 import sys, threading, time
 import libgz
 from libgz import GzPose, GzQuatern, GzVector, World
 
+SOLID = {solid!r}
 world = World.from_string({text!r})
 one, two = world.model("one"), world.model("two")
 end, failed, counts = threading.Event(), [], {{}}
@@ -72,7 +74,7 @@ print(failed, min(counts.values()))
 
 @pytest.mark.parametrize("text", [LEGACY, CLASSIC], ids=["legacy", "classic"])
 def test_calls_from_other_threads_are_safe(text):
-    program = PROGRAM.format(text=text, lines=CALLS.strip().splitlines())
+    program = PROGRAM.format(text=text, solid=SOLID, lines=CALLS.strip().splitlines())
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
     assert (done.returncode, done.stdout.split()[0]) == (0, "[]"), done.stdout + done.stderr[-2000:]
     assert int(done.stdout.split()[-1]) >= 20, done.stdout

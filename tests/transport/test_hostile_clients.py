@@ -34,7 +34,7 @@ def attacked(gazebo, tmp_path):
 
 
 def files_of(server):
-    return sorted(path for path in server.directory.iterdir() if path.name != "gazebo.pid")
+    return sorted(path for path in server.directory.iterdir() if path.name != "gazebo.pid" and path.is_file())
 
 
 def take_lock(descriptor):

@@ -6,7 +6,7 @@ import functools
 import logging
 import weakref
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
-from libgz.errors import LibraryError, ParameterError, nearest
+from libgz.errors import LibraryError, ParameterError, StateError, nearest
 from libgz.geometry import GzColor, GzPose
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -76,14 +76,16 @@ class Scene:
     def __init__(self, world: World) -> None:
         self.world = world
         self.lines: list[DynamicLines] = []
+        self.made: list[Visual] = []  # that plugins made
+        self.edited: dict[Visual, tuple[Any, ...]] = {}  # visuals that were changed, with their states before that
         self._cameras: list[Camera] = []
         self._highlighted: list[Visual] = []
         self._static: Body | None = None
         self._root = Visual.of(self, "__world_node__", None, frame=GzPose, members=self._model_visuals)
+        world.server.scene = self
         element = world.SDF()
         scene = element.child("scene") if element is not None and element.name == "world" else None
         self.grid = scene.Get(bool, "grid") if scene is not None and scene.HasElement("grid") else True
-        self._shadows = scene.Get(bool, "shadows") if scene is not None else True
         # The backdrop belongs to the engine's world, which must not keep this scene alive.
         this = weakref.ref(self)
         world.core.backdrop.lines.append(lambda view: () if (alive := this()) is None else alive._lines_for(view))
@@ -122,7 +124,7 @@ class Scene:
         """All visuals, parents first."""
         yield from self._root.tree()
 
-    def GetVisual(self, which: str | int) -> Visual | None:
+    def GetVisual(self, which: str | int) -> Visual | Any:
         """A visual by its full name ``model::link::visual``, or number; None if there is none."""
         if isinstance(which, int):
             return next((visual for visual in self.visuals() if visual.GetId() == which), None)
@@ -135,7 +137,7 @@ class Scene:
 
     GetVisualCount = VisualCount
 
-    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | None:
+    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | Any:
         """The model at a pixel of a camera's last image; None for none."""
         x, y = int(mousePos[0]), int(mousePos[1])
         try:
@@ -197,7 +199,7 @@ class Scene:
 
     def static_body(self) -> Body:
         """A body at the origin, for shapes that plugins attach to the world."""
-        if self._static is None:
+        if self._static is None or self._static.closed:
             self._static = Body(self.world.core, dummy=True)
         return self._static
 
@@ -220,7 +222,7 @@ class Scene:
 
     GetLightCount = LightCount
 
-    def GetLight(self, which: str | int) -> Light | None:
+    def GetLight(self, which: str | int) -> Light | Any:
         """A light by name or number; None if there is none."""
         lights = self.lights()
         if isinstance(which, int):
@@ -248,7 +250,7 @@ class Scene:
 
     GetCameraCount = CameraCount
 
-    def GetCamera(self, which: str | int) -> Camera | None:
+    def GetCamera(self, which: str | int) -> Camera | Any:
         """A camera by name or number; None if there is none."""
         return _pick(self.cameras(), which)
 
@@ -262,7 +264,7 @@ class Scene:
 
     GetUserCameraCount = UserCameraCount
 
-    def GetUserCamera(self, which: str | int = 0) -> UserCamera | None:
+    def GetUserCamera(self, which: str | int = 0) -> UserCamera | Any:
         """The camera of a user by name or number; None if there is none."""
         return _pick(self.user_cameras(), which)
 
@@ -328,15 +330,73 @@ class Scene:
     SetSkyXMode = SetSky
 
     def SetShadowsEnabled(self, value: bool) -> None:
-        """The value is kept, but there are no shadows."""
-        _log_once("images have no shadows")
-        self._shadows = bool(value)
+        """Set whether images of all cameras have shadows."""
+        self.world.core.backdrop.shadows = bool(value)
 
     def ShadowsEnabled(self) -> bool:
-        """The value last set."""
-        return self._shadows
+        """Whether images may have shadows; cameras of sensors have them only if `<shadows>` or a plugin says so."""
+        return self.world.core.backdrop.shadows is not False
 
     GetShadowsEnabled = ShadowsEnabled
+
+    # State -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> tuple[Any, ...] | None:
+        """What plugins changed of visuals, as plain data; None for nothing."""
+        self.made = [visual for visual in self.made if not visual.deleted]
+        self.edited = {visual: before for visual, before in self.edited.items() if not visual.deleted}
+        made = [(*_key(visual), list(visual.meshes)) for visual in self.made]
+        edited = [(*_key(visual), visual.save()) for visual in self.edited]
+        return (made, edited) if made or edited else None
+
+    def load(self, state: Sequence[Any] | None) -> None:
+        """Take what `save` returned: visuals that plugins made since go, those that went are made again.
+
+        Raises:
+            StateError: the visual that held one of those is missing.
+        """
+        made, edited = state or ((), ())
+        self.lines = [line for line in self.lines if not line.visual.deleted]
+        wanted = [(name, above) for name, above, _ in made]
+        for visual in [visual for visual in self.made if visual.deleted or _key(visual) not in wanted]:
+            visual.Fini()
+        present = {_key(visual): visual for visual in self.made}
+        for name, above, meshes in made:
+            if (name, above) not in present:
+                present[name, above] = self._make_again(name, above, meshes)
+        self.made = [present[key] for key in wanted]
+        if not edited and not self.edited:
+            return
+        visuals = {_key(visual): visual for visual in self.visuals()}
+        rows = {(name, above): row for name, above, row in edited}
+        for visual, before in list(self.edited.items()):
+            if not visual.deleted and _key(visual) not in rows:
+                visual.load(before)
+                del self.edited[visual]
+        found = [(visuals[key], row) for key, row in rows.items() if key in visuals]
+        self.edited = {visual: self.edited.get(visual) or visual.save() for visual, _ in found}
+        for visual, row in found:
+            visual.load(row)
+
+    def _make_again(self, name: str, above: str, meshes: Sequence[str]) -> Visual:
+        parent = self.GetVisual(above)
+        if parent is None:
+            raise StateError(f"visual {name!r} of this state cannot be made again: there is no visual {above!r}")
+        visual = Visual(name, parent)
+        for mesh in meshes:
+            visual.AttachMesh(mesh)
+        return visual
+
+    def shape_again(self) -> None:
+        """Make the shapes of visuals that plugins made again: those of models that are built again came before them."""
+        for visual in self.made:
+            if not visual.deleted:
+                visual.shape_again()
+
+    def forget(self, visual: Visual) -> None:
+        """A visual that a plugin made was removed."""
+        self.made = [other for other in self.made if other is not visual]
+        self.edited.pop(visual, None)
 
     # Lines -------------------------------------------------------------------------------------------------------
 
@@ -359,6 +419,12 @@ class Scene:
                 low, size = np.array(box.Min()), np.array(box.Size())
                 ends = [low + CORNERS[end] * size for edge in EDGES for end in edge]
                 yield placed(np.array(ends), visual.world_pose(), WHITE)
+
+
+def _key(visual: Visual) -> tuple[str, str]:
+    """The names of a visual and of the one around it."""
+    above = visual.GetParent()
+    return visual.Name(), above.Name() if above is not None else ""
 
 
 def _pick(cameras: Sequence[C], which: str | int) -> C | None:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import importlib.metadata
+import io
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypedDict, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
 from libgz import models
-from libgz.errors import WorldFileError
+from libgz.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
 from libgz.files import exists
+from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
 from libgz.legacy.settings import GlobalAttributes
@@ -22,6 +25,10 @@ from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.search import find_worldfile, why_missing
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 __all__ = ["World", "WorldOptions"]
 
@@ -191,6 +198,88 @@ class World(world.World):
         added = self.legacy.insert(text, label)
         self.problems.check()
         return added
+
+    # In a notebook; a world that nobody looks at loads neither OpenGL nor matplotlib --------------------------------
+
+    def start_pose(self, width: int = 640, height: int = 480) -> GzPose:
+        """Where a user's view begins: the pose of ObserverCam or `<gui><camera>`, or one that shows all models."""
+        from libgz.rendering.overview import overview
+
+        return self.era.start_view(self) or overview(self, width / height)
+
+    def image(self, width: int = 640, height: int = 480, pose: GzPose | None = None) -> NDArray[np.uint8]:
+        """An image of the world as it is now, shape (height, width, 3), red, green, blue, top row first.
+
+        Args:
+            width, height: [px].
+            pose: of the camera, which looks along x [m]; None for `start_pose`.
+
+        Raises:
+            LibraryError: rendering is disabled, or OpenGL does not work here.
+            ParameterError: the size is out of range.
+        """
+        from libgz.rendering.camera import Camera
+        from libgz.rendering.overview import FIELD_OF_VIEW
+
+        pose = self.start_pose(width, height) if pose is None else pose
+        far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
+        with Camera(self, width, height, FIELD_OF_VIEW, 0.05, far) as camera:
+            if camera.blind:
+                raise LibraryError("rendering is disabled (--gl none or LIBGZ_GL), so there is no image of the world")
+            camera.SetPose(pose)
+            camera.options.shadows = True
+            return camera.Update().copy()
+
+    def plot(self, *names: str) -> Any:
+        """A matplotlib figure of what interfaces hold now.
+
+        Args:
+            *names: of models, for all their interfaces, or of interfaces, such as ``laser.laser1``; none for all.
+
+        Raises:
+            NotFoundError: there is no such model or interface.
+            LibraryError: matplotlib is not installed.
+            ParameterError: there is nothing to plot.
+        """
+        from libgz.charts import figure_of
+
+        served = {key: one for key, one in self.gz_server.interfaces.items() if key[0] not in ("sim", "factory")}
+        if not names:
+            return figure_of(list(served.values()))
+        found = []
+        for name in names:
+            kind, dot, label = name.partition(".")
+            mine = [one for key, one in served.items() if (key == (kind, label) if dot else key[1] == name)]
+            if not mine:
+                known = [*dict.fromkeys(key[1] for key in served), *(".".join(key) for key in served)]
+                raise NotFoundError(f"nothing called {name!r} serves data{nearest(name, known)}")
+            found += mine
+        return figure_of(found)
+
+    def view(self, **options: Any) -> Any:
+        """The live world in a browser, embedded where a notebook shows it.
+
+        Args:
+            **options: those of the viewer.
+
+        Raises:
+            LibraryError: no viewer is installed.
+        """
+        for entry in importlib.metadata.entry_points(group="libgz.viewers"):
+            return entry.load()(self, **options)
+        raise LibraryError("there is no viewer here: pip install 'libgz[view]'; world.image() needs none")
+
+    def _repr_png_(self) -> bytes | None:
+        """What a notebook shows: an image of the world."""
+        from PIL import Image
+
+        try:
+            image = self.image()
+        except GazeboError:
+            return None  # it is closed, or nothing renders here: the text is shown
+        out = io.BytesIO()
+        Image.fromarray(image).save(out, "PNG")
+        return out.getvalue()
 
     @property
     def file(self) -> WorldFile | None:

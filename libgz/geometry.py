@@ -13,10 +13,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from libgz.errors import GazeboError
 
 __all__ = [
     "DTOR",
@@ -65,6 +67,7 @@ __all__ = [
     "GzVectorUnit",
     "GzVectorZero",
     "VectorLike",
+    "place_of",
     "rotate",
 ]
 
@@ -450,3 +453,22 @@ def GzCoordPoseSolve(ba: GzPose, b: GzPose) -> GzPose:
     """The frame a for which b = ba + a."""
     rot = GzQuaternMul(b.rot, GzQuaternInverse(ba.rot))
     return GzPose(GzVectorSub(b.pos, rotate(rot, ba.pos)), rot)
+
+
+def place_of(thing: Any) -> str:
+    """Pose of an object for its `repr`, such as `` at (1, 2, 0.5) m, rpy (0, 0, 90) deg``; empty where it has none."""
+    read = getattr(thing, "WorldPose", None) or getattr(thing, "GetPose", None)
+    try:
+        pose = read() if read is not None else None
+    except (GazeboError, AttributeError, TypeError):
+        return ""  # it is closed, not whole yet, or means something else by that name
+    if isinstance(pose, GzPose):
+        place, angles = tuple(pose.pos), GzQuaternToEuler(pose.rot)
+    elif pose is not None:
+        place, turn = (pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z()), pose.Rot().Euler()
+        angles = GzVector(turn.X(), turn.Y(), turn.Z())
+    else:
+        return ""
+    numbers = ", ".join(f"{part + 0.0:.4g}" for part in place)
+    degrees = ", ".join(f"{math.degrees(part) + 0.0:.4g}" for part in angles)
+    return f" at ({numbers}) m, rpy ({degrees}) deg"

@@ -46,7 +46,12 @@ EXTRAS = {
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
     "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
-    "plot": Extra(("matplotlib",), "plots by libgz echo --plot", "libgz echo prints the same figures"),
+    "plot": Extra(("matplotlib",), "plots by libgz plot", "libgz echo and libgz export print the same figures"),
+    "log": Extra(
+        ("mcap", "foxglove-schemas-protobuf"),
+        "logs by --mcap, libgz play and libgz export",
+        "worlds run, and gzserver -r records state.log",
+    ),
 }
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib
 import json
 import math
 import time
@@ -12,8 +11,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.target import add_target, connect, element_values, find_field, open_target, unit_of, values_of
-from libgz.errors import GazeboError, LibraryError, ParameterError, ServerGoneError
+from libgz.apps.plot import pyplot, save_plot
+from libgz.apps.series import InterfaceValues, Series
+from libgz.apps.target import add_target, connect, element_values, find_field, open_target, values_of
+from libgz.errors import GazeboError, ParameterError, ServerGoneError
 from libgz.interfaces.client import Client
 from libgz.transport.interface import Interface
 
@@ -51,7 +52,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="duration in real time [s] (default: until interrupted)",
     )
     add(
-        "--plot", metavar="FILE.png", help="plot the fields over sim time to an image file at the end; needs matplotlib"
+        "--plot",
+        metavar="FILE.png",
+        help="plot the fields over sim time to an image file at the end; `libgz plot` can do more",
     )
     add(
         "-c",
@@ -80,18 +83,23 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"--seconds is {options.seconds:g}; it must be finite and not negative")
     if options.plot and count is None and options.seconds is None:
         raise ParameterError("--plot needs a duration: add --count or --seconds")
-    pyplot = _pyplot() if options.plot else None
+    plotter = pyplot("--plot") if options.plot else None
     with connect(options, options.client_id) as client, contextlib.suppress(KeyboardInterrupt):
         interface = open_target(client, options.target)
         places = [find_field(interface, text) for text in options.fields]
         samples = _samples(client, interface, 1.0 / options.rate, count, options.seconds)
-        if pyplot is None:
+        if plotter is None:
             for _ in samples:
                 print(_line(interface, places, options), flush=True)
         elif not places:
             raise ParameterError("--plot needs a field: add one after the interface")
         else:
-            _plot(pyplot, interface, dict(zip(options.fields, places, strict=True)), samples, Path(options.plot))
+            series, values = Series(), InterfaceValues(interface)
+            with contextlib.suppress(ServerGoneError):  # the samples until then are plotted
+                for now in samples:
+                    series.add(now, values.row(options.fields))
+            save_plot(plotter, {options.target: series}, Path(options.plot))
+            print(f"{len(series.times)} samples plotted to {options.plot}; `libgz plot` has more")
     return 0
 
 
@@ -159,45 +167,3 @@ def _text(value: Any) -> str:
     if isinstance(value, list):
         return "(" + " ".join(map(_text, value)) + ")"
     return f"{value:.4g}" if isinstance(value, float) else str(value)
-
-
-def _pyplot() -> Any:
-    try:
-        importlib.import_module("matplotlib").use("agg")
-        return importlib.import_module("matplotlib.pyplot")
-    except ImportError:
-        raise LibraryError("--plot needs matplotlib, which is not installed: pip install 'libgz[plot]'") from None
-
-
-def _plot(
-    pyplot: Any,
-    interface: Interface[Any],
-    places: dict[str, tuple[str, tuple[int, ...], str]],
-    samples: Iterator[float],
-    path: Path,
-) -> None:
-    """Collect samples and plot them."""
-    times: list[float] = []
-    lines: dict[str, list[float]] = {}
-    with contextlib.suppress(ServerGoneError):  # the samples until then are plotted
-        for now in samples:
-            times.append(now)
-            with interface.locked() as data:
-                for text, place in places.items():
-                    row, unit = list(element_values(data, place)), unit_of(data, place)
-                    for i, value in enumerate(row):
-                        label = text if len(row) == 1 else f"{text}[{i}]"
-                        lines.setdefault(f"{label} [{unit}]" if unit else label, []).append(value)
-    figure, axes = pyplot.subplots(figsize=(8, 4.5))
-    for label, values in lines.items():
-        axes.plot(times, values, label=label, marker="." if len(times) < 50 else None)
-    axes.set(xlabel="sim time [s]", title=f"{interface.type}.{interface.id}")
-    axes.grid(alpha=0.3)
-    axes.legend()
-    try:
-        figure.savefig(path, dpi=100)
-    except (OSError, ValueError) as error:
-        raise ParameterError(f"the plot cannot be written to {str(path)!r}: {error}") from None
-    finally:
-        pyplot.close(figure)
-    print(f"{len(times)} samples plotted to {path}")

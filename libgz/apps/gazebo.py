@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from libgz._version import __version__
 from libgz.apps.console import (
@@ -22,8 +23,9 @@ from libgz.apps.console import (
     whole_number,
     wire_version,
 )
+from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
-from libgz.apps.record import Recorder
+from libgz.apps.record import Recorder, ViewRecorder, new_recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
@@ -36,6 +38,9 @@ from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import on_free_server_id
 from libgz.worldfile.search import find_worldfile, why_missing
+
+if TYPE_CHECKING:
+    from libgz.recording.capture import Capture
 
 __all__ = ["main"]
 
@@ -137,8 +142,9 @@ def make_parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="ID=FILE",
-        help="record a camera's images to a video file; may be repeated",
+        help="record a camera's images to a video file, or with view=FILE those of the whole world; may be repeated",
     )
+    add_mcap_option(parser)
     add(
         "--shadows",
         action=argparse.BooleanOptionalAction,
@@ -165,8 +171,9 @@ class Run:
         self.steps: int | None = options.steps
         self.deadline: float | None = None
         self.stopped = False
-        self.recorders: list[Recorder] = []
+        self.recorders: list[Recorder | ViewRecorder] = []
         self.control: SnapshotControl | None = None
+        self.capture: Capture | None = None
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")
 
     def stop(self, number: int) -> None:
@@ -185,6 +192,8 @@ class Run:
             done += 1
             for recorder in self.recorders:
                 recorder.take()
+            if self.capture is not None:
+                self.capture.take()
             if self.control is not None:
                 self.control.act()
             while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
@@ -261,10 +270,10 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path)
             world.Initialize()
-            run.recorders += [Recorder(world, request, shadows=options.shadows) for request in options.record]
+            run.recorders += [new_recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
-            with SnapshotControl(world, options.rewind) as run.control:
+            with record_mcap(world, options) as run.capture, SnapshotControl(world, options.rewind) as run.control:
                 run.loop(world)
         finally:
             try:

@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from libgz.apps.classic_command import (
     BANNER,
@@ -21,6 +22,7 @@ from libgz.apps.classic_command import (
     set_up_console,
 )
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
+from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
@@ -40,6 +42,9 @@ from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems
 from libgz.simulation.watchdog import Watchdog
 from libgz.worldfile.search import find_worldfile
+
+if TYPE_CHECKING:
+    from libgz.recording.capture import Capture
 
 __all__ = ["main"]
 
@@ -76,6 +81,7 @@ def make_parser() -> Parser:
     add("--strict", action="store_true", help=STRICT_HELP)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_rewind_option(parser)
+    add_mcap_option(parser)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]
@@ -170,18 +176,25 @@ class Server:
     def _loop(self, core: World, control: PlaybackControl | None) -> None:
         """Step until a signal, World.Stop, or the number of iterations ends the run."""
         server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
-        with SnapshotControl(core, self.options.rewind) as snapshots:
-            self._steps(core, control, server, snapshots)
+        with record_mcap(core, self.options) as capture, SnapshotControl(core, self.options.rewind) as snapshots:
+            self._steps(core, control, server, snapshots, capture)
         core.events["Stop"]()
         if self._stopped:
             core.events["SigInt"]()
 
     def _steps(
-        self, core: World, control: PlaybackControl | None, server: WorldServer | None, snapshots: SnapshotControl
+        self,
+        core: World,
+        control: PlaybackControl | None,
+        server: WorldServer | None,
+        snapshots: SnapshotControl,
+        capture: Capture | None,
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
             done += self._step(core, control)
+            if capture is not None:
+                capture.take()
             snapshots.act()
             if pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)

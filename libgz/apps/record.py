@@ -1,17 +1,88 @@
-"""Recorder: writes the images of a camera to a video file. Needs the extra [video]."""
+"""Recorders: write the images of a camera, or of the whole world, to a video file. They need the extra [video]."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
 from libgz.models.camera import eye_of
+from libgz.rendering.camera import Camera
+from libgz.rendering.overview import FIELD_OF_VIEW
+from libgz.simulation.rate import TIME_SLACK
 
-__all__ = ["Recorder"]
+__all__ = ["Recorder", "ViewRecorder", "new_recorder"]
 
 KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interface type -> field of the image
+
+
+VIEW, VIEW_RATE, VIEW_SIZE = "view", 25.0, (640, 480)  # name, images a second of sim time, and size [px]
+
+
+def new_recorder(world: World, request: str, shadows: bool = True) -> Recorder | ViewRecorder:
+    """The recorder of a request, ``ID=FILE`` or ``view=FILE``; a camera that is called view is a camera.
+
+    Raises:
+        ParameterError: the request has another format.
+        NotFoundError: there is no such camera.
+        LibraryError: rendering is disabled.
+        GazeboError: the packages are missing, or the file cannot be written.
+    """
+    name, _, file = request.partition("=")
+    if name == VIEW and file and not any((kind, name) in world.gz_server.interfaces for kind in KINDS):
+        return ViewRecorder(world, Path(file), shadows)
+    return Recorder(world, request, shadows=shadows)
+
+
+class ViewRecorder:
+    """Renders the world from where a user's view begins, and writes a video: 25 images a second.
+
+    Args:
+        world: an initialized world.
+        path: of the video.
+        shadows: whether it has shadows, unless an SDF scene forbids them.
+
+    Raises:
+        LibraryError: rendering is disabled, or OpenGL does not work here.
+        GazeboError: the packages are missing, or the file cannot be written.
+    """
+
+    def __init__(self, world: World, path: Path, shadows: bool = True) -> None:
+        pose = world.start_pose(*VIEW_SIZE)
+        far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
+        self._world, self._video = world, _Video(path, VIEW_RATE)
+        self._camera = Camera(world, *VIEW_SIZE, FIELD_OF_VIEW, 0.05, far)
+        if self._camera.blind:
+            self.close()
+            raise LibraryError("--record view=... needs rendering, which is disabled (--gl none or LIBGZ_GL)")
+        self._camera.SetPose(pose)
+        self._camera.options.shadows = shadows
+        self._due = -1.0
+
+    def take(self) -> None:
+        """Write an image, if it is time.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        now = self._world.GetSimTime() + self._world.GetPauseTime()
+        if now < self._due - TIME_SLACK and now > self._due - 2.0 / VIEW_RATE:  # else the world was reset
+            return
+        self._due = (now if self._due < 0.0 or now < self._due - TIME_SLACK else self._due) + 1.0 / VIEW_RATE
+        self._video.write(self._camera.Update())
+
+    def close(self) -> None:
+        """Finish the file; a second call does nothing.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        self._camera.close()
+        self._video.close()
 
 
 class Recorder:
@@ -44,8 +115,7 @@ class Recorder:
         self._eye = eye_of(world.model(name)) if shadows else None
         self._rate = float(getattr(world.model(name), "values").updateRate)  # noqa: B009 - of the camera models
         self._last = -1.0
-        self._file: Any = _open(self.path)
-        self._started = False
+        self._video = _Video(self.path, self._rate)
 
     def take(self) -> None:
         """Write the camera's image, if it is new.
@@ -61,6 +131,31 @@ class Recorder:
         self._last = now
         if self._eye is not None:
             image = self._eye.shaded()
+        self._video.write(image)
+
+    def close(self) -> None:
+        """Finish the file; a second call does nothing.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        self._video.close()
+
+
+class _Video:
+    """A video file that is being written."""
+
+    def __init__(self, path: Path, rate: float) -> None:
+        self.path, self._rate = path, rate
+        self._file: Any = _open(path)
+        self._started = False
+
+    def write(self, image: NDArray[np.uint8]) -> None:
+        """Append an image.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
         try:
             if not self._started:
                 self._file.init_video_stream("libx264", fps=max(self._rate, 1.0))

@@ -28,6 +28,7 @@ from libgz.geometry import (
     GzVectorSub,
     QuaternLike,
     VectorLike,
+    place_of,
     rotate,
 )
 from libgz.ode.lib import ode
@@ -100,7 +101,7 @@ class Body:
             self.engine.dummies[self] = None
 
     def __repr__(self) -> str:
-        return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}>"
+        return f"<Body {self.bodyName or 'unnamed'}{' dummy' if self.dummy else ''}{place_of(self)}>"
 
     @property
     def dummy(self) -> bool:

@@ -15,7 +15,7 @@ import math
 from collections.abc import Callable
 from typing import Any, ClassVar, NamedTuple
 
-from libgz.errors import ClosedError, ParameterError
+from libgz.errors import ClosedError, GazeboError, ParameterError
 from libgz.geometry import GzVector, VectorLike
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.memory import clear_joint
@@ -116,7 +116,7 @@ class Joint:
         raise NotImplementedError
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.name or 'unnamed'}>"
+        return f"<{type(self).__name__} {self.name or 'unnamed'}{_value_of(self)}>"
 
     @property
     def closed(self) -> bool:
@@ -462,3 +462,13 @@ class FixedJoint(Joint):
     def SetFixed(self) -> None:
         """Keep the bodies at their current relative pose."""
         ode().dJointSetFixed(self.id)
+
+
+def _value_of(joint: Any) -> str:
+    """Angle or position of a joint, for `repr`; empty where there is none."""
+    for name, unit in (("GetAngle", "rad"), ("GetPosition", "m"), ("GetAngle1", "rad")):
+        read = getattr(joint, name, None)
+        if read is not None and not joint.closed:
+            with contextlib.suppress(GazeboError):
+                return f" at {read():.4g} {unit}"
+    return ""

@@ -6,7 +6,7 @@ import logging
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector, place_of
 from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
@@ -75,7 +75,7 @@ class Entity:
         self._number = world.next_number()
 
     def __repr__(self) -> str:
-        return f"<{self._name} {self._id!r}>"
+        return f"<{self._name} {self._id!r}{place_of(self)}>"
 
     def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages; empty for what was not loaded from a file."""

@@ -18,7 +18,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import DomeGeom, FrustrumGeom
 from libgz.simulation.description import describe_body, offset_in, plain, pose_list
 from libgz.simulation.entity import Entity
-from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, SharedTables
+from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, LocalTables
 
 if TYPE_CHECKING:
     from libgz.simulation.world import World
@@ -42,10 +42,10 @@ class Publication:
 
     Args:
         world: which runs.
-        shared: the files.
+        shared: the tables, in files for other processes or in memory.
     """
 
-    def __init__(self, world: World, shared: SharedTables) -> None:
+    def __init__(self, world: World, shared: LocalTables) -> None:
         self.world, self.shared = world, shared
         self.changed = True  # entities came or went
         self._revision = 0

@@ -52,6 +52,7 @@ from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
+from libgz.transport.tables import LocalTables
 
 if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
     from libgz.interfaces.actarray import Actarray
@@ -203,6 +204,11 @@ class World:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def __repr__(self) -> str:
+        state = "closed" if self._closed else f"sim time {self.clock.sim_time:.3f} s"
+        where = "" if self.server_id is None else f", server {self.server_id}"
+        return f"<World {self.name!r}, {self.era.name}, {state}, {len(self.models)} models{where}>"
 
     @property
     def topic_space(self) -> str:
@@ -481,6 +487,21 @@ class World:
         except GazeboError as error:  # of a model's own state; only a reset needs it
             self._start = error
         return 0
+
+    @exclusive
+    def publish(self) -> LocalTables:
+        """The tables and the scene that each step of the running world publishes; from now on, if it did not before.
+
+        Raises:
+            ClosedError: the world is closed, or `Initialize` was not called.
+        """
+        self._check_ready("published")
+        if self.gz_server.shared is None:
+            self.gz_server.shared = LocalTables()
+        if self._publication is None:
+            self._publication = Publication(self, self.gz_server.shared)
+            self._publication.publish(self._paused)
+        return self.gz_server.shared
 
     @exclusive
     def initialize(self, entities: Iterable[Entity]) -> None:

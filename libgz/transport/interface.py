@@ -258,6 +258,17 @@ class Interface(Generic[D]):
             if taken:
                 self.unlock()
 
+    @property
+    def memory(self) -> memoryview:
+        """The bytes of the struct, as they are in memory; to be read only, and without the lock.
+
+        Raises:
+            ClosedError: the interface is not open.
+        """
+        if self._memory is None:
+            raise ClosedError(f"interface {self.type}.{self.id} is not open")
+        return memoryview(self._memory)[: self.size].toreadonly()
+
     def set_bytes(self, state: bytes) -> None:
         """Write bytes that `get_bytes` returned, head included, and zeros between them.
 

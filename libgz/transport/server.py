@@ -17,7 +17,7 @@ from libgz.transport.paths import LONGEST_PATH, check_server_id, file_name, serv
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
-from libgz.transport.tables import SharedTables
+from libgz.transport.tables import LocalTables, SharedTables
 
 __all__ = ["LocalServer", "Server", "alive", "free_server_id", "on_free_server_id"]
 
@@ -37,7 +37,7 @@ class LocalServer:
     """
 
     server_id: int | None = None
-    shared: SharedTables | None = None  # what processes that look on read, while a server for them runs
+    shared: LocalTables | None = None  # what those that look on read, while a server for them runs
 
     def __init__(self, version: int = LIBGAZEBO_VERSION) -> None:
         if version not in VERSIONS:

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.errors import NotFoundError
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.paths import DATA_FILE, SCENE_FILE, TABLES_FILE
 from libgz.transport.truncation import Watch, watch
@@ -26,6 +27,7 @@ __all__ = [
     "HEADER",
     "JOINT_COLUMNS",
     "MAGIC",
+    "LocalTables",
     "SharedTables",
     "Status",
     "start_time",
@@ -71,7 +73,103 @@ class Status:
     ENDED = 3
 
 
-class SharedTables:
+class LocalTables:
+    """The writer of tables and scene in the memory of this process, for what looks on from within it.
+
+    Attributes:
+        header: one row, which is copied to the front of the tables with each publication.
+        address: of the header in the memory of the tables.
+        scene: as it was last written, JSON; empty before.
+    """
+
+    def __init__(self) -> None:
+        self.header = np.zeros(1, dtype=HEADER)
+        head = self.header[0]
+        head["magic"], head["format"], head["status"] = MAGIC, FORMAT, Status.RUNNING
+        head["body_columns"], head["joint_columns"] = BODY_COLUMNS, JOINT_COLUMNS
+        head["pid"], head["start"] = os.getpid(), start_time(os.getpid())
+        self.address = 0
+        self.scene = b""
+        self._memory: Any = None
+        self._contents: dict[str, bytes] = {}
+
+    @property
+    def owned(self) -> bool:
+        """Whether this process may write them."""
+        return True
+
+    def resize(self, bodies: int, joints: int) -> None:
+        """Take memory for so many rows."""
+        self._place(bytearray(self._arrange(bodies, joints)))
+
+    def _arrange(self, bodies: int, joints: int) -> int:
+        """Write in the header where so many rows are; the size of all [byte]."""
+        head = self.header[0]
+        joints_offset = HEADER.itemsize + bodies * BODY_COLUMNS * 8
+        head["bodies_offset"], head["bodies"] = HEADER.itemsize, bodies
+        head["joints_offset"], head["joints"] = joints_offset, joints
+        head["size"] = size = joints_offset + joints * JOINT_COLUMNS * 8
+        return size
+
+    def _place(self, memory: Any) -> None:
+        self._memory = memory
+        self.address = np.frombuffer(memory, dtype=np.uint8).ctypes.data
+
+    def show(self) -> None:
+        """Nothing to do: there are no other processes."""
+
+    def restore_length(self) -> None:
+        """Nothing to do: nobody else can shorten the memory."""
+
+    def write_scene(self, content: bytes, data: set[str]) -> None:
+        """Replace the scene; `data` are the names of the data that it uses."""
+        self.scene = content
+        self._contents = {name: self._contents[name] for name in data}
+
+    def write_data(self, arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
+        """Keep arrays; returns how a scene names them."""
+        name, content, places = _data_file(arrays)
+        self._contents[name] = content
+        return {"file": name, "arrays": places}
+
+    def content(self, name: str) -> bytes:
+        """The bytes of data that the present scene names.
+
+        Raises:
+            NotFoundError: there are none of this name.
+        """
+        if name not in self._contents:
+            raise NotFoundError(f"there are no data {name!r}")
+        return self._contents[name]
+
+    @property
+    def memory(self) -> Any:
+        """Header and tables as they are in memory, to be read only; another object after `resize`."""
+        return self._memory
+
+    def publish(self, numbers: dict[str, float], bodies: bytes, joints: bytes) -> None:
+        """Publish states from tables of bytes; `numbers` are those of the header, from revision to real time.
+
+        A world's step publishes natively; this is for states that come from elsewhere, such as a log.
+        """
+        head, memory = self.header[0], self._memory
+        for name, value in numbers.items():
+            head[name] = value
+        place = HEADER.fields["sequence"][1]  # type: ignore[index]
+        head["sequence"] += 1
+        memory[place : place + 8] = head["sequence"].tobytes()
+        memory[: HEADER.itemsize] = self.header.tobytes()
+        memory[HEADER.itemsize : HEADER.itemsize + len(bodies)] = bodies
+        start = int(head["joints_offset"])
+        memory[start : start + len(joints)] = joints
+        head["sequence"] += 1
+        memory[place : place + 8] = head["sequence"].tobytes()
+
+    def close(self) -> None:
+        """Nothing to do: the memory goes with this object."""
+
+
+class SharedTables(LocalTables):
     """The writer of these files.
 
     Args:
@@ -80,13 +178,7 @@ class SharedTables:
 
     def __init__(self, directory: ServerDirectory) -> None:
         self._directory = directory
-        self.header = np.zeros(1, dtype=HEADER)
-        head = self.header[0]
-        head["magic"], head["format"], head["status"] = MAGIC, FORMAT, Status.RUNNING
-        head["body_columns"], head["joint_columns"] = BODY_COLUMNS, JOINT_COLUMNS
-        head["pid"], head["start"] = os.getpid(), start_time(os.getpid())
-        self.address = 0  # of the mapped file
-        self._memory: Any = None
+        super().__init__()
         self._descriptor: int | None = None
         self._watch: Watch | None = None
         self._former_file: tuple[int | None, Watch | None] = None, None
@@ -102,17 +194,12 @@ class SharedTables:
             OSError: it cannot be created.
             ServerError: the directory was removed and cannot be created again.
         """
-        head = self.header[0]
-        joints_offset = HEADER.itemsize + bodies * BODY_COLUMNS * 8
-        size = joints_offset + joints * JOINT_COLUMNS * 8
-        segment = self._directory.create_file(TABLES_FILE, size)
+        segment = self._directory.create_file(TABLES_FILE, self._arrange(bodies, joints))
         self._former_file = self._descriptor, self._watch
         memory: Any = segment.memory
-        self._memory, self._descriptor = memory, segment.descriptor
+        self._descriptor = segment.descriptor
         self._watch = watch(memory, segment.descriptor) if segment.descriptor is not None else None
-        self.address = np.frombuffer(memory, dtype=np.uint8).ctypes.data
-        head["bodies_offset"], head["bodies"] = HEADER.itemsize, bodies
-        head["joints_offset"], head["joints"], head["size"] = joints_offset, joints, size
+        self._place(memory)
 
     def show(self) -> None:
         """Give the new file its name, once it was filled, and point the readers of the former one to it.
@@ -151,6 +238,7 @@ class SharedTables:
             ServerError: the directory was removed and cannot be created again.
         """
         self._directory.write_file(SCENE_FILE, content)
+        self.scene = content
         for name in self._data - data - self._former:
             self._directory.remove_file(name)
         self._data &= data | self._former
@@ -163,18 +251,31 @@ class SharedTables:
             OSError: it cannot be written.
             ServerError: the directory was removed and cannot be created again.
         """
-        parts, places, offset = [], {}, 0
-        for key, array in arrays.items():
-            part = np.ascontiguousarray(array)
-            places[key] = {"type": str(part.dtype), "shape": list(part.shape), "offset": offset}
-            parts.append(part.tobytes())
-            offset += part.nbytes
-        content = b"".join(parts)
-        name = DATA_FILE + hashlib.sha256(content).hexdigest()[:20]
+        name, content, places = _data_file(arrays)
+        self.keep_content(name, content)
+        return {"file": name, "arrays": places}
+
+    def keep_content(self, name: str, content: bytes) -> None:
+        """Write data to a file of their own, unless they are in one; `name` is the one that scenes use.
+
+        Raises:
+            OSError: it cannot be written.
+            ServerError: the directory was removed and cannot be created again.
+        """
         if name not in self._data:
             self._directory.write_file(name, content)
             self._data.add(name)
-        return {"file": name, "arrays": places}
+
+    def content(self, name: str) -> bytes:
+        """The bytes of data that the present scene names.
+
+        Raises:
+            NotFoundError: there are none of this name.
+        """
+        try:
+            return Path(self._directory.path, name).read_bytes() if name in self._data else super().content(name)
+        except OSError:
+            raise NotFoundError(f"the data {name!r} were removed") from None
 
     # End -----------------------------------------------------------------------------------------------------------
 
@@ -193,6 +294,18 @@ class SharedTables:
         self._data.clear()
         self._end(self._descriptor, self._watch, Status.ENDED)
         self._descriptor = self._watch = None
+
+
+def _data_file(arrays: dict[str, NDArray[Any]]) -> tuple[str, bytes, dict[str, Any]]:
+    """Name and content of a file for arrays, and where each is in it."""
+    parts, places, offset = [], {}, 0
+    for key, array in arrays.items():
+        part = np.ascontiguousarray(array)
+        places[key] = {"type": str(part.dtype), "shape": list(part.shape), "offset": offset}
+        parts.append(part.tobytes())
+        offset += part.nbytes
+    content = b"".join(parts)
+    return DATA_FILE + hashlib.sha256(content).hexdigest()[:20], content, places
 
 
 def start_time(pid: int) -> int:

@@ -233,7 +233,7 @@ def test_doctor_looks_at_every_extra():
         ("mesh", "trimesh", "no meshes and skins of more formats without trimesh; STL, OBJ and COLLADA "),
         ("video", "av", "no videos by --record without av; cameras, "),
         ("video", "imageio", "no videos by --record without imageio; cameras, "),
-        ("plot", "matplotlib", "no plots by libgz echo --plot without matplotlib; libgz echo prints "),
+        ("plot", "matplotlib", "no plots by libgz plot without matplotlib; libgz echo and libgz export "),
     ],
 )
 def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words):

@@ -182,7 +182,7 @@ def test_echo_plots(capsys, gazebo, tmp_path):
         server.id,
     ]
     code, out, err = command(capsys, *words)
-    assert (code, out) == (0, f"8 samples plotted to {path}\n"), err
+    assert (code, out) == (0, f"8 samples plotted to {path}; `libgz plot` has more\n"), err
     assert path.read_bytes().startswith(b"\x89PNG")
     words[-4:-2] = ["--plot", "/no/such/place.png"]
     assert "cannot be written to '/no/such/place.png'" in command(capsys, *words)[2]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, place_of
 
 if TYPE_CHECKING:
     from libgz.classic.common import PoseAnimation
@@ -46,7 +46,7 @@ class Base:
         self._world, self._name, self._parent, self._sdf = world, name, parent, sdf
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.GetScopedName()!r}>"
+        return f"<{type(self).__name__} {self.GetScopedName()!r}{place_of(self)}>"
 
     def GetName(self) -> str:
         """The name, unique within the parent."""

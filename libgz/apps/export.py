@@ -1,0 +1,80 @@
+"""libgz export: write what is in a log as tables of text."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+from pathlib import Path
+
+from libgz.apps.series import Series, read_log
+from libgz.errors import ParameterError
+from libgz.recording.capture import check_packages
+from libgz.recording.reader import LogReader
+
+__all__ = ["configure", "run"]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    add = parser.add_argument
+    add("log", metavar="LOG", help="a log that gazebo --mcap or gzserver --mcap recorded")
+    add("targets", nargs="*", metavar="TARGET", help="position.robot1, state.robot1, ~/topic (default: all)")
+    add("--csv", action="store_true", help="write comma-separated values, a file for each target (the default)")
+    add("-o", dest="output", metavar="FOLDER", help="where to (default: a folder named like the log)")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the files.
+
+    Raises:
+        NotFoundError: the log has no such target.
+        ParameterError: the log cannot be read, or a file cannot be written.
+        LibraryError: a package of the extra [log] is not installed.
+    """
+    check_packages()
+    with LogReader(options.log) as log:
+        folder = Path(options.output) if options.output is not None else log.path.with_suffix("")
+        if folder == log.path:
+            raise ParameterError(f"the folder {str(folder)!r} would be the log itself; name another one with -o")
+        for target in options.targets or _all_targets(log):
+            series = read_log(log, target, [])
+            if not series.lines:
+                continue  # nothing but text
+            path = folder / (target.strip("~/").replace("::", ".").replace("/", "_") + ".csv")
+            _write(path, series)
+            print(f"{path}: {len(series.times)} rows")
+    return 0
+
+
+def _all_targets(log: LogReader) -> list[str]:
+    """Interfaces, moving bodies and topics of a log."""
+    found = []
+    world = f"/gazebo/{log.about.get('world', 'default')}/"
+    for channel in log.channels.values():
+        if channel.kind == "interface":
+            found.append(f"{channel.about['type']}.{channel.about['id']}")
+        elif channel.kind == "topic":
+            found.append("~/" + channel.topic.removeprefix(world) if channel.topic.startswith(world) else channel.topic)
+    bodies = {
+        f"state.{entity['id']}::{body['name']}": None
+        for message in log.messages(topics=("/gz/scene",))
+        for entity in json.loads(message.data)["entities"]
+        for body in entity["bodies"]
+        if not body["static"]
+    }
+    return [*dict.fromkeys(found), *bodies]
+
+
+def _write(path: Path, series: Series) -> None:
+    labels = [f"{label} [{series.units[label]}]" if series.units[label] else label for label in series.lines]
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file)
+            table.writerow(["sim time [s]", *labels])
+            for i, time in enumerate(series.times):
+                numbers = (line[i] for line in series.lines.values())
+                table.writerow([f"{time:.9g}", *("" if number is None else repr(number) for number in numbers)])
+    except OSError as error:
+        raise ParameterError(f"{path} cannot be written: {error.strerror}") from None

@@ -1,0 +1,302 @@
+"""Capture: takes what a world shows after each step, and sends it to a process of its own that writes the log.
+
+The server only compares and copies bytes: compression, schemas and what other programs read are that process's work. A
+log of a server that is killed is finished by that process; if both are killed, at most the last half second is lost.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import fcntl
+import importlib.util
+import json
+import logging
+import os
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from libgz._version import __version__
+from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError
+from libgz.recording.changes import Changes, Piece
+from libgz.recording.frames import Kind, channel_frame, frame, tick_frame
+from libgz.recording.own_messages import FILE_SCHEMA, TABLES_SCHEMA, file_message
+from libgz.simulation.world import World
+from libgz.transport.interface import Interface
+from libgz.transport.layout import Data, commands_of
+from libgz.transport.tables import HEADER
+
+if TYPE_CHECKING:
+    from libgz.recording.topics import TopicTap
+
+__all__ = ["FORMAT", "Capture", "check_packages"]
+
+log = logging.getLogger("libgz.recording")
+
+FORMAT = "1"  # of the log
+LARGE, BEGINNING = 8192, 1024  # [byte]
+LARGEST_FILE = 64 << 20  # [byte] of textures and skins that are kept in the log
+PIPE_SIZE = 1 << 20  # [byte]
+SEND_PERIOD = 0.01  # [s] between two calls of the system, each of which wakes the writer
+MOST_FRAMES = 200  # that wait for it
+PATIENCE = 60.0  # [s] for the writer to finish
+TABLES, SCENE, FILES, SERVED = 1, 2, 3, 4  # channels
+FIRST_CHANNEL = 10  # of interfaces and topics
+_END = frame(Kind.END, 0, b"")
+_REVISION, _REVISION_AT = struct.Struct("=q"), HEADER.fields["revision"][1]  # type: ignore[index]
+
+_NEEDED = {"mcap": "mcap", "foxglove_schemas_protobuf": "foxglove-schemas-protobuf"}
+
+
+def check_packages() -> None:
+    """Check that logs can be written and read.
+
+    Raises:
+        LibraryError: a package is not installed.
+    """
+    missing = [name for module, name in _NEEDED.items() if importlib.util.find_spec(module) is None]
+    if missing:
+        raise LibraryError(f"logs need {' and '.join(missing)}, not installed here: pip install 'libgz[log]'")
+
+
+def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
+    """The parts of a large struct that change when it does: its beginning, with the time, and what clients write.
+
+    Nothing for a small one: all of it is compared.
+    """
+    if ctypes.sizeof(layout) < LARGE:
+        return ()
+    return (0, BEGINNING), *((part.start, part.stop - part.start) for part, _ in commands_of(layout))
+
+
+class Capture:
+    """A recording of a world.
+
+    Call `take` after each step. If the log cannot be written any more, that is logged, and the world runs on.
+
+    Args:
+        world: it is initialized.
+        path: of the log, `.mcap`; an existing file is replaced.
+        period: sim time between two states of bodies and joints [s]; 0 for those of every step.
+
+    Raises:
+        LibraryError: a package of the extra [log] is not installed.
+        ParameterError: the file cannot be written.
+        GazeboError: the writing process cannot be started.
+    """
+
+    def __init__(self, world: World, path: str | os.PathLike[str], period: float = 0.0) -> None:
+        check_packages()
+        self.world, self.path, self.period = world, Path(path), period
+        self._tables = world.publish()
+        self._time = 0.0
+        self._due = 0.0
+        self._revision = -1
+        self._known: list[Interface[Any]] = []
+        self._changes = Changes([])
+        self._memory: Any = None  # of the tables
+        self._states = Changes([])
+        self._channels: dict[str, int] = {}
+        self._files: set[str] = set()  # that the log has
+        self._topics: TopicTap | None = None
+        self._pipe: int | None = None
+        self._writer = self._start()
+        if world.facade is not None:
+            from libgz.recording.topics import TopicTap  # legacy worlds have no topics
+
+            self._topics = TopicTap(world)
+        self._frames: list[bytes] = []
+        self._sent = 0.0  # [s]
+        about = {
+            "format": FORMAT,
+            "libgz": __version__,
+            "world": world.name,
+            "era": world.era.name,
+            "wire_version": str(world.gz_server.version),
+            "step_time": repr(world.engine.step_time),
+        }
+        self._frames.append(frame(Kind.METADATA, 0, json.dumps(about).encode()))
+        for number, topic, schema, text in (
+            (TABLES, "/gz/tables", "gz/Tables", TABLES_SCHEMA),
+            (SCENE, "/gz/scene", "gz.Scene", ""),
+            (FILES, "/gz/files", "gz/File", FILE_SCHEMA),
+            (SERVED, "/gz/interfaces", "gz.Interfaces", ""),
+        ):
+            self._frames.append(channel_frame(number, kind="own", topic=topic, schema=schema, text=text))
+        self.take(advance=False)
+
+    def __enter__(self) -> Capture:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        """Open the file and start the process that writes it."""
+        try:
+            file = os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o666)
+        except OSError as error:
+            raise ParameterError(f"log {str(self.path)!r} cannot be written: {error.strerror}") from None
+        source, self._pipe = os.pipe2(os.O_CLOEXEC)
+        try:
+            fcntl.fcntl(self._pipe, fcntl.F_SETPIPE_SZ, PIPE_SIZE)
+        except OSError:
+            log.debug("the pipe to the log stays small")  # the limit of this user
+        try:
+            command = [sys.executable, "-m", "libgz.recording.writer", str(file), str(self.path)]
+            return subprocess.Popen(command, stdin=source, pass_fds=[file], stdout=subprocess.DEVNULL)
+        except OSError as error:
+            os.close(self._pipe)
+            self._pipe = None
+            raise GazeboError(f"the process that writes {self.path} cannot be started: {error.strerror}") from None
+        finally:
+            os.close(source)
+            os.close(file)
+
+    # A step ----------------------------------------------------------------------------------------------------------
+
+    def take(self, advance: bool = True) -> None:
+        """Record what the last step changed; waits if the writing process is far behind.
+
+        Args:
+            advance: whether there was a step.
+        """
+        if self._pipe is None:
+            return
+        world = self.world
+        with world.lock:
+            if not world.running:
+                return
+            self._time += world.engine.step_time if advance else 0.0
+            log_time, sim_time = round(self._time * 1e9), round(world.clock.sim_time * 1e9)
+            self._frames.append(tick_frame(log_time, max(sim_time, 0)))
+            self._take_states()
+            self._take_interfaces()
+            if self._topics is not None:
+                self._take_topics(self._topics)
+        self._frames.append(_END)
+        now = time.monotonic()
+        if now - self._sent >= SEND_PERIOD or len(self._frames) > MOST_FRAMES:
+            self._sent = now
+            self._send()
+
+    def _take_states(self) -> None:
+        memory = self._tables.memory
+        revision = _REVISION.unpack_from(memory, _REVISION_AT)[0]
+        if revision != self._revision:
+            self._revision = revision
+            self._take_scene()
+        elif self._time < self._due - 1e-9:
+            return
+        self._due = self._time + self.period
+        if memory is self._memory:
+            self._frames.append(bytes(self._states.take()))
+            return
+        self._memory = memory
+        self._states = Changes([Piece(memory, TABLES)])
+        self._states.take()
+        self._frames.append(frame(Kind.MESSAGE, TABLES, bytes(memory)))
+
+    def _take_scene(self) -> None:
+        scene = json.loads(self._tables.scene)
+        for name in sorted(_named(scene, "file") | ({scene["sky"]["texture"]} if scene.get("sky") else set())):
+            if name in self._files:
+                continue
+            self._files.add(name)
+            try:
+                content = Path(name).read_bytes() if name.startswith("/") else self._tables.content(name)
+            except (OSError, NotFoundError):
+                continue  # it is not there for the renderer, either
+            if len(content) <= LARGEST_FILE:
+                self._frames.append(frame(Kind.MESSAGE, FILES, file_message(name, content)))
+        self._frames.append(frame(Kind.MESSAGE, SCENE, self._tables.scene))
+
+    def _take_interfaces(self) -> None:
+        served = list(self.world.gz_server.interfaces.values())
+        if served != self._known:
+            self._notice(served)
+        self._frames.append(bytes(self._changes.take()))
+
+    def _notice(self, served: list[Interface[Any]]) -> None:
+        """Interfaces came or went."""
+        self._known = served
+        pieces = [Piece(one.memory, self._interface_channel(one), keys_of(one.layout)) for one in served]
+        self._changes = Changes(pieces, self._changes)
+        names = [[interface.type, interface.id] for interface in served]
+        self._frames.append(frame(Kind.MESSAGE, SERVED, json.dumps(names).encode()))
+
+    def _interface_channel(self, interface: Interface[Any]) -> int:
+        kind, name, size = interface.type, interface.id, interface.size
+        version = self.world.gz_server.version
+        return self._channel(f"/{kind}/{name}", kind="interface", type=kind, id=name, version=version, size=size)
+
+    def _take_topics(self, tap: TopicTap) -> None:
+        for topic, type_name, declaration, content in tap.take():
+            channel = self._channel(topic, kind="topic", type=type_name, declaration=declaration)
+            self._frames.append(frame(Kind.MESSAGE, channel, content))
+
+    def _channel(self, topic: str, **about: Any) -> int:
+        """The number of a channel; a new one the first time."""
+        key = f"{topic} {about.get('type')} {about.get('size')}"
+        if key not in self._channels:
+            self._channels[key] = number = FIRST_CHANNEL + len(self._channels)
+            self._frames.append(channel_frame(number, topic=topic, **about))
+        return self._channels[key]
+
+    # The pipe --------------------------------------------------------------------------------------------------------
+
+    def _send(self) -> None:
+        data, self._frames = memoryview(b"".join(self._frames)), []
+        try:
+            while data and self._pipe is not None:
+                data = data[os.write(self._pipe, data) :]
+        except BrokenPipeError:
+            self._end("cannot be written any more; its reason is above")
+
+    def _end(self, what: str) -> None:
+        """Stop recording."""
+        if self._pipe is not None:
+            os.close(self._pipe)
+            self._pipe = None
+        if self._topics is not None:
+            self._topics.close()
+        log.error("log %s %s", self.path, what)
+
+    def close(self) -> None:
+        """Finish the log; waits for it. Can be called twice."""
+        if self._topics is not None:
+            self._topics.close()
+        if self._pipe is not None:
+            self._send()
+        if self._pipe is not None:
+            os.close(self._pipe)
+            self._pipe = None
+            try:
+                if self._writer.wait(PATIENCE):
+                    log.error("log %s is not complete", self.path)
+            except subprocess.TimeoutExpired:
+                log.error("log %s is still being written after %g s", self.path, PATIENCE)
+        elif self._writer.poll() is None:
+            self._writer.wait(PATIENCE)
+
+
+def _named(value: Any, key: str) -> set[str]:
+    """All texts under a key, however deep."""
+    found: set[str] = set()
+    todo: list[Any] = [value]
+    search: Callable[[Any], None] = todo.append
+    while todo:
+        part = todo.pop()
+        if isinstance(part, dict):
+            text = part.get(key)
+            if isinstance(text, str):
+                found.add(text)
+            for inner in part.values():
+                search(inner)
+        elif isinstance(part, list):
+            todo.extend(part)
+    return found

@@ -1,0 +1,150 @@
+"""Schemas of what is recorded, so that programs that know nothing of libgz can read the fields.
+
+An interface's bytes are a C struct. They are at the same time a message of ROS 1, whose numbers follow each other
+without gaps: the padding of C is declared as bytes. So the exact bytes are recorded once, and are readable.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from typing import Any
+
+from google.protobuf import descriptor_pb2
+
+from libgz.classic.msgs.fields import Field as MessageField
+from libgz.classic.msgs.message import Message
+from libgz.recording.own_messages import SEPARATOR
+
+__all__ = ["descriptors_of", "message_descriptors", "struct_schema"]
+
+_ROS = {
+    ctypes.c_double: "float64",
+    ctypes.c_float: "float32",
+    ctypes.c_int32: "int32",
+    ctypes.c_int: "int32",
+    ctypes.c_uint32: "uint32",
+    ctypes.c_uint16: "uint16",
+    ctypes.c_uint8: "uint8",
+    ctypes.c_char: "uint8",
+    ctypes.c_size_t: "uint64",
+}
+
+
+def struct_schema(layout: type[ctypes.Structure]) -> str:
+    """The schema of a struct as a message of ROS 1."""
+    parts: dict[str, str] = {}
+    text = _lines(layout, parts)
+    return text + "".join(f"{SEPARATOR}MSG: gz/{name}\n{lines}" for name, lines in parts.items())
+
+
+def _lines(layout: type[ctypes.Structure], parts: dict[str, str]) -> str:
+    """A line for each field, and for each gap before one; `parts` gets the structs inside."""
+    lines, end = [], 0
+    for base in reversed(layout.__mro__):
+        for name, kind, *_ in vars(base).get("_fields_", ()):
+            place = getattr(layout, name)
+            lines += _gap(end, place.offset)
+            counts = []
+            while issubclass(kind, ctypes.Array):
+                counts.append(kind._length_)
+                kind = kind._type_
+            total = 1
+            for count in counts:
+                total *= count
+            size = f"[{total}]" if counts else ""
+            if issubclass(kind, ctypes.Structure):
+                parts.setdefault(kind.__name__, "")
+                parts[kind.__name__] = _lines(kind, parts)
+                lines.append(f"gz/{kind.__name__}{size} {name}")
+            else:
+                lines.append(f"{_ROS[kind]}{size} {name}")
+            end = place.offset + place.size
+    lines += _gap(end, ctypes.sizeof(layout))
+    return "\n".join(lines) + "\n"
+
+
+def _gap(end: int, start: int) -> list[str]:
+    return [f"uint8[{start - end}] padding_{end}"] if start > end else []
+
+
+# Messages of protocol buffers --------------------------------------------------------------------------------------
+
+
+def descriptors_of(descriptor: Any) -> bytes:
+    """The schema of a generated message type: all files that describe it."""
+    files = descriptor_pb2.FileDescriptorSet()
+    seen: set[str] = set()
+
+    def add(file: Any) -> None:
+        if file.name not in seen:
+            seen.add(file.name)
+            for needed in file.dependencies:
+                add(needed)
+            file.CopyToProto(files.file.add())
+
+    add(descriptor.file)
+    return bytes(files.SerializeToString())
+
+
+_KINDS = {
+    "double": 1,
+    "float": 2,
+    "int64": 3,
+    "uint64": 4,
+    "int32": 5,
+    "bool": 8,
+    "string": 9,
+    "bytes": 12,
+    "uint32": 13,
+}
+_MESSAGE, _OPTIONAL, _REPEATED = 11, 1, 3
+
+
+def message_descriptors(kind: type[Message]) -> bytes:
+    """The schema of a message type of Gazebo classic, or of one that was declared like those."""
+    found: dict[str, type[Message]] = {}
+
+    def visit(one: type[Message]) -> None:
+        if one.GetTypeName() not in found:
+            found[one.GetTypeName()] = one
+            for field in one._fields.values():
+                if field.message is not None:
+                    visit(field.message)  # type: ignore[arg-type]
+
+    visit(kind)
+    packages: dict[str, list[type[Message]]] = {}
+    for one in found.values():
+        packages.setdefault(_split(one.GetTypeName())[0], []).append(one)
+    files = descriptor_pb2.FileDescriptorSet()
+    first = _split(kind.GetTypeName())[0]
+    # A package is described by one file; the type's own comes last, as it may need the others.
+    for package in sorted(packages, key=lambda name: (name == first, name != "gazebo.msgs")):
+        file = files.file.add(name=f"{package or 'messages'}.proto", package=package, syntax="proto2")
+        file.dependency.extend(other.name for other in files.file[:-1])
+        for one in packages[package]:
+            message = file.message_type.add(name=_split(one.GetTypeName())[1])
+            for field in one._fields.values():
+                _describe(message, field)
+    return bytes(files.SerializeToString())
+
+
+def _split(name: str) -> tuple[str, str]:
+    """Package and plain name of a type; the dot of a type inside another one becomes an underscore."""
+    if name.startswith("gazebo.msgs."):
+        return "gazebo.msgs", name.removeprefix("gazebo.msgs.").replace(".", "_")
+    package, _, short = name.rpartition(".")
+    return package, short
+
+
+def _describe(message: Any, field: MessageField) -> None:
+    made = message.field.add(name=field.name, number=field.number, label=_REPEATED if field.repeated else _OPTIONAL)
+    if field.kind is None:
+        package, short = _split(field.type_name)
+        made.type, made.type_name = _MESSAGE, f".{package}.{short}" if package else f".{short}"
+        return
+    made.type = _KINDS.get(field.kind.name, _KINDS["int32"])  # enumerations are numbers on the wire, too
+    if field.packed:
+        made.options.packed = True
+    elif field.default and not field.repeated:
+        value = field.default
+        made.default_value = str(value).lower() if isinstance(value, bool) else str(value)

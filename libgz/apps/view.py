@@ -23,7 +23,7 @@ __all__ = ["add_view_options", "configure", "make_viewer", "run", "running_serve
 log = logging.getLogger("libgz.view")
 
 HOST, PORT = "127.0.0.1", 8080
-PATIENCE = 5.0  # [s] for the viewer of --view to end
+PATIENCE = 0.5  # [s] for the viewer of --view to end
 
 
 def add_view_options(parser: Any, optional: bool) -> None:
@@ -143,8 +143,5 @@ def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator
         yield
     finally:
         process.terminate()
-        try:
-            process.wait(PATIENCE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)  # else it ends a little later than this process

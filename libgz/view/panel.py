@@ -52,7 +52,7 @@ class Panel:
         self._robot_parts: list[Any] = []
         self._images: dict[str, Any] = {}
         gui = page.gui
-        gui.configure_theme(control_width="medium", show_logo=False, show_share_button=False)
+        gui.configure_theme(control_width="small", show_logo=False, show_share_button=False)
         self.status = gui.add_html("")
         self._run_buttons()
         self._tabs = gui.add_tab_group()
@@ -66,9 +66,6 @@ class Panel:
         if abilities & {"rewind", "insert", "write"}:
             with self._tabs.add_tab("World"):
                 self._world_tab()
-        with self._tabs.add_tab("Cameras") as self._camera_tab:
-            self.live = gui.add_checkbox("Live images", False)
-            self._no_camera = gui.add_html("")
 
     def _on(self, handle: Any, action: Callable[[Any], object]) -> None:
         """Call an action with the value of a control that a user changed."""
@@ -133,6 +130,8 @@ class Panel:
             self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
 
     def _show_tab(self) -> None:
+        self.live = self.page.gui.add_checkbox("Camera images", False)
+        self._image_folder = self.page.gui.add_folder("Images", visible=False)
         for name, label in SWITCHES.items():
             if name == "contacts" and "contacts" not in self._can:
                 continue
@@ -151,7 +150,7 @@ class Panel:
             self._button("Rewind to there", lambda: handler.rewind(-float(self.back.value)), viser.Icon.PLAYER_TRACK_PREV)
         if "insert" in can:
             self.catalogue = gui.add_dropdown("Insert", [NONE])
-            self._button("Insert in the middle of the view", self._insert, viser.Icon.PLUS)
+            self._button("Insert it", self._insert, viser.Icon.PLUS)
         if "write" in can:
             self._button("Save the world", handler.save, viser.Icon.DEVICE_FLOPPY)
 
@@ -164,12 +163,13 @@ class Panel:
     def set_status(self, rows: Mapping[str, str], warning: str = "") -> None:
         """Show times and rates, or a warning."""
         cells = "".join(
-            f"<td style='padding:1px 8px 1px 0'><span style='opacity:.6'>{html.escape(k)}</span><br>"
-            f"<b style='font-variant-numeric:tabular-nums'>{html.escape(v)}</b></td>"
-            for k, v in rows.items()
+            f"<span style='opacity:.6'>{html.escape(name)}</span><b style='font-variant-numeric:tabular-nums'>"
+            f"{html.escape(value)}</b>"
+            for name, value in rows.items()
         )
         note = f"<div style='color:#c92a2a;font-weight:600'>{html.escape(warning)}</div>" if warning else ""
-        text = f"<div id='libgz-status' style='font-size:12px;padding:4px 10px'>{note}<table><tr>{cells}</tr></table></div>"
+        grid = "display:grid;grid-template-columns:auto 1fr auto 1fr;gap:0 8px;white-space:nowrap"
+        text = f"<div id='libgz-status' style='font-size:12px;padding:0 10px'>{note}<div style='{grid}'>{cells}</div></div>"
         if text != self.status.content:
             self.status.content = text
 
@@ -237,19 +237,18 @@ class Panel:
                     self._robot_parts.append(self._button(label, lambda action=action: action(None)))
         self.robot_folder.visible = bool(self._robot_parts)
 
-    def set_images(self, images: Mapping[str, NDArray[np.uint8]], known: int) -> None:
-        """Show the cameras' images; `known`: how many cameras there are."""
-        note = "" if known else _small("There are no cameras.")
-        if self._no_camera.content != note:
-            self._no_camera.content = note
+    def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
+        """Show the cameras' images."""
         for name in set(self._images) - set(images):
             self._images.pop(name).remove()
         for name, image in images.items():
             if name in self._images:
                 self._images[name].image = image
             else:
-                with self._camera_tab:
+                with self._image_folder:
                     self._images[name] = self.page.gui.add_image(image, label=name, format="jpeg", jpeg_quality=80)
+        if self._image_folder.visible != bool(images):
+            self._image_folder.visible = bool(images)
 
 
 def _small(text: str) -> str:

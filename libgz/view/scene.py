@@ -22,6 +22,7 @@ __all__ = ["Look", "SceneView"]
 log = logging.getLogger("libgz.view")
 
 FAR = 1000.0  # [m]
+WIDE = 30.0  # [m] from which a mesh is terrain, which casts no shadows on itself
 FULL = math.pi  # intensity at which a white surface facing the light is white
 
 
@@ -144,7 +145,7 @@ class SceneView:
             "batched_positions": positions,
             "batched_scales": np.array([i.scale for i in batch.instances], dtype=np.float32),
             "lod": "off",
-            "cast_shadow": not ground and not form.clear,
+            "cast_shadow": not ground and not form.clear and bool(np.ptp(form.vertices, axis=0).max() < WIDE),
             "receive_shadow": True,
         }
         if form.glb is not None and not self.look.wireframe and not self.look.collisions:
@@ -246,6 +247,9 @@ class SceneView:
         color = tuple(round(255 * min(max(float(c), 0.0), 1.0)) for c in diffuse[:3])
         nodes, name, kind = self.page.scene, f"/light/{number}", shape["light"]
         options: dict[str, Any] = {"color": color, "cast_shadow": shadow}
+        if kind == "point" and shadow:
+            # It shines from its place to the middle of the world: such shadows are sharp at any distance.
+            return nodes.add_light_directional(name, intensity=0.7 * FULL * share, **options)
         if kind == "directional":
             return nodes.add_light_directional(name, intensity=0.7 * FULL * share, **options)
         constant, linear, quadratic = (float(value or 0.0) for value in shape["attenuation"])

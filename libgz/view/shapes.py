@@ -27,10 +27,11 @@ __all__ = ["Form", "Instance", "Shapes", "compose", "extent_corners"]
 log = logging.getLogger("libgz.view")
 
 SEGMENTS = 28  # of a full turn
-PLANE = 300.0  # [m] side of what stands for an infinite plane
+PLANE = 2000.0  # [m] side of what stands for an infinite plane
 LARGEST_TEXTURE = 1024  # [px]
 SKY = 900.0  # [m] radius of the sky
 BRIGHTEST = 235  # of 255: white surfaces keep room for light
+SMOOTH = ("mesh", "heightfield", "skin")  # shown with normals of their own
 NOT_SHOWN = ("light", "frustum", "ray", "dome", "other")
 
 
@@ -126,12 +127,10 @@ class Shapes:
             return None
         dome = dome_mesh()
         share = float(sky["time_of_day"] or 0.0) / 86400.0 % 1.0
-        pixels = np.asarray(image.convert("RGB"))
-        strip = pixels[:, min(int(share * image.width), image.width - 1)]
-        t = np.asarray(dome.texcoords)[:, 1]
-        colors = strip[np.clip(((1.0 - t) * (len(strip) - 1)).astype(int), 0, len(strip) - 1)]
+        column = min(int(share * image.width), image.width - 1)
         faces = np.asarray(dome.indices).reshape(-1, 3)
-        return _unlit(dome.vertices * SKY, np.concatenate([faces, faces[:, ::-1]]), colors)
+        strip = image.convert("RGB").crop((column, 0, column + 1, image.height))
+        return _shining(dome.vertices, np.concatenate([faces, faces[:, ::-1]]), np.asarray(dome.texcoords)[:, 1], strip)
 
     # Forms -----------------------------------------------------------------------------------------------------------
 
@@ -145,6 +144,8 @@ class Shapes:
         look: tuple[Any, ...] = ()
         if image is not None and texture is not None:
             look = (texture["file"], tuple(texture["size"]), tuple(material["diffuse"]))
+        if not look and key[0] in SMOOTH:
+            look = (tuple(material["diffuse"]), tuple(material["emission"]), material["opacity"])
         full = (*key, *look, clear)
         if full not in self._forms:
             try:
@@ -165,6 +166,12 @@ class Shapes:
         clear: bool,
     ) -> list[Form]:
         both = key[0] == "mesh"
+        if image is None and colors is None and key[0] in SMOOTH:
+            color = (*_bytes(material["diffuse"], material["emission"]), round(255 * material["opacity"]))
+            return [
+                Form((*key, i), part.vertices, _faces(part), _plain(part, color), clear, both)
+                for i, part in enumerate(meshes)
+            ]
         if image is None and colors is None:
             vertices, faces = _joined(meshes)
             return [Form(key, vertices, faces, None, clear, both)]
@@ -230,9 +237,14 @@ class Shapes:
             merged: dict[tuple[int, int, int], list[Mesh]] = {}
             for part in self._skin(file):
                 merged.setdefault(_bytes(part.material.diffuse[:3] if part.material else (0.8,) * 3), []).append(part)
-            self._forms[key] = [
-                Form((*key, color), *_joined(parts), None, False, True) for color, parts in merged.items()
-            ]
+            found = []
+            for color, parts in merged.items():
+                vertices, faces = _joined(parts)
+                whole = all(part.normals is not None for part in parts)
+                normals = np.concatenate([part.normals for part in parts if part.normals is not None]) if whole else None
+                glb = _plain(Mesh(vertices, normals, None, faces), (*color, 255))
+                found.append(Form((*key, color), vertices, faces, glb, False, True))
+            self._forms[key] = found
         return self._forms[key]
 
     def _image(self, file: str) -> Image.Image | None:
@@ -305,6 +317,13 @@ def _pbr(**more: Any) -> Any:
     return trimesh.visual.material.PBRMaterial(metallicFactor=0.0, roughnessFactor=0.9, doubleSided=True, **more)
 
 
+def _plain(part: Mesh, color: tuple[int, int, int, int]) -> bytes:
+    linear = [round(255 * (c / 255) ** 2.2) for c in color[:3]]
+    pbr = _pbr(baseColorFactor=[*linear, color[3]], alphaMode="BLEND" if color[3] < 255 else None)
+    visual = trimesh.visual.TextureVisuals(material=pbr)
+    return _glb(trimesh.Trimesh(part.vertices, _faces(part), vertex_normals=part.normals, visual=visual, process=False))
+
+
 def _textured(part: Mesh, faces: NDArray[Any], image: Image.Image, material: dict[str, Any]) -> bytes:
     buffer = io.BytesIO()
     image.convert("RGB").save(buffer, "JPEG", quality=90)
@@ -332,15 +351,14 @@ def _colored(vertices: NDArray[Any], faces: NDArray[Any], normals: Any, colors: 
     return _glb(body)
 
 
-def _unlit(vertices: NDArray[Any], faces: NDArray[Any], colors: NDArray[Any]) -> bytes:
-    """A mesh that shines by itself: one texel for each vertex."""
-    image = Image.fromarray(np.asarray(colors, dtype=np.uint8).reshape(1, -1, 3))
-    u = (np.arange(len(vertices)) + 0.5) / len(vertices)
+def _shining(vertices: NDArray[Any], faces: NDArray[Any], t: NDArray[Any], strip: Image.Image) -> bytes:
+    """The sky: it shines by itself, in the colours of an image one pixel wide."""
     pbr = trimesh.visual.material.PBRMaterial(
-        baseColorFactor=[0, 0, 0, 255], emissiveTexture=image, emissiveFactor=[1.0, 1.0, 1.0], roughnessFactor=1.0
+        baseColorFactor=[0, 0, 0, 255], emissiveTexture=strip, emissiveFactor=[1.0, 1.0, 1.0], roughnessFactor=1.0
     )
-    visual = trimesh.visual.TextureVisuals(uv=np.column_stack([u, np.full(len(u), 0.5)]), material=pbr)
-    return _glb(trimesh.Trimesh(vertices, faces, visual=visual, process=False))
+    t = np.clip(t, 0.5 / strip.height, 1.0 - 0.5 / strip.height)  # images repeat
+    visual = trimesh.visual.TextureVisuals(uv=np.column_stack([np.full(len(t), 0.5), t]), material=pbr)
+    return _glb(trimesh.Trimesh(vertices * SKY, faces, vertex_normals=-vertices, visual=visual, process=False))
 
 
 def _glb(body: Any) -> bytes:

@@ -232,16 +232,18 @@ class Viewer:
 
     def _overview(self, state: ObservedState) -> tuple[NDArray[Any], NDArray[Any]]:
         boxes = [
-            (entity["static"], box)
+            (entity, box)
             for number, entity in self.view.entities.items()
             if (box := self.view.bounds(number, state)) is not None and np.abs(box).max() < FAR_AWAY
         ]
-        moving = [box for static, box in boxes if not static] or [box for _, box in boxes]
-        if not moving:
+        everything = _around([box for entity, box in boxes if not entity["static"]] or [box for _, box in boxes])
+        robots = _around([box for entity, box in boxes if entity["interfaces"] and not entity["static"]])
+        if everything is None:
             return np.array((-4.0, -4.0, 3.0)), np.zeros(3)
-        low, high = np.min([b[0] for b in moving], axis=0), np.max([b[1] for b in moving], axis=0)
-        middle, size = (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 0.6)
-        return middle + size * np.array((-0.75, -0.95, 0.65)), middle
+        middle, size = everything
+        if robots is not None:
+            middle, size = robots[0], min(size, 5.0 * robots[1])
+        return middle + size * np.array((-0.7, -0.85, 0.6)), middle
 
     # Coming and going ------------------------------------------------------------------------------------------------
 
@@ -366,7 +368,7 @@ class Viewer:
             number = None
         self._selected = name if number is not None else ""
         self._details = {}
-        self.panel.set_options("model", [o for o in self.panel.model.options[1:]], self._selected)
+        self.panel.set_options("model", list(self.panel.model.options[1:]), self._selected)
         self._drop_handle()
         if self._selected and self.controls is not None and "describe" in self.controls.abilities:
             self.ask("describe", then=self._learn_details, name=name)
@@ -585,7 +587,7 @@ class Viewer:
         self.panel.set_status(
             {
                 "sim time": f"{state.sim_time:.2f} s",
-                "real-time factor": f"{factor:.2f}",
+                "factor": f"{factor:.2f}",
                 "steps": f"{rate:.0f} Hz",
                 "state": "paused" if state.paused else "running",
             }
@@ -636,12 +638,20 @@ class Viewer:
             if one["type"] in ("camera", "guicam")
         ]
         if self.panel.live.value and self.controls is not None:
-            for kind, id in names:
+            for kind, name in names:
                 with contextlib.suppress(GazeboError, ClosedError):
-                    image = np.array(self.controls.interface(kind, id).image)
+                    image = np.array(self.controls.interface(kind, name).image)
                     if image.size:
-                        images[id] = image
-        self.panel.set_images(images, len(names))
+                        images[name] = image
+        self.panel.set_images(images)
+
+
+def _around(boxes: list[NDArray[Any]]) -> tuple[NDArray[Any], float] | None:
+    """Middle and size [m] of the box around boxes; None if there are none."""
+    if not boxes:
+        return None
+    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 0.6)
 
 
 def _angles(q: NDArray[Any]) -> tuple[float, float, float]:

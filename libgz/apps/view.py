@@ -43,7 +43,11 @@ def add_view_options(parser: Any, optional: bool) -> None:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument(
-        "-s", dest="server_id", metavar="ID", type=whole_number("server id"), help="server id (default: the running one)"
+        "-s",
+        dest="server_id",
+        metavar="ID",
+        type=whole_number("server id"),
+        help="server id (default: the running one)",
     )
     parser.add_argument(
         "--timeout", type=number_above_zero("timeout"), default=10.0, metavar="S", help="time to wait for a server [s]"
@@ -90,7 +94,9 @@ def _server_id(options: argparse.Namespace) -> int:
         if found:
             raise ServerGoneError(f"servers {', '.join(map(str, found))} are running; choose one with -s ID")
         if time.monotonic() >= end:
-            raise ServerGoneError("no server is running; start one with gazebo or gzserver, or with their option --view")
+            raise ServerGoneError(
+                "no server is running; start one with gazebo or gzserver, or with their option --view"
+            )
         time.sleep(0.1)
 
 
@@ -132,7 +138,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator[None]:
-    """With --view, run the viewer of a server, in a process of its own that ends with this one and prints its address."""
+    """With --view, run the viewer of a server in a process of its own, which prints its address and ends with this one."""
     if not options.view or server_id is None:
         yield
         return

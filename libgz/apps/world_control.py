@@ -221,11 +221,15 @@ class WorldControl:
         return {"drives": drives, "keys": bool(list(heard))}
 
     def _contacts(self, _argument: str, _content: dict[str, Any]) -> list[list[float]]:
-        """Position, normal and depth of the last step's contact points, which are recorded from the first request on."""
+        """Position, normal and depth of the last step's contacts, which are recorded from the first request on."""
         engine = self.world.engine
         engine.record_contacts = True
         points = engine.contacts[:MOST_CONTACTS]
-        found = np.column_stack([points["position"], points["normal"], points["depth"]]) if len(points) else np.zeros((0, 7))
+        found = (
+            np.column_stack([points["position"], points["normal"], points["depth"]])
+            if len(points)
+            else np.zeros((0, 7))
+        )
         rows: list[list[float]] = found[np.isfinite(found).all(axis=1)].tolist()
         return rows
 
@@ -272,9 +276,7 @@ _SIMPLE = {
 
 
 def _simple(name: str, shape: str) -> str:
-    parts = "".join(
-        f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual")
-    )
+    parts = "".join(f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual"))
     link = f"<link name='link'><pose>0 0 0.5 0 0 0</pose>{parts}</link>"
     return f"<sdf version='1.6'><model name='{name}'>{link}</model></sdf>"
 
@@ -296,4 +298,3 @@ def _pose(content: dict[str, Any]) -> GzPose:
         raise ParameterError("a pose is seven finite numbers: x, y, z [m] and a quaternion u, x, y, z")
     length = math.sqrt(sum(part * part for part in numbers[3:]))
     return GzPose(GzVector(*numbers[:3]), GzQuatern(*(part / length for part in numbers[3:])))
-

@@ -35,7 +35,7 @@ def robots_of(scene: dict[str, Any], drives: list[str]) -> list[Robot]:
     found = []
     for entity in scene["entities"]:
         served = [one["id"] for one in entity["interfaces"] if one["type"] == "position"]
-        found += [Robot(f"{id} (position)", entity["id"], id) for id in served]
+        found += [Robot(f"{name} (position)", entity["id"], name) for name in served]
     return found + [Robot(f"{name} (vel_cmd)", name) for name in drives]
 
 
@@ -106,5 +106,3 @@ class Driver:
             message = {"position": {"x": vx, "y": 0.0, "z": 0.0}, "orientation": turn}
             self._controls.ask("publish", f"~/{robot.entity}/vel_cmd", type="gazebo.msgs.Pose", message=message)
         self._sent = command
-
-

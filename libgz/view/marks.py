@@ -106,7 +106,9 @@ class Marks:
 
     # Lines and meshes ------------------------------------------------------------------------------------------------
 
-    def _lines(self, name: str, points: NDArray[Any], color: tuple[int, int, int] | None = None, width: float = 1.5) -> None:
+    def _lines(
+        self, name: str, points: NDArray[Any], color: tuple[int, int, int] | None = None, width: float = 1.5
+    ) -> None:
         """Show line segments, shape (n, 2, 3)."""
         if not len(points):
             self._hide(name)
@@ -210,7 +212,9 @@ class Marks:
             flat, upright = scan["horizontal"], scan["vertical"]
             count = int(min(max(flat["samples"], 2), 181))
             angles = np.linspace(flat["min_angle"] or 0.0, flat["max_angle"] or 0.0, count)
-            tilts = sorted({float(upright["min_angle"] or 0.0), float(upright["max_angle"] or 0.0)}) if upright else [0.0]
+            tilts = (
+                sorted({float(upright["min_angle"] or 0.0), float(upright["max_angle"] or 0.0)}) if upright else [0.0]
+            )
             for tilt in tilts:
                 along = np.stack([np.cos(angles) * np.cos(tilt), np.sin(angles) * np.cos(tilt)], axis=1)
                 directions = np.column_stack([along, np.full(count, math.sin(tilt))])
@@ -224,7 +228,10 @@ class Marks:
         ends = starts + directions * lengths[:, None]
         own = np.concatenate([starts[:1], ends])
         vertices, _ = compose(
-            np.repeat(frame[:, :3], len(own), 0), np.repeat(frame[:, 3:], len(own), 0), own, np.repeat(UNIT, len(own), 0)
+            np.repeat(frame[:, :3], len(own), 0),
+            np.repeat(frame[:, 3:], len(own), 0),
+            own,
+            np.repeat(UNIT, len(own), 0),
         )
         order = np.arange(1, len(ends))
         return vertices, np.stack([np.zeros_like(order), order, order + 1], axis=1)
@@ -245,7 +252,9 @@ class Marks:
                     parts.append(_cone(position, rotation, float(reach), float(reach) * math.tan(CONE)))
             for sensor in entity["sensors"]:
                 frame = self._frame(sensor["body"], state, sensor["pose"]) if sensor.get("cones") else None
-                for cone in sensor["cones"] if frame is not None else ():
+                if frame is None:
+                    continue
+                for cone in sensor["cones"]:
                     parts.append(_cone(frame[:, :3], frame[:, 3:], float(cone["max"] or 1.0), float(cone["radius"])))
         vertices, faces = _joined(parts)
         self._mesh("sonars", vertices, faces, 0.16)

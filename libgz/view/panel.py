@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import html
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -43,7 +44,11 @@ class Panel:
     """
 
     def __init__(
-        self, page: viser.ViserServer, abilities: frozenset[str], do: Callable[[Callable[[], object]], None], handler: Any
+        self,
+        page: viser.ViserServer,
+        abilities: frozenset[str],
+        do: Callable[[Callable[[], object]], None],
+        handler: Any,
     ) -> None:
         self.page, self._do, self._handler, self._can = page, do, handler, abilities
         self._setting = False  # whether this program changes a control, not a user
@@ -136,10 +141,10 @@ class Panel:
             if name == "contacts" and "contacts" not in self._can:
                 continue
             box = self.page.gui.add_checkbox(label, False)
-            self._on(box, lambda on, name=name: self._handler.set_mark(name, on))
+            self._on(box, functools.partial(self._handler.set_mark, name))
         for name, label in (("wireframe", "Wireframe"), ("collisions", "Collision shapes")):
             box = self.page.gui.add_checkbox(label, False)
-            self._on(box, lambda on, name=name: self._handler.set_look(name, on))
+            self._on(box, functools.partial(self._handler.set_look, name))
 
     def _world_tab(self) -> None:
         gui, handler, can = self.page.gui, self._handler, self._can
@@ -147,7 +152,9 @@ class Panel:
             self.keep = gui.add_checkbox("Keep the last 60 s", False, hint="for the time line; costs some speed")
             self._on(self.keep, handler.set_keep)
             self.back = gui.add_slider("Time line [s]", min=-60.0, max=0.0, step=0.5, initial_value=0.0)
-            self._button("Rewind to there", lambda: handler.rewind(-float(self.back.value)), viser.Icon.PLAYER_TRACK_PREV)
+            self._button(
+                "Rewind to there", lambda: handler.rewind(-float(self.back.value)), viser.Icon.PLAYER_TRACK_PREV
+            )
         if "insert" in can:
             self.catalogue = gui.add_dropdown("Insert", [NONE])
             self._button("Insert it", self._insert, viser.Icon.PLUS)
@@ -169,7 +176,8 @@ class Panel:
         )
         note = f"<div style='color:#c92a2a;font-weight:600'>{html.escape(warning)}</div>" if warning else ""
         grid = "display:grid;grid-template-columns:auto 1fr auto 1fr;gap:0 8px;white-space:nowrap"
-        text = f"<div id='libgz-status' style='font-size:12px;padding:0 10px'>{note}<div style='{grid}'>{cells}</div></div>"
+        table = f"{note}<div style='{grid}'>{cells}</div>"
+        text = f"<div id='libgz-status' style='font-size:12px;padding:0 10px'>{table}</div>"
         if text != self.status.content:
             self.status.content = text
 
@@ -180,7 +188,9 @@ class Panel:
             f"<td style='font-variant-numeric:tabular-nums;overflow-wrap:anywhere'>{html.escape(v)}</td></tr>"
             for k, v in rows
         )
-        text = f"<div id='libgz-model' style='font-size:12px;padding:0 10px'><table>{lines}</table></div>" if lines else ""
+        text = (
+            f"<div id='libgz-model' style='font-size:12px;padding:0 10px'><table>{lines}</table></div>" if lines else ""
+        )
         text = text or _small("Click a model in the scene.")
         if text != self.info.content:
             self.info.content = text
@@ -212,7 +222,7 @@ class Panel:
                 with self.page.gui.add_folder(name, order=0.5) as folder:
                     text = self.page.gui.add_html("")
                     for label in buttons:
-                        self._button(label, lambda overlay=overlay, label=label: self._handler.press_overlay(overlay, label))
+                        self._button(label, functools.partial(self._handler.press_overlay, overlay, label))
                 known = self._overlays[name] = folder, text, buttons
             content = _small(overlay.text) if overlay.text else ""
             if known[1].content != content:
@@ -234,7 +244,7 @@ class Panel:
                     self._on(slider, action)
                     self._robot_parts.append(slider)
                 else:
-                    self._robot_parts.append(self._button(label, lambda action=action: action(None)))
+                    self._robot_parts.append(self._button(label, functools.partial(action, None)))
         self.robot_folder.visible = bool(self._robot_parts)
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:

@@ -317,7 +317,8 @@ class SceneView:
         own = np.array([entity["pose"]], dtype=float)
         row = self.rows.get(entity["body"], -1)
         if not 0 <= row < len(state.bodies):
-            return own[0]
+            alone: NDArray[np.float64] = own[0]
+            return alone
         frame = state.bodies[row : row + 1, :7]
         position, rotation = compose(frame[:, :3], frame[:, 3:], own[:, :3], own[:, 3:])
         return np.concatenate([position[0], rotation[0]])

@@ -13,7 +13,8 @@ from libgz.transport.control import ask
 __all__ = ["ServerControls"]
 
 ABILITIES = frozenset(
-    "pause step reset speed rewind move delete insert catalogue write publish describe contacts interfaces".split()
+    {"pause", "step", "reset", "speed", "rewind", "move", "delete", "insert", "catalogue", "write", "publish"}
+    | {"describe", "contacts", "interfaces"}
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import logging
 from collections.abc import Iterator
@@ -10,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -25,6 +25,8 @@ from libgz.view.source import Source
 __all__ = ["Form", "Instance", "Shapes", "compose", "extent_corners"]
 
 log = logging.getLogger("libgz.view")
+
+trimesh: Any = importlib.import_module("trimesh")  # its functions have no types
 
 SEGMENTS = 28  # of a full turn
 PLANE = 2000.0  # [m] side of what stands for an infinite plane
@@ -99,7 +101,7 @@ class Shapes:
         if not shown or shape["kind"] in NOT_SHOWN:
             return
         material, pose = shape["material"], tuple(shape["pose"])
-        scale = tuple(float(factor) for factor in shape["scale"])
+        scale: Any = tuple(float(factor) for factor in shape["scale"])
         skin = shape["skin"]
         if not collisions and shape["hidden_by_skins"]:
             other = shape["hidden_by_skin"]
@@ -240,8 +242,8 @@ class Shapes:
             found = []
             for color, parts in merged.items():
                 vertices, faces = _joined(parts)
-                whole = all(part.normals is not None for part in parts)
-                normals = np.concatenate([part.normals for part in parts if part.normals is not None]) if whole else None
+                lit = [part.normals for part in parts if part.normals is not None]
+                normals = np.concatenate(lit) if len(lit) == len(parts) else None
                 glb = _plain(Mesh(vertices, normals, None, faces), (*color, 255))
                 found.append(Form((*key, color), vertices, faces, glb, False, True))
             self._forms[key] = found
@@ -384,4 +386,5 @@ def compose(p: NDArray[Any], q: NDArray[Any], at: NDArray[Any], turn: NDArray[An
 def extent_corners(extent: NDArray[Any]) -> NDArray[np.float64]:
     """The eight corners of a box, from its smallest and largest one."""
     picks = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)])
-    return np.where(picks == 1, extent[1], extent[0])
+    corners: NDArray[np.float64] = np.where(picks == 1, extent[1], extent[0])
+    return corners

@@ -243,7 +243,7 @@ class Viewer:
         middle, size = everything
         if robots is not None:
             middle, size = robots[0], min(size, 5.0 * robots[1])
-        return middle + size * np.array((-0.7, -0.85, 0.6)), middle
+        return middle + max(size, 1.5) * np.array((-0.8, -0.95, 0.65)), middle
 
     # Coming and going ------------------------------------------------------------------------------------------------
 
@@ -319,7 +319,7 @@ class Viewer:
             had = set(self._robots)
             self._robots = robots
             present = self.driver.robot
-            if present is None and not had or present is not None and present.label not in robots:
+            if (present is None and not had) or (present is not None and present.label not in robots):
                 self.choose_robot(next(iter(robots), ""))
         self.panel.set_options("robot", robots, self.driver.robot.label if self.driver.robot is not None else "")
 

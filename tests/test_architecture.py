@@ -23,7 +23,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "reference"],
+    ["convert", "reference", "view"],
     ["apps"],
     ["__main__"],
 ]

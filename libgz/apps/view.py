@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import logging
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -14,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from libgz.apps.console import number_above_zero, whole_number
-from libgz.errors import LibraryError, ServerGoneError
+from libgz.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.transport.observer import Observer
 from libgz.transport.paths import server_directory
 
-__all__ = ["add_view_options", "configure", "make_viewer", "run", "running_servers", "view_process"]
+__all__ = ["add_view_options", "configure", "make_viewer", "observed_server", "run", "running_servers", "view_process"]
 
 log = logging.getLogger("libgz.view")
 
@@ -73,9 +74,19 @@ def running_servers() -> list[int]:
         try:
             Observer(server_id).close()
             found.append(server_id)
-        except Exception as error:  # noqa: BLE001 - whatever is wrong with it, it is not one to look at
+        except GazeboError as error:
             log.debug("server %d: %s", server_id, error)
     return found
+
+
+def observed_server(info: Any) -> int | None:
+    """The id of the server on this machine that publishes a topic, by its TopicInfo; None if there is none."""
+    processes = {int(end.port) for end in info.publisher if end.host in ("", socket.gethostname())}
+    for server_id in running_servers():
+        with contextlib.suppress(GazeboError), Observer(server_id) as observer:
+            if observer.pid in processes:
+                return server_id
+    return None
 
 
 def _server_id(options: argparse.Namespace) -> int:
@@ -138,7 +149,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextlib.contextmanager
 def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator[None]:
-    """With --view, run the viewer of a server in a process of its own, which prints its address and ends with this one."""
+    """With --view, run the viewer of a server in a process of its own, which prints its address, and end it."""
     if not options.view or server_id is None:
         yield
         return

@@ -92,6 +92,7 @@ class Viewer:
         self._held = False  # whether a user holds the handles
         self._history: deque[tuple[float, float, int]] = deque(maxlen=12)
         self._next = {"status": 0.0, "image": 0.0, "ask": 0.0, "move": 0.0}
+        self._due = self._shown = 0.0
         self._gone = False
         self._aimed = False
         self._ended = threading.Event()
@@ -136,17 +137,21 @@ class Viewer:
 
     def run(self, stopped: Callable[[], bool] = lambda: False) -> None:
         """Show frames until `stopped` says so, or `close` is called."""
-        due = shown = time.monotonic()
         while not stopped() and not self._ended.is_set():
-            begin = time.monotonic()
-            alone = not self.page.get_clients()
-            self.act()
-            if not alone or begin >= shown + ALONE_PERIOD or self._state is None:
-                shown = begin
-                self.frame()
-            work = time.monotonic() - begin
-            due = max(due + 1.0 / self.rate, begin + work / LARGEST_SHARE, time.monotonic())
-            time.sleep(min(max(due - time.monotonic(), 0.0), 0.5))
+            self.tick()
+            time.sleep(min(max(self._due - time.monotonic(), 0.0), 0.5))
+
+    def tick(self) -> None:
+        """Do what users did, and show a frame if it is time for one; for programs with a loop of their own."""
+        begin = time.monotonic()
+        self.act()
+        if begin < self._due:
+            return
+        if self.page.get_clients() or begin >= self._shown + ALONE_PERIOD or self._state is None:
+            self._shown = begin
+            self.frame()
+        now = time.monotonic()
+        self._due = max(self._due + 1.0 / self.rate, begin + (now - begin) / LARGEST_SHARE, now)
 
     def act(self) -> None:
         """Do what users did since the last frame; what is refused is shown to them."""

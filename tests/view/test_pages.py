@@ -1,11 +1,13 @@
 """The live viewer as users have it: a server, the viewer's process, and a page in a browser."""
 
 import contextlib
+import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from gzserver_process import SERVER, new_environment
 from view_pages import ROOT, address_of, browser, needs_chromium, opened, picture, reddish, served, status, wait_for
 
 import libgz
@@ -104,6 +106,31 @@ def test_the_viewer_and_the_server_come_and_go(chromium):
             with served("-s", server_id, "-f", "-d", 0, WORLD, viewer=False):
                 wait_for(lambda: status(page)[0] is not None, "the page reconnects")
                 page.close()
+
+
+def test_gzclient_shows_the_panels_of_gui_plugins_and_their_buttons_act(chromium, tmp_path):
+    folder = ROOT / "examples" / "plugins" / "system_gui"
+    environment = new_environment(tmp_path) | {"GAZEBO_PLUGIN_PATH": str(folder), "LIBGZ_GL": "none"}
+    with running([*SERVER, str(folder / "system_gui.world")], environment):
+        with running([sys.executable, "-m", "libgz.apps.gzclient", "--view-port", "18480"], environment) as client:
+            page = opened(chromium, address_of(client))
+            page.get_by_text("Spawn sphere").click()
+            page.get_by_role("tab", name="Model").click()
+            wait_for(lambda: (status(page)[0] or 0.0) > 0.1, "the time")
+            wait_for(lambda: page.get_by_text(re.compile(r"^[0-9.]+ s$")).count() > 1, "the plugin's text")
+            page.get_by_label("Model").click()
+            wait_for(lambda: page.get_by_text("sphere_0").count(), "the sphere of the plugin's button")
+            page.close()
+
+
+@contextlib.contextmanager
+def running(words, environment):
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment) as found:
+        try:
+            yield found
+        finally:
+            found.terminate()
+            found.wait(20.0)
 
 
 @contextlib.contextmanager

@@ -162,7 +162,7 @@ class Panel:
             self._button("Save the world", handler.save, viser.Icon.DEVICE_FLOPPY)
 
     def _insert(self) -> None:
-        if self.catalogue.value != NONE:
+        if self.catalogue.value in self.catalogue.options[1:]:  # whatever a page sends
             self._handler.insert(self.catalogue.value)
 
     # What is shown ---------------------------------------------------------------------------------------------------

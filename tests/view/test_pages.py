@@ -111,16 +111,19 @@ def test_the_viewer_and_the_server_come_and_go(chromium):
 def test_gzclient_shows_the_panels_of_gui_plugins_and_their_buttons_act(chromium, tmp_path):
     folder = ROOT / "examples" / "plugins" / "system_gui"
     environment = new_environment(tmp_path) | {"GAZEBO_PLUGIN_PATH": str(folder), "LIBGZ_GL": "none"}
-    with running([*SERVER, str(folder / "system_gui.world")], environment):
-        with running([sys.executable, "-m", "libgz.apps.gzclient", "--view-port", "18480"], environment) as client:
-            page = opened(chromium, address_of(client))
-            page.get_by_text("Spawn sphere").click()
-            page.get_by_role("tab", name="Model").click()
-            wait_for(lambda: (status(page)[0] or 0.0) > 0.1, "the time")
-            wait_for(lambda: page.get_by_text(re.compile(r"^[0-9.]+ s$")).count() > 1, "the plugin's text")
-            page.get_by_label("Model").click()
-            wait_for(lambda: page.get_by_text("sphere_0").count(), "the sphere of the plugin's button")
-            page.close()
+    client_words = [sys.executable, "-m", "libgz.apps.gzclient", "--view-port", "18480"]
+    with (
+        running([*SERVER, str(folder / "system_gui.world")], environment),
+        running(client_words, environment) as client,
+    ):
+        page = opened(chromium, address_of(client))
+        page.get_by_text("Spawn sphere").click()
+        page.get_by_role("tab", name="Model").click()
+        wait_for(lambda: (status(page)[0] or 0.0) > 0.1, "the time")
+        wait_for(lambda: page.get_by_text(re.compile(r"^[0-9.]+ s$")).count() > 1, "the plugin's text")
+        page.get_by_label("Model").click()
+        wait_for(lambda: page.get_by_text("sphere_0").count(), "the sphere of the plugin's button")
+        page.close()
 
 
 @contextlib.contextmanager

@@ -44,6 +44,7 @@ EXTRAS = {
         "STL, OBJ and COLLADA meshes of SDF and 3DS skins work",
     ),
     "video": Extra(("imageio", "av"), "videos by --record", "cameras, and saving their images as files, work"),
+    "view": Extra(("viser",), "running worlds in a browser", "everything else works"),
     "plot": Extra(("matplotlib",), "plots by libgz echo --plot", "libgz echo prints the same figures"),
 }
 

@@ -46,7 +46,7 @@ __all__ = ["main"]
 log = logging.getLogger("libgz.classic")
 
 EMPTY_WORLD = "worlds/empty.world"
-FIRST_ID = 100  # of those that a server takes by itself
+FIRST_ID, SPREAD = 100, 800  # of the ids that servers take by themselves; two that start together take different ones
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
 WITHOUT_EFFECT = {
@@ -159,8 +159,9 @@ class Server:
         """
         if self.options.server_id is not None:
             return int(self.options.server_id)
+        logging.getLogger("libgz.transport").setLevel(logging.INFO)  # classic has no such files
         try:
-            return free_server_id(FIRST_ID)
+            return free_server_id(FIRST_ID + os.getpid() % SPREAD)
         except ServerError as error:
             log.warning("viewers cannot see this world: %s", error)
             return None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import math
 from collections.abc import Callable
@@ -54,6 +56,7 @@ class WorldControl:
             "inventory": self._inventory,
             "contacts": self._contacts,
             "publish": self._publish,
+            "readings": self._readings,
         }
 
     def obey(self, request: Request) -> bytes:
@@ -233,6 +236,27 @@ class WorldControl:
         rows: list[list[float]] = found[np.isfinite(found).all(axis=1)].tolist()
         return rows
 
+    def _readings(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Of sensors named ``model::link::sensor``: last images, as JPEG in base64, and last ranges [m]."""
+        wanted = content.get("names")
+        images: dict[str, str] = {}
+        ranges: dict[str, list[float]] = {}
+        if self.world.sdf is not None and isinstance(wanted, list):
+            from libgz.classic.sensors import SensorManager
+
+            every: list[Any] = list(SensorManager.Instance().GetSensors())
+            for sensor in every:
+                name = f"{sensor.ParentName()}::{sensor.Name()}"
+                if name not in wanted:
+                    continue
+                sensor.SetActive(True)
+                if sensor.Type() == "camera":
+                    image = _jpeg(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
+                    images |= {name: image} if image else {}
+                elif sensor.Type() in ("ray", "gpu_ray"):
+                    ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]
+        return {"images": images, "ranges": ranges}
+
     def _publish(self, argument: str, content: dict[str, Any]) -> None:
         """Publish a message on a topic, as a client of classic would."""
         if self.world.sdf is None:
@@ -279,6 +303,19 @@ def _simple(name: str, shape: str) -> str:
     parts = "".join(f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual"))
     link = f"<link name='link'><pose>0 0 0.5 0 0 0</pose>{parts}</link>"
     return f"<sdf version='1.6'><model name='{name}'>{link}</model></sdf>"
+
+
+def _jpeg(data: bytes | None, height: int, width: int) -> str:
+    """An image as JPEG in base64; empty if there is none yet, or it has no colours that a page can show."""
+    pixels = np.frombuffer(data or b"", np.uint8)
+    channels, rest = divmod(pixels.size, max(height * width, 1))
+    if channels not in (1, 3) or rest:
+        return ""
+    from PIL import Image
+
+    shape, file = (height, width) if channels == 1 else (height, width, 3), io.BytesIO()
+    Image.fromarray(pixels.reshape(shape)).convert("RGB").save(file, "JPEG", quality=80)
+    return base64.b64encode(file.getvalue()).decode()
 
 
 def _number(text: str, what: str) -> float:

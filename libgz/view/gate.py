@@ -188,7 +188,7 @@ class Gate:
                 self._notebooks.pop(number, None)
             self._on_note({"closed": True}, number)
 
-    def tell(self, **facts: Any) -> None:
+    def notify(self, **facts: Any) -> None:
         """Send facts to the scripts of all pages that may control, and to those that come; only what is new."""
         if facts == self._last:
             return

@@ -17,7 +17,7 @@ from libgz.view.scene import SceneView
 from libgz.view.shapes import compose
 from libgz.view.source import Controls
 
-__all__ = ["SWITCHES", "Marks"]
+__all__ = ["SWITCHES", "Marks", "sensor_name"]
 
 log = logging.getLogger("libgz.view")
 
@@ -61,6 +61,7 @@ class Marks:
         self.page, self.view, self.controls = page, view, controls
         self.on: set[str] = set()
         self.contacts: list[list[float]] = []
+        self.ranges: dict[str, list[float]] = {}  # of SDF sensors, by model::link::sensor
         self._handles: dict[str, Any] = {}
         self._past: dict[int, deque[NDArray[Any]]] = {}  # trails
         self._arrays: dict[str, NDArray[Any]] = {}
@@ -201,11 +202,13 @@ class Marks:
                         lengths = np.minimum(ranges[share], lengths)
                     parts.append(self._fan(frame, rays[:, :3], rays[:, 3:6], lengths))
                 elif "rays" in sensor and sensor["kind"] != "rays":
-                    parts += self._sdf_fans(sensor, state)
+                    parts += self._sdf_fans(entity, sensor, state)
         vertices, faces = _joined(parts)
         self._mesh("lasers", vertices, faces, 0.22)
 
-    def _sdf_fans(self, sensor: dict[str, Any], state: ObservedState) -> list[tuple[NDArray[Any], NDArray[Any]]]:
+    def _sdf_fans(
+        self, entity: dict[str, Any], sensor: dict[str, Any], state: ObservedState
+    ) -> list[tuple[NDArray[Any], NDArray[Any]]]:
         frame = self._frame(sensor["body"], state, sensor["pose"])
         found = []
         for scan in sensor["rays"] if frame is not None else ():
@@ -219,6 +222,10 @@ class Marks:
                 along = np.stack([np.cos(angles) * np.cos(tilt), np.sin(angles) * np.cos(tilt)], axis=1)
                 directions = np.column_stack([along, np.full(count, math.sin(tilt))])
                 reach = np.full(count, min(float(scan["max"] or 10.0), 30.0))
+                ranges = np.array(self.ranges.get(sensor_name(entity, sensor), ()))
+                if len(ranges) > 1 and len(tilts) == 1:
+                    seen = ranges[np.linspace(0.0, len(ranges) - 1.0, count).round().astype(int)]
+                    reach = np.where(seen >= 0.0, np.minimum(seen, reach), reach)
                 found.append(self._fan(frame, np.zeros((count, 3)), directions, reach))
         return found
 
@@ -325,6 +332,12 @@ class Marks:
                 path = np.array(trail)
                 lines.append(np.stack([path[:-1], path[1:]], axis=1))
         self._lines("trails", np.concatenate(lines) if lines else np.zeros((0, 2, 3)), width=2.5)
+
+
+def sensor_name(entity: dict[str, Any], sensor: dict[str, Any]) -> str:
+    """``model::link::sensor``."""
+    body = next((body["name"] for body in entity["bodies"] if body["id"] == sensor["body"]), "")
+    return f"{entity['id']}::{body}::{sensor.get('name', '')}"
 
 
 def _joined(parts: list[tuple[NDArray[Any], NDArray[Any]]]) -> tuple[NDArray[Any], NDArray[Any]]:

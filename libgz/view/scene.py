@@ -187,6 +187,9 @@ class SceneView:
         nodes = self.page.scene
         color = np.clip(np.array(scene["background"][:3], dtype=float), 0.0, 1.0)
         fog = scene["fog"]
+        horizon = self.shapes.horizon(scene)
+        if horizon is not None:
+            color = horizon
         if fog is not None:
             color = np.clip(np.array(fog["color"][:3], dtype=float), 0.0, 1.0)
         nodes.set_background_image(np.full((2, 2, 3), np.round(255 * color), dtype=np.uint8), format="png")

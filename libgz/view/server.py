@@ -14,7 +14,7 @@ __all__ = ["ServerControls"]
 
 ABILITIES = frozenset(
     {"pause", "step", "reset", "speed", "rewind", "move", "delete", "insert", "catalogue", "write", "publish"}
-    | {"describe", "contacts", "interfaces"}
+    | {"describe", "contacts", "interfaces", "readings"}
 )
 
 

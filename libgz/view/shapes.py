@@ -32,7 +32,7 @@ SEGMENTS = 28  # of a full turn
 PLANE = 2000.0  # [m] side of what stands for an infinite plane
 LARGEST_TEXTURE = 1024  # [px]
 SKY = 900.0  # [m] radius of the sky
-BRIGHTEST = 235  # of 255: white surfaces keep room for light
+BRIGHTEST = 235  # of 255: white surfaces get brighter in light
 SMOOTH = ("mesh", "heightfield", "skin")  # shown with normals of their own
 NOT_SHOWN = ("light", "frustum", "ray", "dome", "other")
 
@@ -127,12 +127,15 @@ class Shapes:
         image = self._image(sky["texture"]) if sky is not None else None
         if image is None:
             return None
-        dome = dome_mesh()
-        share = float(sky["time_of_day"] or 0.0) / 86400.0 % 1.0
-        column = min(int(share * image.width), image.width - 1)
+        dome, strip = dome_mesh(), _strip(image, sky)
         faces = np.asarray(dome.indices).reshape(-1, 3)
-        strip = image.convert("RGB").crop((column, 0, column + 1, image.height))
         return _shining(dome.vertices, np.concatenate([faces, faces[:, ::-1]]), np.asarray(dome.texcoords)[:, 1], strip)
+
+    def horizon(self, scene: dict[str, Any]) -> NDArray[np.float64] | None:
+        """The colour of the sky at the horizon, 0 to 1; None if the scene has no sky."""
+        sky = scene["sky"]
+        image = self._image(sky["texture"]) if sky is not None else None
+        return None if image is None else np.asarray(_strip(image, sky), dtype=float)[-1, 0] / 255.0
 
     # Forms -----------------------------------------------------------------------------------------------------------
 
@@ -351,6 +354,13 @@ def _colored(vertices: NDArray[Any], faces: NDArray[Any], normals: Any, colors: 
     body = trimesh.Trimesh(vertices, faces, vertex_normals=normals, process=False)
     body.visual = visual
     return _glb(body)
+
+
+def _strip(image: Image.Image, sky: dict[str, Any]) -> Image.Image:
+    """The colours of the sky now: an image one pixel wide, zenith at the top."""
+    column = int(float(sky["time_of_day"] or 0.0) / 86400.0 % 1.0 * image.width)
+    column = min(column, image.width - 1)
+    return image.convert("RGB").crop((column, 0, column + 1, image.height))
 
 
 def _shining(vertices: NDArray[Any], faces: NDArray[Any], t: NDArray[Any], strip: Image.Image) -> bytes:

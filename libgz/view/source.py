@@ -49,7 +49,7 @@ class Controls(Protocol):
 
     Attributes:
         abilities: names of what works: pause, step, reset, speed, rewind, seek, move, delete, insert, write, publish,
-            describe, contacts, interfaces.
+            describe, contacts, interfaces, readings.
     """
 
     @property

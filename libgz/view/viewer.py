@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import io
 import logging
@@ -18,12 +19,13 @@ from typing import Any
 import numpy as np
 import viser
 from numpy.typing import NDArray
+from PIL import Image
 
 from libgz.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.driving import Driver, Robot, robots_of
 from libgz.view.gate import Gate, may_control
-from libgz.view.marks import Marks
+from libgz.view.marks import Marks, sensor_name
 from libgz.view.panel import Overlay, Panel
 from libgz.view.scene import Look, SceneView
 from libgz.view.source import Controls, Source
@@ -85,6 +87,7 @@ class Viewer:
         self._state: ObservedState | None = None
         self._revision = -1
         self._selected = ""
+        self._pictures: dict[str, NDArray[np.uint8]] = {}  # of SDF cameras
         self._details: dict[str, Any] = {}
         self._follow = False
         self._offset: NDArray[np.float64] = np.zeros(3)
@@ -215,7 +218,7 @@ class Viewer:
         if not self._aimed:
             self._aim(state)
         self._ask_inventory()
-        self.gate.tell(driving=self._driving, title=f"{scene['world']} - libgz")
+        self.gate.notify(driving=self._driving, title=f"{scene['world']} - libgz")
         return state
 
     def _aim(self, state: ObservedState) -> None:
@@ -262,7 +265,7 @@ class Viewer:
         """The server has ended."""
         self._gone = True
         self.panel.set_status({}, "The server has ended. Waiting for the next one ...")
-        self.gate.tell(driving=False)
+        self.gate.notify(driving=False)
         if self.controls is not None:
             self.controls.reconnect()
 
@@ -358,7 +361,7 @@ class Viewer:
         self.driver.choose(self._robots.get(label))
         self.panel.set_options("robot", self._robots, label)
         self._show_parts()
-        self.gate.tell(driving=self._driving, title=f"{self.view.scene.get('world', '')} - libgz")
+        self.gate.notify(driving=self._driving, title=f"{self.view.scene.get('world', '')} - libgz")
 
     def set_drive(self, speed: float | None = None, turn: float | None = None) -> None:
         """Velocities at full deflection [m/s], [rad/s]."""
@@ -576,7 +579,33 @@ class Viewer:
             self.ask("contacts", then=self._learn_contacts)
         if now >= self._next["image"]:
             self._next["image"] = now + IMAGE_PERIOD
+            self._ask_readings()
             self._show_images()
+
+    def _ask_readings(self) -> None:
+        """Ask for images and ranges of SDF sensors, as far as they are shown."""
+        kinds = {
+            "camera": self.panel.live.value,
+            "ray": "lasers" in self.marks.on,
+            "gpu_ray": "lasers" in self.marks.on,
+        }
+        names = [
+            sensor_name(entity, sensor)
+            for entity in self.view.entities.values()
+            for sensor in entity["sensors"]
+            if kinds.get(sensor["kind"]) and "name" in sensor
+        ]
+        if names and self.controls is not None and "readings" in self.controls.abilities:
+            if "readings" not in self._pending:
+                self.ask("readings", then=self._learn_readings, names=names)
+        else:
+            self._pictures = {}
+
+    def _learn_readings(self, answer: Any) -> None:
+        self.marks.ranges = answer["ranges"]
+        self._pictures = {
+            name: np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for name, data in answer["images"].items()
+        }
 
     def _learn_contacts(self, answer: Any) -> None:
         self.marks.contacts = answer or []
@@ -648,6 +677,7 @@ class Viewer:
                     image = np.array(self.controls.interface(kind, name).image)
                     if image.size:
                         images[name] = image
+            images |= self._pictures
         self.panel.set_images(images)
 
 

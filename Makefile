@@ -1,5 +1,5 @@
 # make demo: install everything and run a demonstration.  make test: install everything, check and test.
-.PHONY: demo test lint types trials fuzz bench setup clean
+.PHONY: demo test lint types trials fuzz bench wheel setup clean
 
 BIN := .venv/bin
 
@@ -29,8 +29,12 @@ fuzz: setup
 bench: setup
 	@for figures in step robots ground wire observer camera plugins sdf view; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
 
+# A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl
+wheel: setup
+	@$(BIN)/python scripts/make_wheel.py
+
 setup:
 	@./scripts/setup.sh
 
 clean:
-	rm -rf .venv build *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .fuzz
+	rm -rf .venv build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis .fuzz

@@ -29,7 +29,7 @@ def places() -> list[tuple[float, float]]:
     return [(1.6 * (i % 5), 1.6 * (i // 5)) for i in range(ROBOTS)]
 
 
-def libgz_frame(width: int, height: int) -> Render:
+def libgz_frame(width: int, height: int, shadows: bool = False) -> Render:
     """One frame of a MonoCam: take a shot, render it, and copy the image into the interface."""
     import libgz
     from libgz.files import installed_worlds
@@ -46,6 +46,7 @@ def libgz_frame(width: int, height: int) -> Render:
     )
     world.step(5)
     server = world.model("c").camera
+    server.eye.options.shadows = shadows
     pose = GzPosePointAt(GzVector(*EYE), GzVector(*AT), GzVector(0.0, 0.0, 1.0))
 
     def render() -> object:
@@ -120,6 +121,7 @@ def pybullet_frame(width: int, height: int) -> Render:
 
 RENDERERS: dict[str, Callable[[int, int], Render]] = {
     "libgz": libgz_frame,
+    "libgz, with shadows": lambda w, h: libgz_frame(w, h, shadows=True),
     "MuJoCo, default meshes": lambda w, h: mujoco_frame(w, h, coarse=False),
     "MuJoCo, coarse meshes": lambda w, h: mujoco_frame(w, h, coarse=True),
     "PyBullet TinyRenderer": pybullet_frame,
@@ -144,7 +146,7 @@ def measure(width: int, height: int) -> dict[str, float]:
     other = os.environ.get("LIBGZ_BENCH_PYTHON", sys.executable)
     processes = {}
     for name in RENDERERS:
-        python = sys.executable if name == "libgz" else other
+        python = sys.executable if name.startswith("libgz") else other
         processes[name] = subprocess.Popen(
             [python, __file__, "--serve", name, str(width), str(height)],
             stdin=subprocess.PIPE,

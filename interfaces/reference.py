@@ -38,7 +38,7 @@ import libgz
 with libgz.Client(server_id=0, client_id=0) as client:  # 0 to 7, another one for each program that waits
     robot = client.position("robot1")
     robot.command(vx=0.2)
-    while client.wait(timeout=1.0):  # once a simulation step
+    while client.wait(timeout=1.0):  # until something has new data
         print(robot.pose)
 ```
 
@@ -68,10 +68,15 @@ in C, too: `gz_server_init`, `gz_<type>_create`.
 
 ## Waiting, locks, end of the server
 
-The server wakes its clients once in each step, paused steps included, with a set of sixteen System V semaphores, one
-for each client id. A semaphore is a flag, not a count; the first wait of a new client may return at once. Locks are
-`flock` on the interface's file. A server waits 20 ms for a lock that a client holds, then skips that interface in this
-step.
+Every post wakes all clients, as in the old server: the server posts at the end of each step, paused steps included, and
+cameras, lasers, pan-tilt units, stereo heads, GPS receivers and observers post whenever they have new data. **Waits
+therefore do not count steps**: in a world with devices one step may wake a client several times, and several posts
+between two waits wake it once, so that 500 waits may take 90 steps or 500. The field `time` of an interface shows
+whether its data are new, `sim_time` of the interface `sim` how far the simulation is.
+
+Clients sleep on a set of sixteen System V semaphores, one for each client id. A semaphore is a flag, not a count; the
+first wait of a new client may return at once. Locks are `flock` on the interface's file. A server waits 20 ms for a
+lock that a client holds, then skips that interface in this step.
 
 When a server ends, waiting clients get an error (`ServerGoneError`, -1 in C); so they do when a new server replaces one
 that crashed. They must connect and open their interfaces again.
@@ -81,13 +86,42 @@ that crashed. They must connect and open their interfaces again.
 `gazebo --wire-version 0x050` and `World(wire_version=0x050)` serve clients of Gazebo 0.5: files announce that version,
 and truth and camera have the structs of that version. libgz's own clients read the version from the file.
 
+## Build systems, Player
+
+    libgz config --install ~/gazebo
+    export PKG_CONFIG_PATH=~/gazebo/lib/pkgconfig
+    ./configure
+
+writes `include/gazebo.h`, `lib/libgazebo.a`, `lib/libgazebo.so.0` with its link `libgazebo.so`, and
+`lib/pkgconfig/gazebo.pc`, version 0.7.0, below a directory, `/usr/local` for example. `pkg-config gazebo` and tests for
+`gz_client_wait` in the library `gazebo` then succeed, as in the configure scripts of Player. Programs find the shared
+library there without `LD_LIBRARY_PATH` if they are linked with what pkg-config prints.
+
+Player tests the version that a server announces, and refuses to run with another one than that of its header:
+
+| Player | wants | `V` |
+|---|---|---|
+| 1.6.5 and older | truth as Euler angles, which 0x060 does not have | 0x050 |
+| 1.6.5 and older, without truth | either version | 0x050 or 0x060 |
+| 2.0, and CVS of 2006 | truth as quaternions | 0x060, the default |
+
+    libgz config --install ~/gazebo --wire-version V
+    gazebo --wire-version V WORLD
+
+A Player that was compiled with an old Gazebo needs the version of that Gazebo: 0x050 with 0.5, 0x060 with 0.6 and 0.7.
+Player 1.6.5 compiled for 0x060 runs, but takes the first numbers of a quaternion for roll, pitch and yaw.
+
 ## Adding and removing models
 
 In a world with a `<model:Factory>`, clients write the XML of one model into its string, and the server adds the model:
 
 ```python
-client.factory("factory1").create_model("<model:Pioneer2AT><id>robot2</id><xyz>3 0 0</xyz></model:Pioneer2AT>")
-client.factory("factory1").delete_model("robot2")  # writes <delete>robot2</delete>
+import libgz
+
+with libgz.Client(server_id=0) as client:
+    factory = client.factory("factory1")
+    factory.create_model("<model:Pioneer2AT><id>robot2</id><xyz>3 0 0</xyz></model:Pioneer2AT>")
+    factory.delete_model("robot2")  # writes <delete>robot2</delete>
 ```
 
 The XML may have a root element that declares its prefixes. The server clears the string when it has read it. For XML

@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypedDict, TypeVar, Unpack
 
 from libgz import models
+from libgz.errors import WorldFileError
+from libgz.files import exists
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
 from libgz.legacy.settings import GlobalAttributes
@@ -16,14 +18,27 @@ from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
+from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.search import find_worldfile, why_missing
 
-__all__ = ["World"]
+__all__ = ["World", "WorldOptions"]
 
 W = TypeVar("W", bound="World")
 
 register_builtin(models.MODELS, Path(models.__file__).parent)
+
+
+class WorldOptions(TypedDict, total=False):
+    """The arguments of `World`, as its other constructors take them; `World` describes them."""
+
+    server_id: int | None
+    force: bool
+    seed: int
+    solver: str
+    wire_version: int
+    strict: bool
 
 
 class World(world.World):
@@ -31,7 +46,7 @@ class World(world.World):
 
     In process, without the wire::
 
-        with libgz.World.from_file("worlds/pioneer2at.world") as world:
+        with libgz.World.from_file("pioneer2at") as world:
             world.interface("position", "robot1").command(vx=0.3)
             world.step(1000)
             print(world.model("robot1").GetPose())
@@ -52,29 +67,39 @@ class World(world.World):
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
+    def __init__(
+        self,
+        server_id: int | None = None,
+        force: bool = False,
+        *,
+        seed: int = 0,
+        solver: str = "world",
+        wire_version: int = LIBGAZEBO_VERSION,
+        strict: bool = False,
+    ) -> None:
+        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, strict=strict)
         self.legacy = self.extension(LegacyWorld)
         self.legacy.apply(GlobalAttributes(), False)
         self.era = self.legacy
 
     @classmethod
-    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Any) -> W:
+    def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Unpack[WorldOptions]) -> W:
         """Load a worldfile and make it ready to step.
 
         Args:
-            filename: the worldfile.
+            filename: the worldfile, or the name of one of libgz's worlds, such as ``"pioneer2at"``: a file of that name
+                in the current directory comes first, then one in a directory of GAZEBOPATH.
             **options: those of World.
 
         Raises:
-            WorldFileError: the worldfile has errors; the message lists them all.
+            WorldFileError: there is no such worldfile, or it has errors; the message lists them all.
             PluginError: a model's Init failed.
             ServerError: the server id is in use.
         """
         return cls._ready(lambda world: world.LoadFile(filename), options)
 
     @classmethod
-    def from_string(cls: type[W], text: str, **options: Any) -> W:
+    def from_string(cls: type[W], text: str, **options: Unpack[WorldOptions]) -> W:
         """Load the text of a legacy worldfile or an SDF document, as `from_file` does."""
         if is_sdf_text(text):
             return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
@@ -83,7 +108,7 @@ class World(world.World):
         return cls._ready(lambda world: world.Load(file), options)
 
     @classmethod
-    def _ready(cls: type[W], load: Callable[[W], object], options: dict[str, Any]) -> W:
+    def _ready(cls: type[W], load: Callable[[W], object], options: WorldOptions) -> W:
         world = cls(**options)
         try:
             load(world)
@@ -96,10 +121,17 @@ class World(world.World):
     def LoadFile(self, filename: str | os.PathLike[str]) -> int:
         """Build all models of a legacy worldfile or an SDF file, distinguished by the root element; 0.
 
+        The file is found by its path or name, as by `from_file`.
+
         Raises:
             WorldFileError: the file cannot be read, or has errors; the message lists them all, one a line.
         """
-        return self.load_sdf(SdfFile.load(filename)) if is_sdf(filename) else self.Load(WorldFile.from_file(filename))
+        path = find_worldfile(filename)
+        if is_sdf(path):
+            return self.load_sdf(SdfFile.load(path))
+        if not exists(path):
+            raise WorldFileError(f"cannot read worldfile {str(path)!r}: it does not exist{why_missing(filename)}")
+        return self.Load(WorldFile.from_file(path))
 
     @exclusive
     def load_sdf(self, file: SdfFile) -> int:
@@ -109,7 +141,7 @@ class World(world.World):
             WorldFileError: it has errors; the message lists them all.
         """
         self.extension(SdfWorld).load(file)
-        if any(True for name in ("plugin", "sensor") for _ in file.root.find(name)):
+        if file.busy:
             self.attach_era()
         self.problems.check()
         return 0

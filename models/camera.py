@@ -19,6 +19,7 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import FrustrumGeom
 from libgz.rendering.camera import Camera as Eye, horizontal_view
 from libgz.rendering.image import write_pnm
+from libgz.simulation.entity import Entity
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import angle, boolean, integer, length, number, numbers, text
 from libgz.worldfile.node import WorldFileNode
@@ -30,6 +31,7 @@ __all__ = [
     "RobotCameraAttributes",
     "add_frustum",
     "check_optics",
+    "eye_of",
     "make_eye",
     "set_view",
 ]
@@ -79,6 +81,15 @@ def make_eye(model: Model, values: CameraAttributes) -> Eye:
     eye.options.displaySkins = True
     set_view(model, eye, values.hfov)
     return eye
+
+
+def eye_of(model: Entity) -> Eye | None:
+    """The rendering camera of a camera model, the left one of two; None if it has none, or none yet."""
+    for owner in (model, getattr(model, "camera", None)):
+        eye = getattr(owner, "eye", None) or getattr(owner, "eyes", {}).get("left")
+        if isinstance(eye, Eye):
+            return eye
+    return None
 
 
 def set_view(model: Model, eye: Eye, hfov: float) -> None:

@@ -1,56 +1,152 @@
-"""Write docs/worlds.md and render its images: one for each ready world.
+"""Write docs/worlds.md and render its images: one for each ready world, and some for the examples of SDF.
 
-.venv/bin/python scripts/make_gallery.py           # images and text
-.venv/bin/python scripts/make_gallery.py --text    # text only
+.venv/bin/python scripts/make_gallery.py               # images and text
+.venv/bin/python scripts/make_gallery.py --text        # text only
+.venv/bin/python scripts/make_gallery.py shrimp map    # text, and the images of these worlds
 """
 
 from __future__ import annotations
 
-import re
+import math
+import os
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 from PIL import Image
 
 import libgz
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.rendering.camera import Camera
+from libgz.rendering.framing import framed, visible_points
+from libgz.worldfile.search import ReadyWorld
 
 ROOT = Path(__file__).parents[1]
-SIZE = (400, 300)
+SIZE = (800, 600)
+FINER = 2  # images are rendered larger by this factor, and reduced
+HFOV = math.radians(45.0)
+LARGE = 150_000  # [bytes]
 TIME = 1.0  # [s] of sim time: everything has come to rest, and nothing has moved far
-DEFAULT_VIEW = GzPose(GzVector(-3.2, 2.4, 2.4), GzQuaternFromEuler(0.0, 0.5, -0.62))  # of worlds without an observer
+NO_SUBJECTS = ("GroundPlane", "LightSource", "ObserverCam", "SkyDome", "ground_plane", "sun")
 
 
-def description(path: Path) -> str:
-    """The comment at the head of a worldfile, in one line."""
-    found = re.search(r"<!--\s*(.*?)\s*-->", path.read_text(), re.DOTALL)
-    return " ".join(found.group(1).split()) if found else ""
+@dataclass(frozen=True)
+class Picture:
+    """What an image shows, and from where.
+
+    Attributes:
+        subjects: ids of the models that fill the image, what is attached to them included; none: all models.
+        side: how far the camera stands from where the light comes from, around the subjects [deg].
+        azimuth: of the camera, counter-clockwise from +x, instead of `side` [deg].
+        elevation: of the camera [deg].
+        share: of the image that the subjects fill.
+        time: of the image, sim time [s].
+    """
+
+    subjects: tuple[str, ...] = ("robot1",)
+    side: float = 85.0
+    azimuth: float | None = None
+    elevation: float = 20.0
+    share: float = 0.72
+    time: float = TIME
 
 
-def render(path: Path, image: Path) -> None:
-    """Render a world from the pose of its observer, after TIME."""
+LEGACY = {
+    "simplesolids": Picture((), elevation=25.0, share=0.85),
+    "shrimp": Picture(("robot1",), azimuth=120.0, share=0.6),
+    "canonvcc4": Picture(("post", "arm", "cam1", "crate", "ball", "barrel"), share=0.85),
+    "gripper": Picture(("robot1", "block"), azimuth=40.0, share=0.75),
+    "heightmap": Picture(("hills",), elevation=35.0, share=1.4),
+    "terrain": Picture(azimuth=205.0, elevation=12.0, share=0.2),
+    "map": Picture((), elevation=50.0, share=0.95),
+    "road": Picture(("robot1",), azimuth=150.0, elevation=22.0, share=0.2),
+    "wifi": Picture(("robot1", "robot2", "mast"), share=0.85),
+    "truth": Picture(("robot1", "crate"), azimuth=150.0, share=0.85),
+    "ptz": Picture(("robot1", "crate", "ball"), azimuth=150.0, share=0.85),
+    "stereohead": Picture(("robot1", "crate"), azimuth=150.0, share=0.85),
+    "gps": Picture(("robot1", "tower"), share=0.9),
+    "pioneer2at": Picture(azimuth=125.0, share=0.5),
+    "pioneer2sonars": Picture(("robot1", "barrel"), azimuth=140.0, share=0.85),
+    "clodbuster": Picture(share=0.5),
+    "bandit": Picture(("robot1", "table", "pedestal"), share=0.9),
+    "factory": Picture(share=0.5, time=4.0),
+    "peoplebot": Picture(azimuth=-40.0),
+    "roomba": Picture(elevation=28.0, share=0.4),
+    "wheelchair": Picture(azimuth=150.0),
+    "blimp": Picture(share=0.55),
+}
+SDF = {
+    "diff_drive": Picture((), share=0.6),
+    "joint_pid": Picture((), share=0.8),
+    "camera": Picture((), share=0.8),
+    "contact": Picture((), share=0.7),
+    "visual": Picture((), share=0.8),
+}
+
+
+def subjects(world: libgz.World, names: tuple[str, ...]) -> list[libgz.Body]:
+    """The bodies of models, and of all that is attached to them."""
+    models = world.GetModels()
+    others = [model for model in models if not {model.GetId(), model.GetName()} & {*NO_SUBJECTS}]
+    wanted = {model.GetId() for model in others if not names or model.GetId() in names}
+    bodies = [body for model in models if model.GetId() in wanted for body in model.bodies]
+    for model in models:
+        parent = model.parent
+        while parent is not None and parent.GetId() not in wanted:
+            parent = parent.parent
+        if parent is not None and model.GetId() not in wanted:
+            bodies += model.bodies
+    return bodies
+
+
+def render(path: Path, image: Path, picture: Picture) -> None:
+    """Render a world with shadows, its subjects in the middle, after a time."""
     with libgz.World.from_file(path) as world:
-        observer = next((m for m in world.GetModels() if m.GetName() == "ObserverCam"), None)
-        world.run(TIME)
-        with Camera(world, *SIZE) as camera:
-            camera.SetPose(observer.GetPose() if observer else DEFAULT_VIEW)
-            camera.options.displaySkins = True
+        world.run(picture.time)
+        width, height = (FINER * side for side in SIZE)
+        with Camera(world, width, height, HFOV, near=0.05, far=300.0) as camera:
+            camera.options.shadows = True
+            lights = [geom for geom in world.engine.geoms.values() if isinstance(geom, libgz.LightGeom)]
+            x, y, _ = lights[0].GetPose().pos if lights and lights[0].kind == "point" else (-0.5, -0.1, 1.0)
+            sides = [math.atan2(y, x) + sign * math.radians(picture.side) for sign in (-1.0, 1.0)]
+            azimuth = max(sides, key=math.cos)  # where robots are seen from ahead
+            if picture.azimuth is not None:
+                azimuth = math.radians(picture.azimuth)
+            points = visible_points(subjects(world, picture.subjects))
+            camera.SetPose(framed(points, azimuth, math.radians(picture.elevation), SIZE, HFOV, picture.share))
             pixels = camera.Update()
-        Image.fromarray(pixels).quantize(128).save(image, optimize=True)
+    save(Image.fromarray(pixels).resize(SIZE, Image.Resampling.LANCZOS), image)
+
+
+def save(image: Image.Image, path: Path) -> None:
+    """Save an image; with a palette only where textures make it large and hide the palette's steps."""
+    image.save(path, optimize=True)
+    if path.stat().st_size > LARGE:
+        image.quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
 
 
 def main() -> None:
-    """Render all ready worlds, unless only the text is wanted, and write the page."""
+    """Render all ready worlds and examples, unless only the text is wanted, and write the page."""
     images = ROOT / "docs" / "worlds"
-    images.mkdir(exist_ok=True)
-    rows = []
+    (images / "sdf").mkdir(parents=True, exist_ok=True)
+    asked = [word for word in sys.argv[1:] if not word.startswith("--")]
+
+    def row(path: Path, title: str, name: str, picture: Picture) -> str:
+        if "--text" not in sys.argv[1:] and (not asked or name in asked):
+            render(path, images / f"{name}.png", picture)
+        return f"## {title}\n\n{ReadyWorld(path).summary}\n\n![{path.stem}](worlds/{name}.png)\n"
+
+    rows = [
+        "# Ready worlds\n\n`gazebo NAME` runs one of them, from any directory; `libgz worlds` lists them. "
+        "`scripts/make_gallery.py` writes this page.\n"
+    ]
     for path in sorted((ROOT / "worlds").glob("*.world")):
-        if "--text" not in sys.argv[1:]:
-            render(path, images / f"{path.stem}.png")
-        rows.append(f"## {path.name}\n\n{description(path)}\n\n![{path.stem}](worlds/{path.stem}.png)\n")
-    head = "# Ready worlds\n\n`gazebo worlds/NAME` runs one of them. `scripts/make_gallery.py` writes this page.\n"
-    (ROOT / "docs" / "worlds.md").write_text("\n".join([head, *rows]))
+        rows.append(row(path, path.name, path.stem, LEGACY.get(path.stem, Picture())))
+    rows.append("# SDF worlds\n\n`GAZEBO_PLUGIN_PATH=FOLDER gzserver FOLDER/NAME` runs one of these examples.\n")
+    for name, picture in SDF.items():
+        path = ROOT / "examples" / "plugins" / name / f"{name}.world"
+        os.environ["GAZEBO_PLUGIN_PATH"] = str(path.parent)
+        rows.append(row(path, f"examples/plugins/{name}/{path.name}", f"sdf/{name}", picture))
+    (ROOT / "docs" / "worlds.md").write_text("\n".join(rows))
 
 
 if __name__ == "__main__":

@@ -23,7 +23,8 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "reference", "view"],
+    ["convert", "reference", "images", "view"],
+    ["testing"],
     ["apps"],
     ["__main__"],
 ]

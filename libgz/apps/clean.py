@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 
 from libgz.errors import ParameterError
 from libgz.transport.stale_files import remove_stale
@@ -15,6 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-s", dest="server_id", metavar="ID", type=int, default=None, help="remove those of one server only"
     )
+    parser.add_argument("--json", action="store_true", help="print a JSON array of the names of what was removed")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -25,10 +27,13 @@ def run(options: argparse.Namespace) -> int:
     """
     if options.server_id is not None and options.server_id < 0:
         raise ParameterError(f"server id is {options.server_id}; it must not be negative")
-    count = 0
+    removed = []
     for item in remove_stale(options.server_id):
-        count += 1
-        print(f"removed {item.name}")
-    if count == 0:
+        removed.append(item.name)
+        if not options.json:
+            print(f"removed {item.name}")
+    if options.json:
+        print(json.dumps(removed))
+    elif not removed:
         print("no stale files of dead servers")
     return 0

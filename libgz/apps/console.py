@@ -19,8 +19,10 @@ from libgz.errors import GazeboError, Interrupted, ParameterError, nearest
 
 __all__ = [
     "INTERRUPTED",
+    "NO_READER",
     "STRICT",
     "STRICT_HELP",
+    "TERMINATED",
     "USAGE_ERROR",
     "Hints",
     "LogFile",
@@ -31,6 +33,7 @@ __all__ = [
     "read_text",
     "set_up_messages",
     "whole_number",
+    "wire_version",
     "writing",
 ]
 
@@ -38,7 +41,9 @@ USAGE_ERROR = 2
 STRICT = 3  # exit code of a run that --strict has ended
 STRICT_HELP = "end with exit code 3 at the first error of a model or plugin, or warning about the world"
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-INTERRUPTED, NO_READER = 128 + signal.SIGINT, 128 + signal.SIGPIPE  # the exit codes of shells
+# The exit codes of shells.
+INTERRUPTED, NO_READER, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGPIPE, 128 + signal.SIGTERM
+WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.7": 0x060}
 PREFIXES = {logging.WARNING: "warning : ", logging.ERROR: "error   : ", logging.CRITICAL: "error   : "}
 
 
@@ -101,6 +106,13 @@ def _number(name: str, convert: Callable[[str], N], allowed: Callable[[N], bool]
 
     read.__name__ = name
     return read
+
+
+def wire_version(text: str) -> int:
+    """An argument type: a version of libgazebo's structs, or the release of Gazebo that has it."""
+    if text not in WIRE_VERSIONS:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a wire version; allowed are {', '.join(WIRE_VERSIONS)}")
+    return WIRE_VERSIONS[text]
 
 
 def whole_number(name: str) -> Callable[[str], int]:

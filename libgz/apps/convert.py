@@ -12,6 +12,7 @@ from libgz.convert.sdf import RAY_TYPES, Converted, convert
 from libgz.files import write_whole
 from libgz.front import World
 from libgz.worldfile.file import WorldFile
+from libgz.worldfile.search import find_worldfile
 
 __all__ = ["configure", "run"]
 
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     logging.getLogger("libgz").setLevel(logging.ERROR)  # warnings are reported by `libgz check`
     world = World()
     try:
-        world.Load(WorldFile.from_file(options.worldfile))
+        world.Load(WorldFile.from_file(find_worldfile(options.worldfile)))
         converted = convert(world, meshes=f"{output.stem}_meshes", rays=options.rays)
     finally:
         world.close()

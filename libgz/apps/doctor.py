@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import importlib.metadata
+import json
 import os
 import platform
 import tempfile
@@ -64,14 +66,18 @@ class Finding:
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    """No options."""
+    """Add the options."""
+    parser.add_argument("--json", action="store_true", help="print a JSON array: name, text, good, needed")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print all findings; return 1 if something that worlds need is missing."""
     findings = list(examine())
-    for finding in findings:
-        print(finding)
+    if options.json:
+        print(json.dumps([dataclasses.asdict(finding) for finding in findings], indent=2))
+    else:
+        for finding in findings:
+            print(finding)
     return 0 if all(f.good for f in findings if f.needed) else 1
 
 
@@ -84,7 +90,7 @@ def examine() -> Iterator[Finding]:
         yield Finding(package, version or f"not installed; pip install {package}", good=version is not None)
     for name, extra in EXTRAS.items():
         yield _extra(name, extra)
-    yield _try("ode", lambda: f"{ode().path}: {ode().configuration}")
+    yield _try("ode", lambda: f"{ode().path}, {ode().origin}: {ode().configuration}")
     yield _try("step", _step)
     yield _try("semaphores", _semaphores)
     yield _try("directory", _directory)

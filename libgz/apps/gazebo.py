@@ -20,26 +20,28 @@ from libgz.apps.console import (
     number_from_zero,
     set_up_messages,
     whole_number,
+    wire_version,
 )
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
-from libgz.errors import GazeboError, ParameterError, PluginError, ServerError, StrictError, WorldFileError
+from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
+from libgz.files import exists, is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
-from libgz.transport.server import free_server_id
+from libgz.transport.server import on_free_server_id
+from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["main"]
 
 log = logging.getLogger("libgz.gazebo")
 
-WIRE_VERSIONS = {"0x050": 0x050, "0.5": 0x050, "0x060": 0x060, "0.6": 0x060, "0.7": 0x060}
 STATUS_PERIOD = 0.2  # [s] of real time
 
 
@@ -61,12 +63,6 @@ def _seconds(text: str) -> float | None:
 _seconds.__name__ = "number of seconds"
 
 
-def _wire_version(text: str) -> int:
-    if text not in WIRE_VERSIONS:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a wire version; allowed are {', '.join(WIRE_VERSIONS)}")
-    return WIRE_VERSIONS[text]
-
-
 def make_parser() -> argparse.ArgumentParser:
     """The options of Gazebo 0.7, and those of libgz."""
     parser = Parser(
@@ -75,7 +71,7 @@ def make_parser() -> argparse.ArgumentParser:
         epilog=SERVING_HELP,
     )
     add = parser.add_argument
-    add("worldfile", help="the worldfile to run")
+    add("worldfile", help="the worldfile to run, or the name of a world of libgz, which `libgz worlds` lists")
     add(
         "-s",
         dest="server_id",
@@ -121,10 +117,10 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add(
         "--wire-version",
-        type=_wire_version,
+        type=wire_version,
         default=LIBGAZEBO_VERSION,
         metavar="V",
-        help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5",
+        help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5 and Player 1.6.5",
     )
     add(
         "--gl",
@@ -143,6 +139,12 @@ def make_parser() -> argparse.ArgumentParser:
         default=[],
         metavar="ID=FILE",
         help="record a camera's images to a video file; may be repeated",
+    )
+    add(
+        "--shadows",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="videos show shadows (default), which clients' images do not",
     )
     add(
         "--solver",
@@ -220,15 +222,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
     """
     options = make_parser().parse_args(arguments)
-    path = Path(options.worldfile)
     try:
         set_up_messages(options.level, options.logfile)
     except ParameterError as error:
         return _report(str(error), USAGE_ERROR)
     if options.steps is not None and options.steps < 0:
         return _report(f"--steps is {options.steps}; it must not be negative", USAGE_ERROR)
-    if not path.is_file():
-        what = "is a directory" if path.is_dir() else "is not a plain file" if path.exists() else "does not exist"
+    path = find_worldfile(options.worldfile)
+    if not is_file(path):
+        missing = f"does not exist{why_missing(path)}"
+        what = "is a directory" if path.is_dir() else "is not a plain file" if exists(path) else missing
         return _report(f"worldfile {str(path)!r} {what}", USAGE_ERROR)
     try:
         check_serving()
@@ -243,13 +246,7 @@ def _run(path: Path, options: argparse.Namespace) -> int:
         prefer(options.gl)
     if options.server_id is not None:
         return _serve(path, options, options.server_id)
-    while True:
-        server_id = free_server_id()
-        try:
-            return _serve(path, options, server_id)
-        except ServerError:
-            if free_server_id() == server_id:
-                raise  # the id is still free, so another process did not take it: the error has another cause
+    return on_free_server_id(lambda server_id: _serve(path, options, server_id))
 
 
 def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
@@ -268,7 +265,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path)
             world.Initialize()
-            run.recorders += [Recorder(world, request) for request in options.record]
+            run.recorders += [Recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
             with SnapshotControl(world, options.rewind) as run.control, view_process(options, server_id):

@@ -32,6 +32,7 @@ from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError
+from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.context import CHOICES, prefer
@@ -40,6 +41,7 @@ from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.server import free_server_id
+from libgz.worldfile.search import find_worldfile
 
 __all__ = ["main"]
 
@@ -223,6 +225,9 @@ def _find_world(name: str) -> Path:
     try:
         return find_world(name)
     except NotFoundError as error:
+        found = find_worldfile(name)  # a legacy world, or one of libgz by its name
+        if is_file(found):
+            return found
         raise NotFoundError(f"Could not open file[{name}]: {error}") from None
 
 

@@ -20,6 +20,7 @@ __all__ = ["main"]
 COMMANDS = {
     "check": "report errors and unused elements in worldfiles",
     "clean": "remove stale files of dead servers",
+    "completion": "print the completion of all commands for a shell",
     "config": "print compiler flags for C programs that use libgazebo",
     "convert": "convert a worldfile to SDF 1.6",
     "demo": "start a server with a robot, and drive the robot from a second process",
@@ -39,17 +40,23 @@ COMMANDS = {
     "topic": "list, print, measure and publish topics of a running gzserver",
     "view": "show a running world in a browser, with controls",
     "upgrade": "convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7",
+    "worlds": "list the worlds that are installed with libgz",
 }
 
 
-def make_parser(wanted: str | None) -> Parser:
-    """The parser, with options of the subcommand `wanted` only, so that the other modules are not imported."""
+def make_parser(wanted: str | None = None, *, everything: bool = False) -> Parser:
+    """The parser, with options of the subcommand `wanted` only, so that the other modules are not imported.
+
+    Args:
+        wanted: the subcommand.
+        everything: whether all subcommands have their options.
+    """
     parser = Parser(prog="libgz", description="Tools for worldfiles, servers and SDF worlds.")
     parser.add_argument("-v", "--version", action="version", version=f"libgz {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=Parser)
     for name, help_ in COMMANDS.items():
         command = commands.add_parser(name, help=help_, description=f"{help_[0].upper()}{help_[1:]}.")
-        if name == wanted:
+        if everything or name == wanted:
             importlib.import_module(f"libgz.apps.{name}").configure(command)
     commands.add_parser("help", help="describe a command, or list all", description="Describe a command.")
     return parser

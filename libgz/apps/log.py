@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Iterator
 
@@ -22,6 +23,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_world(parser)
     add("-f", "--file", metavar="FILE", help="the log file (gzserver -r writes state.log)")
     add("-i", "--info", action="store_true", help="print a summary of the file (default)")
+    add("--json", action="store_true", help="print the summary as a JSON object")
     add("-e", "--echo", action="store_true", help="print the states")
     add("--filter", default="", metavar="NAMES", help="with -e: names of models to print, a pattern with * or a regex")
     add("-z", "--hz", type=float, metavar="HZ", help="with -e: largest number of states per second of sim time")
@@ -55,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
         for state in _thinned(read_states(reader), options.hz):
             _print_state(state, NamePattern(options.filter))
     else:
-        _print_info(reader)
+        _print_info(reader, options.json)
     return 0
 
 
@@ -80,8 +82,8 @@ def _print_state(state: LogState, wanted: NamePattern) -> None:
         sys.stdout.write(state.text(NEWEST))
 
 
-def _print_info(reader: LogReader) -> None:
-    """Print a summary in the format of classic's tool."""
+def _print_info(reader: LogReader, as_json: bool) -> None:
+    """Print a summary in the format of classic's tool, or as JSON."""
     count, first, last, models = 0, None, 0.0, set()
     for state in read_states(reader):
         first = state.sim_time if first is None else first
@@ -89,6 +91,20 @@ def _print_info(reader: LogReader) -> None:
         models |= {name.partition("::")[0] for name in state.poses if "::" in name}
     encoding = next((encoding for encoding, _ in reader.chunks()), "none")
     header = reader.header
+    if as_json:
+        row = {
+            "log_version": header.log_version,
+            "gazebo_version": header.gazebo_version,
+            "seed": header.rand_seed,
+            "start_time": first or 0.0,
+            "end_time": last,
+            "steps": count,
+            "bytes": reader.path.stat().st_size,
+            "encoding": encoding,
+            "models": sorted(models),
+        }
+        print(json.dumps(row))
+        return
     print(f"Log Version:    {header.log_version}")
     print(f"Gazebo Version: {header.gazebo_version}")
     print(f"Random Seed:    {header.rand_seed}")

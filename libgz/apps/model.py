@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 import math
 from typing import Any
 
@@ -32,6 +33,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-m", "--model-name", default="", metavar="NAME", help="name of the model")
     add("-i", "--info", action="store_true", help="print all data of the model")
     add("-p", "--pose", action="store_true", help="print its pose: x y z [m] roll pitch yaw [rad]")
+    add("--json", action="store_true", help="with -i and -p: print a JSON object")
     add("-d", "--delete", action="store_true", help="delete the model")
     add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF file, or model://name")
     add("-s", "--spawn-string", metavar="SDF", help="add a model from an SDF string")
@@ -66,11 +68,14 @@ def run(options: argparse.Namespace) -> int:
         if options.delete:
             ask(node, "entity_delete", options.model_name)
         elif options.info:
-            print(model.DebugString(), end="")
+            print(json.dumps(model.ToDict()) if options.json else model.DebugString(), end="\n" if options.json else "")
         elif moved:
             now = (*pose.pos, *pose.rot.Euler())
             target = Pose3d(*(new if new is not None else old for new, old in zip(place, now, strict=True)))
             publish(node, "~/model/modify", msgs.Model(name=options.model_name, pose=msgs.Convert(target)))
+        elif options.json:
+            numbers = (*pose.pos, *Quaterniond(pose.rot).Euler())
+            print(json.dumps(dict(zip(("x", "y", "z", "roll", "pitch", "yaw"), numbers, strict=True))))
         else:
             print(*(f"{value:.6f}" for value in (*pose.pos, *Quaterniond(pose.rot).Euler())))
     return 0

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
+import json
 import textwrap
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from libgz.apps.console import writing
 from libgz.reference.catalogue import Entry, Part, Row, common_rows, entries, entry
@@ -19,6 +22,7 @@ WIDTH = 100
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("name", nargs="?", metavar="MODEL", help="the model to describe (default: list all models)")
+    parser.add_argument("--json", action="store_true", help="print JSON: an array of all models, or one model's object")
     parser.add_argument(
         "--pages", type=Path, metavar="DIR", help="write the reference pages of all built-in models to a directory"
     )
@@ -35,13 +39,26 @@ def run(options: argparse.Namespace) -> int:
             changed = write_pages(options.pages)
         print("\n".join(map(str, changed)) or f"the pages in {options.pages} are current")
     elif options.name is not None:
-        print(describe(entry(options.name)), end="")
+        model = entry(options.name)
+        print(json.dumps(_as_json(model, whole=True), indent=2) if options.json else describe(model), end="")
+        print(end="\n" if options.json else "")
+    elif options.json:
+        print(json.dumps([_as_json(model) for model in entries()], indent=2))
     else:
         found = list(entries())
         width = max(len(entry.name) for entry in found)
         for known in found:
             print(f"{known.name:{width}}  {known.summary}")
     return 0
+
+
+def _as_json(model: Entry, *, whole: bool = False) -> dict[str, Any]:
+    """A model for programs; with its attributes if it is wanted whole."""
+    row: dict[str, Any] = {"name": model.name, "summary": model.summary, "interfaces": list(model.kind.interfaces)}
+    if whole:
+        row["attributes"] = [dataclasses.asdict(attribute) for attribute in (*model.rows, *common_rows())]
+        row["example"] = model.example
+    return row
 
 
 def describe(model: Entry) -> str:

@@ -5,29 +5,18 @@ from __future__ import annotations
 import argparse
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol, TypeAlias, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TypeVar
 
 from libgz.apps.view_options import GL_HELP, pose, size
-from libgz.classic.sensors import CameraSensor
-from libgz.classic.server import attach
 from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
-from libgz.geometry import GzPose
-from libgz.interfaces.camera import Camera
-from libgz.interfaces.guicam import Guicam
-from libgz.interfaces.stereo import Stereo
-from libgz.rendering.camera import Camera as FreeCamera
+from libgz.images import FreeView, ImageSource, cameras_of
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
 
 __all__ = ["configure", "run"]
 
 C = TypeVar("C")
-Image: TypeAlias = NDArray[np.uint8]
-_EMPTY: Image = np.zeros((0, 0, 3), np.uint8)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -39,6 +28,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--size", type=size, default=(640, 480), metavar="WxH", help="image size of the free camera [px]")
     add("-o", dest="output", metavar="FILE", default="picture.png", help="the file to write (default picture.png)")
     add("--time", type=float, default=0.0, metavar="T", help="save the last image up to this sim time [s] (default 0)")
+    add(
+        "--shadows",
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help="with shadows, and light computed at each pixel, unless an SDF scene forbids them (default); "
+        "--no-shadows: the image exactly as the camera serves it",
+    )
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
 
 
@@ -65,64 +61,15 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-class _Camera(Protocol):
-    """A source of the image to save."""
-
-    label: str  # its name in messages
-
-    def image(self) -> Image:
-        """The present image, shape (height, width, 3); empty if rendering is disabled."""
-
-
-class _FreeCamera:
-    """A camera at a pose in the world."""
-
-    label = "a free camera"
-
-    def __init__(self, world: World, pose: GzPose, size: tuple[int, int]) -> None:
-        self._camera = FreeCamera(world, *size, near=0.05, far=200.0)
-        self._camera.SetPose(pose)
-        self._camera.options.displayGrid = world.sdf is not None  # as in classic's window
-
-    def image(self) -> Image:
-        return _EMPTY if self._camera.blind else self._camera.Update()
-
-
-class _SensorCamera:
-    """A camera sensor of an SDF world."""
-
-    def __init__(self, sensor: CameraSensor) -> None:
-        self._sensor, self.label = sensor, repr(sensor.ScopedName())
-
-    def image(self) -> Image:
-        self._sensor.Update(True)
-        camera = self._sensor.Camera()
-        return _EMPTY if camera.core.blind else camera.pixels
-
-
-class _ModelCamera:
-    """A camera model of a legacy world."""
-
-    def __init__(self, interface: Camera | Guicam | Stereo) -> None:
-        self._interface, self.label = interface, repr(interface.id)
-
-    def image(self) -> Image:
-        interface = self._interface
-        return interface.left_image if isinstance(interface, Stereo) else interface.image
-
-
-def _camera(world: World, options: argparse.Namespace) -> _Camera:
+def _camera(world: World, options: argparse.Namespace) -> ImageSource:
     """The camera given on the command line."""
     if options.pose is not None:
-        return _FreeCamera(world, options.pose, options.size)
-    if world.sdf is not None:
-        manager = attach(world).sensors
-        sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
-        scoped = {sensor.ScopedName(): sensor for sensor in sensors}
-        short = {sensor.Name(): sensor for sensor in reversed(sensors)}  # the first one of a name
-        return _SensorCamera(_choose({**scoped, **short}, list(scoped), options.camera, "name"))
-    cameras = {i.id: i for i in world.gz_server.interfaces.values() if isinstance(i, Camera | Guicam | Stereo)}
-    return _ModelCamera(_choose(cameras, list(cameras), options.camera, "id"))
+        return FreeView(world, options.pose, options.size, options.shadows)
+    cameras = cameras_of(world, options.shadows)
+    # Cameras of SDF worlds have a short name, too, which stands for the first one of that name.
+    short = {name.rpartition("::")[2]: camera for name, camera in reversed(cameras.items())}
+    what = "id" if world.sdf is None else "name"
+    return _choose({**short, **cameras}, list(cameras), options.camera, what)
 
 
 def _choose(cameras: Mapping[str, C], names: list[str], wanted: str | None, what: str) -> C:

@@ -7,6 +7,7 @@ from typing import Any
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.front import World
+from libgz.models.camera import eye_of
 
 __all__ = ["Recorder"]
 
@@ -19,6 +20,7 @@ class Recorder:
     Args:
         world: an initialized world.
         request: ``ID=FILE``, the camera's id and a video file (.mp4, .mkv, ...).
+        shadows: whether the video has shadows, unless the world's scene forbids them; clients get images without.
 
     Raises:
         ParameterError: the request has another format.
@@ -26,7 +28,7 @@ class Recorder:
         GazeboError: the packages are missing, or the file cannot be written.
     """
 
-    def __init__(self, world: World, request: str) -> None:
+    def __init__(self, world: World, request: str, *, shadows: bool = True) -> None:
         name, equals, file = request.partition("=")
         if not (name and equals and file):
             raise ParameterError(f"--record {request!r}: it must be ID=FILE, a camera's id and a video file")
@@ -39,6 +41,7 @@ class Recorder:
                 f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}"
             )
         self._interface, self._field = interfaces[kind, name], KINDS[kind]
+        self._eye = eye_of(world.model(name)) if shadows else None
         self._rate = float(getattr(world.model(name), "values").updateRate)  # noqa: B009 - of the camera models
         self._last = -1.0
         self._file: Any = _open(self.path)
@@ -56,6 +59,8 @@ class Recorder:
         if now == self._last or not image.size:
             return
         self._last = now
+        if self._eye is not None:
+            image = self._eye.shaded()
         try:
             if not self._started:
                 self._file.init_video_stream("libx264", fps=max(self._rate, 1.0))

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
+import json
 import sys
 
 from libgz.errors import WorldFileError
@@ -16,6 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--check", metavar="FILE", help="report all errors of an SDF file; exit code 1 if there are any")
     what.add_argument("--print", metavar="FILE", help="print the file with includes resolved and defaults filled in")
+    parser.add_argument("--json", action="store_true", help="with --check: print the errors as a JSON array")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -25,6 +28,10 @@ def run(options: argparse.Namespace) -> int:
     except WorldFileError as unreadable:
         print(f"error   : {unreadable}", file=sys.stderr)
         return 1
+    if options.json and options.check:
+        found = [*file.diagnostics.errors, *file.diagnostics.warnings]
+        print(json.dumps([dataclasses.asdict(error) for error in found], indent=2))
+        return 1 if file.diagnostics.errors else 0
     for error in [*file.diagnostics.errors, *file.diagnostics.warnings]:
         print(f"{'error   ' if error.severity == 'error' else 'warning '}: {error}", file=sys.stderr)
     if options.print:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import json
 from typing import Any
 
 from libgz.apps.server_link import add_duration, add_world, receive, world_node
@@ -15,6 +16,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     add_world(parser)
     add_duration(parser)
+    parser.add_argument("--json", action="store_true", help="print one JSON object per line, times in [s]")
     parser.add_argument(
         "-p", "--plot", action="store_true", help="print comma-separated values: factor, sim time, real time, paused"
     )
@@ -30,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         print("# real-time factor (percent), simtime (sec), realtime (sec), paused (T or F)")
     with world_node(options) as (node, link), contextlib.suppress(KeyboardInterrupt):
-        printer = _Printer(options.plot)
+        printer = _Printer(options.plot, options.json)
         subscriber = node.Subscribe("~/world_stats", printer.on_statistics)
         for _ in receive(link, options.duration):
             pass
@@ -41,8 +43,8 @@ def run(options: argparse.Namespace) -> int:
 class _Printer:
     """Prints statistics; the factor is the mean since the previous line."""
 
-    def __init__(self, plot: bool) -> None:
-        self._plot = plot
+    def __init__(self, plot: bool, as_json: bool) -> None:
+        self._plot, self._json = plot, as_json
         self._last: tuple[float, float] | None = None
 
     def on_statistics(self, message: Any) -> None:
@@ -53,7 +55,10 @@ class _Printer:
             return
         factor = (sim - last[0]) / (real - last[1])
         paused = "T" if message.paused else "F"
-        if self._plot:
+        if self._json:
+            row = {"factor": factor, "sim_time": sim, "real_time": real, "paused": bool(message.paused)}
+            print(json.dumps(row), flush=True)
+        elif self._plot:
             print(f"{100.0 * factor:.2f}, {sim:.4f}, {real:.4f}, {paused}", flush=True)
         else:
             print(f"Factor[{factor:.2f}] SimTime[{sim:.2f}] RealTime[{real:.2f}] Paused[{paused}]", flush=True)

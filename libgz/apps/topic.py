@@ -58,6 +58,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="with -e, -z, -b: duration in real time [s]; with -p, -r: longest wait [s] (default 5)",
     )
     add("-n", "--num", type=int, default=None, metavar="N", help="number of messages (default: until interrupted)")
+    add("--json", action="store_true", help="print JSON: with -l and -i one value, with -e, -z and -b one per line")
     add("-u", "--unformatted", action="store_true", help="with -e: print each message as one line of JSON")
 
 
@@ -76,7 +77,8 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError(f"--duration is {options.duration:g}; it must not be negative")
     with connect(timeout=PATIENCE) as link, contextlib.suppress(KeyboardInterrupt):
         if options.list:
-            print(*getAdvertisedTopics(), sep="\n")
+            topics = getAdvertisedTopics()
+            print(json.dumps(list(topics)) if options.json else "\n".join(topics))
         elif options.request is not None:
             _request(options)
         else:
@@ -85,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
             # A name that begins with / needs no world, and the server may not have one yet.
             node.Init(options.world_name or ("-" if topic.startswith("/") else ""))
             if options.info:
-                _info(node.DecodeTopicName(topic))
+                _info(node.DecodeTopicName(topic), options.json)
             elif options.publish:
                 _publish(node, topic, options)
             else:
@@ -93,12 +95,18 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
-def _info(topic: str) -> None:
+def _info(topic: str, as_json: bool) -> None:
     info = TopicManager.Instance().TopicInfo(topic)
     if not info.publisher and not info.subscriber:
         raise NotFoundError(
             f"topic {topic} has no publishers and no subscribers{nearest(topic, getAdvertisedTopics())}"
         )
+    if as_json:
+        row = {"topic": topic, "type": info.msg_type}
+        for title, ends in (("publishers", info.publisher), ("subscribers", info.subscriber)):
+            row[title] = [{"host": end.host, "process": end.port} for end in ends]
+        print(json.dumps(row))
+        return
     print(f"Type: {info.msg_type or '(no publishers)'}")
     for title, ends in (("Publishers", info.publisher), ("Subscribers", info.subscriber)):
         print(f"\n{title}:")
@@ -122,7 +130,8 @@ class _Echo:
 class _Rate:
     """Measures messages per second of real time."""
 
-    def __init__(self) -> None:
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
         self._times: list[float] = []
 
     def add(self, message: Any) -> None:
@@ -132,14 +141,16 @@ class _Rate:
         """Print the rate since the last report."""
         times = self._times
         if len(times) > 1 and times[-1] > times[0]:
-            print(f"Hz: {(len(times) - 1) / (times[-1] - times[0]):7.2f}", flush=True)
+            rate = (len(times) - 1) / (times[-1] - times[0])
+            print(json.dumps({"hz": rate}) if self._as_json else f"Hz: {rate:7.2f}", flush=True)
         del times[:-1]  # the last message begins the next period
 
 
 class _Bandwidth:
     """Measures bytes per second of real time, and the sizes of messages."""
 
-    def __init__(self) -> None:
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
         self._arrivals: list[tuple[float, int]] = []  # time [s], size [bytes]
 
     def add(self, message: Any) -> None:
@@ -152,6 +163,11 @@ class _Bandwidth:
         if span:
             sizes = [size for _, size in arrivals[1:]]
             mean = sum(sizes) / len(sizes)
+            if self._as_json:
+                row = {"bytes_per_second": sum(sizes) / span, "mean": mean, "min": min(sizes), "max": max(sizes)}
+                print(json.dumps({**row, "messages": len(sizes)}), flush=True)
+                del arrivals[:-1]
+                return
             print(
                 f"Total[{_bytes(sum(sizes) / span)}/s] Mean[{_bytes(mean)}] Min[{_bytes(min(sizes))}] "
                 f"Max[{_bytes(max(sizes))}] Messages[{len(sizes)}]",
@@ -163,7 +179,11 @@ class _Bandwidth:
 def _subscribe(link: Link, node: Node, topic: str, options: argparse.Namespace) -> None:
     """Print messages, or a measurement every period, until the duration or the number of messages is reached."""
     left = math.inf if options.num is None else options.num
-    printer = _Echo(options.unformatted) if options.echo else _Bandwidth() if options.bw else _Rate()
+    printer: _Echo | _Bandwidth | _Rate
+    if options.echo:
+        printer = _Echo(options.unformatted or options.json)
+    else:
+        printer = (_Bandwidth if options.bw else _Rate)(options.json)
 
     def OnMessage(message: Any) -> None:
         nonlocal left

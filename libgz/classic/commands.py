@@ -50,6 +50,8 @@ class PausedSteps:
         core: the engine's world.
     """
 
+    STATE = ("_remaining", "_lifted")
+
     def __init__(self, core: CoreWorld) -> None:
         self._core = core
         self._remaining = 0

@@ -17,6 +17,7 @@ from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
+from libgz.simulation.state import declares, get_state, set_state
 
 __all__ = ["LoadedPlugin", "find_plugin", "new_plugin"]
 
@@ -37,6 +38,7 @@ class LoadedPlugin:
 
     Attributes:
         plugin: the instance; None once it has failed or was dropped.
+        source: the text of its element, if that is not in the world's file.
     """
 
     def __init__(
@@ -50,6 +52,7 @@ class LoadedPlugin:
         self.plugin_class, self.entity = plugin_class, entity
         self.filename, self.name, self.events = filename, name, events
         self.connections: WeakSet[Ends] = WeakSet()
+        self.source = ""
         self.plugin: PluginT | None = None
         self._construct()
 
@@ -86,6 +89,38 @@ class LoadedPlugin:
     def reset(self) -> bool:
         """Call the plugin's Reset; returns whether the plugin still runs."""
         return self.plugin is not None and self._call("Reset", self.plugin.Reset)
+
+    # State -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> Any:
+        """The plugin's declared state; None without one.
+
+        Raises:
+            PluginError: an attribute that it declares is missing, or its SaveState failed.
+        """
+        kind: Any = self.plugin_class
+        if self.plugin is None or not declares(kind):
+            return None
+        return self._guarded("saved", get_state, self.plugin)
+
+    def load_state(self, state: Any) -> None:
+        """Give the plugin a state that `save` returned.
+
+        Raises:
+            PluginError: its LoadState failed.
+        """
+        if self.plugin is not None and state is not None:
+            self._guarded("restored", set_state, self.plugin, state)
+
+    def _guarded(self, what: str, function: Callable[..., Any], *values: Any) -> Any:
+        token = owner.set(self)
+        try:
+            return function(*values)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            raise PluginError(f"the state of {self} cannot be {what}:\n{own_traceback(error)}") from error
+        finally:
+            owner.reset(token)
 
     def _call(self, name: str, function: Callable[..., object], *values: Any) -> bool:
         token = owner.set(self)

@@ -5,9 +5,28 @@ from __future__ import annotations
 import logging
 from typing import ClassVar, TypeVar
 
+from libgz.classic.common import Color, NumericKeyFrame, PoseKeyFrame, Time
+from libgz.classic.math import (
+    Angle,
+    AxisAlignedBox,
+    Inertiald,
+    MassMatrix3d,
+    Matrix3d,
+    Pose3d,
+    Quaterniond,
+    Vector2d,
+    Vector2i,
+    Vector3d,
+)
 from libgz.sdf.element import Element
+from libgz.simulation.state import plain
 
 __all__ = ["PluginT"]
+
+# What the state of a plugin may hold as a value, beside plain data and messages.
+_VALUES: tuple[type, ...] = (Angle, AxisAlignedBox, Color, Inertiald, MassMatrix3d, Matrix3d, NumericKeyFrame, Pose3d)
+for _value in (*_VALUES, PoseKeyFrame, Quaterniond, Time, Vector2d, Vector2i, Vector3d):
+    plain(_value)
 
 console = logging.getLogger("libgz.classic.console")
 
@@ -15,7 +34,16 @@ T = TypeVar("T")
 
 
 class PluginT:
-    """Base of all plugins."""
+    """Base of all plugins.
+
+    A plugin with a memory of its own declares it, so that a snapshot of the world has it: the names of its attributes
+    as `STATE`, or methods `SaveState()` and `LoadState(state)`, or both; `STATE = ()` if there is nothing. Values are
+    plain data: numbers, strings, tuples, lists and dicts of them, arrays, vectors, times, messages, random generators,
+    PIDs. What Load reads from the file, and views such as models and joints, are not part of it::
+
+        class Patrol(ModelPlugin):
+            STATE = ("goal", "since")
+    """
 
     kind: ClassVar[str] = ""
     _handle = ""

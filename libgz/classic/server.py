@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
 from libgz.classic.loading import LoadedPlugin, new_plugin
+from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.ids import Ids
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
 from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -30,6 +36,8 @@ __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
 
+PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
+
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
 
 
@@ -41,7 +49,7 @@ def attach(core: CoreWorld) -> WorldServer:
     server = WorldServer(core)
     core.companions.append(server)
     if core.running:
-        server.start()
+        server.start_late()
     return server
 
 
@@ -57,6 +65,7 @@ class WorldServer:
     Attributes:
         element: the `<world>` element; None if the world was not loaded from SDF.
         world: the view on the world.
+        ids: the numbers of views.
         activity: joint controllers, batteries, animations and attached models.
         physics, presets: settings of the engine, and their profiles.
         paused_steps: requested iterations of a paused world.
@@ -71,6 +80,7 @@ class WorldServer:
         root = file.root if file is not None else None
         self.element = next(root.named("world"), root) if root is not None else None
         self.world = core.facade = World(core, self)
+        self.ids = Ids(self.world)
         self.activity = Activity(self.world)
         self.physics = PhysicsEngine(self.world)
         self.presets = PresetManager(self.world)
@@ -83,6 +93,8 @@ class WorldServer:
         self.stopped = False
         self._new: list[CoreModel] = list(core.entities)
         self._started = False
+        self._first: dict[str, Any] | None = None  # the state at the start, if the world ran before
+        self._undeclared: set[type] = set()  # classes of plugins without a declared state that were reported
 
     @property
     def filename(self) -> str | None:
@@ -104,6 +116,11 @@ class WorldServer:
             for element in self._plugins_of(self.element):
                 self.load_world_plugin(*_names(element), element)
             self._load_model_plugins(added)
+
+    def start_late(self) -> None:
+        """Start beside a world that runs: the world's state at its start has no part of this."""
+        self.start()
+        self._first = self.get_state()
 
     @staticmethod
     def _plugins_of(element: Element | None) -> Iterator[Element]:
@@ -182,6 +199,7 @@ class WorldServer:
         with self.core.hold():
             plugin = self.new_plugin("World", filename, name, f"World[{self.world.Name()}]")
             if plugin is not None and plugin.start(self.world, sdf or Element("plugin")):
+                plugin.source = _source(sdf, self.element)
                 self._world_plugins.append(plugin)
                 return True
         return False
@@ -191,6 +209,7 @@ class WorldServer:
         with self.core.hold():
             plugin = self.new_plugin("Model", filename, name, f"Model[{model.GetName()}]", model.core)
             if plugin is not None and plugin.start(model, sdf or Element("plugin")):
+                plugin.source = _source(sdf, model.GetSDF())
                 self._model_plugins.setdefault(model, []).append(plugin)
                 return True
         return False
@@ -285,19 +304,139 @@ class WorldServer:
             self.sensors.reset()
 
     def reset(self) -> None:
-        """Reset sensors, controllers and plugins."""
-        self.time_was_reset()
+        """Reset the plugins; all else was returned to the start with the world, or has no part in a start state."""
         for model in self.world.all_models():
-            model.after_reset()
+            self.reset_plugins(model)
         for plugin in (*self._other_plugins(), *system_plugins):
             plugin.reset()
 
-    def get_state(self) -> object:
-        """Nothing yet."""
-        return None
+    # State -------------------------------------------------------------------------------------------------------
 
-    def set_state(self, state: object) -> None:
-        """Nothing yet."""
+    def get_state(self) -> dict[str, Any]:
+        """The state of sensors, plugins, topics and all else of classic, as plain data.
+
+        That of the start has no plugins, for a reset calls their Reset.
+        """
+        starting = self.core.starting
+        self.finish_added()
+        if not starting:
+            self._warn_of_undeclared()
+        return {
+            "random": Rand.SaveState(),
+            "physics": get_state(self.physics),
+            "presets": get_state(self.presets),
+            "paused_steps": get_state(self.paused_steps),
+            "ids": self.ids.save(),
+            "activity": self.activity.save(),
+            "sensors": self.sensors.save() if self.sensors is not None else None,
+            "topics": self.topics.save() if self.topics is not None else None,
+            "plugins": self._saved_plugins() if not starting else None,
+        }
+
+    def set_state(self, state: dict[str, Any] | None) -> None:
+        """Take what `get_state` returned; None, for what a world was before this was attached to it."""
+        state = self._first if state is None else state
+        if state is None:
+            return
+        Rand.LoadState(state["random"])
+        if state["sensors"] is not None:
+            self.all_sensors().load(state["sensors"])
+        elif self.sensors is not None:
+            self.sensors.load((0.0, -math.inf, ()))
+        self.activity.load(state["activity"])
+        if state["plugins"] is not None:
+            self._load_plugins(state["plugins"])
+        self.ids.load(state["ids"])
+        for part in ("physics", "presets", "paused_steps"):
+            set_state(getattr(self, part), state[part])
+        if self.topics is not None and state["topics"] is not None:
+            self.topics.load(state["topics"], replace=state["plugins"] is not None)
+
+    def entities_rebuilt(self) -> None:
+        """Entities were built again: make their sensors, and load their plugins.
+
+        What these insert or delete meanwhile has no effect, for the state has it.
+        """
+        deferred = self.core.agenda.deferred
+        before = len(deferred)
+        self.finish_added()
+        del deferred[before:]
+
+    def _plugins_by_holder(self) -> Iterator[tuple[str, str, list[LoadedPlugin]]]:
+        """(kind, name of the holder, its plugins) of all holders that have any."""
+        if self._world_plugins:
+            yield "World", "", self._world_plugins
+        for model, plugins in self._model_plugins.items():
+            yield "Model", model.GetScopedName(), plugins
+        for part in (self.sensors, self.visuals):
+            if part is not None:
+                yield from part.plugins_by_holder()
+
+    def _saved_plugins(self) -> list[tuple[Any, ...]]:
+        return [
+            (kind, holder, [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None])
+            for kind, holder, plugins in self._plugins_by_holder()
+        ]
+
+    def _load_plugins(self, rows: Iterable[Any]) -> None:
+        wanted = {(kind, holder): plugins for kind, holder, plugins in rows}
+        for kind, holder, plugins in list(self._plugins_by_holder()):
+            self._match(kind, holder, plugins, wanted.pop((kind, holder), ()))
+        for (kind, holder), plugins in wanted.items():
+            self._match(kind, holder, [], plugins)
+
+    def _match(self, kind: str, holder: str, present: list[LoadedPlugin], rows: Iterable[Any]) -> None:
+        """Drop plugins that came since a state, load again those that ended, and set their states."""
+        left = [plugin for plugin in present if plugin.plugin is not None]
+        found = []
+        for filename, name, source, saved in rows:
+            same = [plugin for plugin in left if (plugin.filename, plugin.name) == (filename, name)]
+            plugin = same[0] if same else self._load_again(kind, holder, filename, name, source)
+            left = [other for other in left if other is not plugin]
+            if plugin is not None:
+                found.append((plugin, saved))
+        for plugin in left:
+            plugin.drop()
+        present[:] = [plugin for plugin, _ in found]
+        for plugin, saved in found:
+            plugin.load_state(saved)
+
+    def _load_again(self, kind: str, holder: str, filename: str, name: str, source: str) -> LoadedPlugin | None:
+        """A plugin of a state that ended since, or was loaded at run time in another process."""
+        owner, load = self._holder(kind, holder)
+        if owner is None:
+            log.error("%s plugin %r cannot be loaded again: there is no %s", kind, name, holder)
+            return None
+        sdf = self.element if kind == "World" else owner.GetSDF()
+        own = next((e for e in self._plugins_of(sdf) if _names(e) == (filename, name)), None)
+        element = SdfFile.from_string(PLUGIN % source).root.children[0].child("plugin") if source else own
+        before = {id(plugin) for *_, plugins in self._plugins_by_holder() for plugin in plugins}
+        load(filename, name, element)
+        plugins = [plugin for *_, plugins in self._plugins_by_holder() for plugin in plugins]
+        return next((plugin for plugin in plugins if id(plugin) not in before), None)
+
+    def _holder(self, kind: str, name: str) -> tuple[Any, Callable[[str, str, Element | None], object]]:
+        """What holds plugins, and a function that loads one more for it."""
+        if kind == "World":
+            return self.world, self.load_world_plugin
+        if kind == "Model":
+            model = self.world.ModelByName(name)
+            return model, lambda *values: self.load_model_plugin(model, *values) if model is not None else None
+        part = self.sensors if kind == "Sensor" else self.serve_visuals()
+        return part.holder(name) if part is not None else (None, print)
+
+    def _warn_of_undeclared(self) -> None:
+        for *_, plugins in self._plugins_by_holder():
+            for plugin in plugins:
+                kind: Any = plugin.plugin_class
+                if kind not in self._undeclared and undeclared(kind):
+                    self._undeclared.add(kind)
+                    log.warning(
+                        "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
+                        'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',
+                        plugin,
+                        kind.__name__,
+                    )
 
     def close(self) -> None:
         """Drop all plugins, and close sensors and topics."""
@@ -315,6 +454,11 @@ class WorldServer:
 def _names(element: Element) -> tuple[str, str]:
     """(filename, name) of a `<plugin>`."""
     return element.Get(str, "filename"), element.Get(str, "name")
+
+
+def _source(sdf: Element | None, holder: Element | None) -> str:
+    """The text of a plugin's element; empty if it stands in its holder's element, or if there is none."""
+    return "" if sdf is None or sdf.GetParent() is holder else upgraded(sdf).ToString()
 
 
 def _named(element: Element | None, name: str) -> Iterator[Element]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from libgz.classic import msgs
@@ -13,6 +13,7 @@ from libgz.classic.describe import contacts_of, model_message, poses_message, st
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
+from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
@@ -82,6 +83,33 @@ class WorldTopics:
             "/gazebo/server/control": commands.server_control,
         }
         return [self._node.Subscribe(topic, commands.guarded(topic, handler)) for topic, handler in handlers.items()]
+
+    def save(self) -> list[tuple[str, Any]]:
+        """The messages of this process that wait for delivery, as plain data.
+
+        Those of other processes are not the world's, nor is the last message that a publisher keeps for late
+        subscribers.
+        """
+        return waiting_messages(self._prefix)
+
+    def load(self, state: Sequence[tuple[str, Any]], *, replace: bool) -> None:
+        """Take what `save` returned.
+
+        Args:
+            state: what it returned.
+            replace: whether the messages of this process that wait now are dropped.
+        """
+        self._world.Physics().GetContactManager().release(self)
+        self._records = False  # until the next update finds subscribers
+        if replace:
+            drop_waiting(self._prefix)
+        for name, message in state:
+            queue_message(name, message)
+
+    @property
+    def _prefix(self) -> str:
+        """Of the names of this world's topics."""
+        return f"/gazebo/{self._world.Name()}/"
 
     def model_added(self, model: Model) -> None:
         """Publish a model that was inserted."""

@@ -4,7 +4,8 @@
  * Generated from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
  *
  * Structs are those of version 0x060 (Gazebo 0.6 and 0.7), with the later ir and actarray. Define
- * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006.
+ * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006. With LIBGAZEBO_VERSION defined as 0x050, truth and camera are
+ * those of Gazebo 0.5; the library must have been compiled with the same definition.
  *
  * Functions return 0, or -1 after printing an error, which gz_error_str returns. Lengths are in metres, angles in
  * radians, times in seconds. The server writes fields marked [S], clients write those marked [C].
@@ -16,13 +17,16 @@
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h> /* programs rely on it: atof without a declaration returns garbage */
 #include <sys/types.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
+#ifndef LIBGAZEBO_VERSION
 #define LIBGAZEBO_VERSION 0x060
+#endif
 #define GZ_SEM_KEY 0x135135fa /* plus the server id: the key of its semaphores */
 #define GAZEBO_MAX_MODEL_TYPE 128
 #define GZ_CLIENT_ID_USER_FIRST 0
@@ -63,7 +67,7 @@ extern int gz_client_query(gz_client_t *self, int server_id); /* 0 present, 1 ab
 extern int gz_client_connect(gz_client_t *self, int server_id);
 extern int gz_client_connect_wait(gz_client_t *self, int server_id, int client_id);
 extern int gz_client_disconnect(gz_client_t *self);
-extern int gz_client_wait(gz_client_t *self); /* sleeps until the server posts, once a step */
+extern int gz_client_wait(gz_client_t *self); /* sleeps until a post: of a step, or of any device */
 
 /* The first field of every data struct. */
 typedef struct gz_data {
@@ -139,8 +143,19 @@ extern void gz_actarray_unlock(gz_actarray_t *self);
 extern int gz_actarray_post(gz_actarray_t *self);
 
 /* camera: the images of a camera. */
-#define GAZEBO_CAMERA_MAX_IMAGE_SIZE 921600
 
+#if LIBGAZEBO_VERSION == 0x050
+#define GAZEBO_CAMERA_MAX_IMAGE_SIZE 230400
+typedef struct gz_camera_data {
+    gz_data_t head;
+    double time; /* [S] sim time of this image [s] */
+    unsigned int width; /* [S] width of the image; set before the first image [px] */
+    unsigned int height; /* [S] height of the image [px] */
+    unsigned int image_size; /* [S] bytes of the image; 0 until the first image [byte] */
+    uint8_t image[230400]; /* [S] red, green, blue; top row first */
+} gz_camera_data_t;
+#else
+#define GAZEBO_CAMERA_MAX_IMAGE_SIZE 921600
 typedef struct gz_camera_data {
     gz_data_t head;
     double time; /* [S] sim time of this image [s] */
@@ -149,6 +164,7 @@ typedef struct gz_camera_data {
     unsigned int image_size; /* [S] bytes of the image; 0 until the first image [byte] */
     uint8_t image[921600]; /* [S] red, green, blue; top row first */
 } gz_camera_data_t;
+#endif
 
 typedef struct gz_camera {
     gz_iface_t *iface;
@@ -658,6 +674,17 @@ extern int gz_stereo_post(gz_stereo_t *self);
 
 /* truth: the true pose of a model, and commands to move it. */
 
+#if LIBGAZEBO_VERSION == 0x050
+typedef struct gz_truth_data {
+    gz_data_t head;
+    double time; /* [S] sim time of this sample [s] */
+    double pos[3]; /* [S] global x, y, z [m] */
+    double rot[3]; /* [S] global rotation: roll, pitch, yaw [rad] */
+    int cmd_new; /* [C] 1: move the model to the pose below; written last, cleared by the server */
+    double cmd_pos[3]; /* [C] wanted global x, y, z [m] */
+    double cmd_rot[3]; /* [C] wanted global rotation: roll, pitch, yaw [rad] */
+} gz_truth_data_t;
+#else
 typedef struct gz_truth_data {
     gz_data_t head;
     double time; /* [S] sim time of this sample [s] */
@@ -667,6 +694,7 @@ typedef struct gz_truth_data {
     double cmd_pos[3]; /* [C] wanted global x, y, z [m] */
     double cmd_rot[4]; /* [C] wanted global rotation: u, x, y, z */
 } gz_truth_data_t;
+#endif
 
 typedef struct gz_truth {
     gz_iface_t *iface;
@@ -685,8 +713,8 @@ extern void gz_truth_unlock(gz_truth_t *self);
 extern int gz_truth_post(gz_truth_t *self);
 
 /* Write roll, pitch, yaw [rad] of q into e, and u, x, y, z of e into q. */
-extern int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
-extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
+extern void gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
+extern void gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 
 /* wifi: the wireless links of a robot. */
 #define GAZEBO_WIFI_MAX_LINKS 16

@@ -18,11 +18,12 @@ from libgz.transport import layout, legacy, semaphores
 from libgz.transport.interface import Interface
 from libgz.transport.layout import Field, GzData, Struct, c_name, c_type, fields_of
 
-__all__ = ["header", "interface_list", "macros_of"]
+__all__ = ["header", "interface_list", "macros_of", "version_macro"]
 
 # Handles that have an unused head in the old library.
 HEADED_HANDLES = frozenset({"actarray", "ptz"})
 LATER_GRIPPER = "GAZEBO_GRIPPER_CVS"
+OLDER_MACROS = {"GAZEBO_CAMERA_MAX_IMAGE_SIZE": 320 * 240 * 3}  # in version 0x050
 
 PREAMBLE = """\
 /*
@@ -31,7 +32,8 @@ PREAMBLE = """\
  * Generated from the declarations in interfaces/ by `python -m libgz.clib.header`; edit those instead.
  *
  * Structs are those of version 0x060 (Gazebo 0.6 and 0.7), with the later ir and actarray. Define
- * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006.
+ * GAZEBO_GRIPPER_CVS for the gripper struct of late 2006. With LIBGAZEBO_VERSION defined as 0x050, truth and camera are
+ * those of Gazebo 0.5; the library must have been compiled with the same definition.
  *
  * Functions return 0, or -1 after printing an error, which gz_error_str returns. Lengths are in metres, angles in
  * radians, times in seconds. The server writes fields marked [S], clients write those marked [C].
@@ -43,6 +45,7 @@ PREAMBLE = """\
 
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h> /* programs rely on it: atof without a declaration returns garbage */
 #include <sys/types.h>
 
 #ifdef __cplusplus
@@ -84,7 +87,7 @@ extern int gz_client_query(gz_client_t *self, int server_id); /* 0 present, 1 ab
 extern int gz_client_connect(gz_client_t *self, int server_id);
 extern int gz_client_connect_wait(gz_client_t *self, int server_id, int client_id);
 extern int gz_client_disconnect(gz_client_t *self);
-extern int gz_client_wait(gz_client_t *self); /* sleeps until the server posts, once a step */
+extern int gz_client_wait(gz_client_t *self); /* sleeps until a post: of a step, or of any device */
 
 /* The first field of every data struct. */
 {head}
@@ -111,8 +114,8 @@ extern int gz_iface_post(gz_iface_t *self);
 
 TRUTH_FUNCTIONS = """
 /* Write roll, pitch, yaw [rad] of q into e, and u, x, y, z of e into q. */
-extern int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
-extern int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
+extern void gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q);
+extern void gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e);
 """
 
 
@@ -150,9 +153,16 @@ def macros_of(module: ModuleType) -> dict[str, int]:
     return {n: v for n, v in vars(module).items() if n.startswith(prefixes) and isinstance(v, int)}
 
 
+def version_macro(version: int) -> str:
+    """The line of gazebo.h that defines the version of the structs."""
+    return f"#define LIBGAZEBO_VERSION {version:#05x}"
+
+
 def _macros() -> str:
     lines = [
-        f"#define LIBGAZEBO_VERSION {layout.LIBGAZEBO_VERSION:#05x}",
+        "#ifndef LIBGAZEBO_VERSION",
+        version_macro(layout.LIBGAZEBO_VERSION),
+        "#endif",
         f"#define GZ_SEM_KEY {semaphores.GZ_SEM_KEY:#x} /* plus the server id: the key of its semaphores */",
         f"#define GAZEBO_MAX_MODEL_TYPE {layout.GAZEBO_MAX_MODEL_TYPE}",
     ]
@@ -176,7 +186,8 @@ def _interface(kind: type[Interface[Any]]) -> str:
     name, data = kind.type, kind.data_class
     title = (module.__doc__ or "").partition(". ")[0].strip().rstrip(".")
     lines = [f"/* {title}. */"]
-    lines += [f"#define {macro} {value}" for macro, value in macros_of(module).items()]
+    macros = macros_of(module)
+    lines += [f"#define {macro} {value}" for macro, value in macros.items() if macro not in OLDER_MACROS]
     for field in fields_of(data).values():
         if issubclass(field.ctype, Struct):
             lines += ["", *_struct(field.ctype, headed=False)]
@@ -184,7 +195,13 @@ def _interface(kind: type[Interface[Any]]) -> str:
         lines += ["", f"#ifdef {LATER_GRIPPER}", *_struct(GripperDataCvs, headed=True)]
         lines += ["#else", *_struct(data, headed=True), "#endif"]
     else:
-        lines += ["", *_struct(data, headed=True)]
+        for version, older in kind.older.items():
+            older_macros = {macro: value for macro, value in OLDER_MACROS.items() if macro in macros}
+            lines += ["", f"#if LIBGAZEBO_VERSION == {version:#05x}"]
+            lines += [f"#define {macro} {value}" for macro, value in older_macros.items()]
+            lines += [*_struct(older, headed=True), "#else"]
+            lines += [f"#define {macro} {macros[macro]}" for macro in older_macros]
+        lines += [*([] if kind.older else [""]), *_struct(data, headed=True), *(["#endif"] if kind.older else [])]
     lines += ["", *_handle(name, c_name(data)), "", *_functions(kind)]
     return "\n".join(lines) + "\n" + {"truth": TRUTH_FUNCTIONS, "gripper": LATER_GRIPPER_OPEN}.get(name, "")
 

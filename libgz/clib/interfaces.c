@@ -94,7 +94,7 @@ static void set_owner(gz_iface_t *iface, const char *model_type, int model_id, i
 
 /* Rotation about fixed axes: roll about x first, then pitch about y, then yaw about z. */
 
-int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q)
+void gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q)
 {
     double u = q[0], x = q[1], y = q[2], z = q[3];
     double sine = 2.0 * (u * y - x * z) / (u * u + x * x + y * y + z * z);
@@ -103,10 +103,9 @@ int gz_truth_euler_from_quatern(gz_truth_t *self, double *e, double *q)
     e[0] = atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z);
     e[1] = asin(fmax(-1.0, fmin(1.0, sine)));
     e[2] = atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z);
-    return 0;
 }
 
-int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e)
+void gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e)
 {
     double cr = cos(e[0] / 2.0), cp = cos(e[1] / 2.0), cy = cos(e[2] / 2.0);
     double sr = sin(e[0] / 2.0), sp = sin(e[1] / 2.0), sy = sin(e[2] / 2.0);
@@ -116,5 +115,4 @@ int gz_truth_quatern_from_euler(gz_truth_t *self, double *q, double *e)
     q[1] = sr * cp * cy - cr * sp * sy;
     q[2] = cr * sp * cy + sr * cp * sy;
     q[3] = cr * cp * sy - sr * sp * cy;
-    return 0;
 }

@@ -12,12 +12,14 @@ from pathlib import Path
 
 from libgz.clib import FOLDER
 from libgz.errors import LibraryError
+from libgz.transport.layout import LIBGAZEBO_VERSION
 
-__all__ = ["SOURCES", "compiler", "library_folder"]
+__all__ = ["ARCHIVE", "SHARED", "SOURCES", "compiler", "library_folder"]
 
 SOURCES = ("client.c", "error.c", "iface.c", "interfaces.c", "server.c")
 FLAGS = ("-O2", "-std=gnu99", "-fPIC")
 ARCHIVE = "libgazebo.a"
+SHARED = "libgazebo.so.0"  # which -lgazebo does not find: programs of `libgz config --libs` contain the library
 
 
 def compiler() -> list[str]:
@@ -34,21 +36,25 @@ def compiler() -> list[str]:
     raise LibraryError(f"{problem}; the C library needs one: apt-get install gcc libc6-dev")
 
 
-def library_folder() -> Path:
-    """The directory of libgazebo.a, which is compiled if it is not in the cache.
+def library_folder(version: int = LIBGAZEBO_VERSION) -> Path:
+    """The directory of libgazebo.a and libgazebo.so.0, which are compiled if they are not in the cache.
+
+    Args:
+        version: of the structs, one of `libgz.transport.layout.VERSIONS`.
 
     Raises:
         LibraryError: there is no compiler, it failed, or the cache cannot be written.
     """
-    command = compiler()
+    command = [*compiler(), *FLAGS, f"-DLIBGAZEBO_VERSION={version:#05x}"]
     folder = _cache() / f"libgz-{_fingerprint(command)}"
-    if not (folder / ARCHIVE).exists():
+    if not ((folder / ARCHIVE).exists() and (folder / SHARED).exists()):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryDirectory(dir=folder) as temporary:
                 _compile(command, Path(temporary))
-                # Atomically, so that no program links an incomplete archive.
-                (Path(temporary) / ARCHIVE).replace(folder / ARCHIVE)
+                # Atomically, so that no program links an incomplete library.
+                for name in (ARCHIVE, SHARED):
+                    (Path(temporary) / name).replace(folder / name)
         except OSError as error:
             raise LibraryError(f"the C library cannot be stored in {folder}: {error}; set XDG_CACHE_HOME") from None
     return folder
@@ -61,7 +67,7 @@ def _cache() -> Path:
 
 def _fingerprint(command: list[str]) -> str:
     """A short hash of the sources and of the compiler's command."""
-    digest = hashlib.sha256(" ".join([*command, *FLAGS]).encode())
+    digest = hashlib.sha256(" ".join(command).encode())
     for path in [*sorted(FOLDER.glob("*.[ch]")), FOLDER / "interfaces.def"]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
@@ -73,7 +79,8 @@ def _compile(command: list[str], folder: Path) -> None:
     archiver = shutil.which("ar")
     if archiver is None:
         raise LibraryError("`ar` is not installed; the C library needs it: apt-get install binutils")
-    for step in ([*command, *FLAGS, "-c", *sources], [archiver, "rcs", ARCHIVE, *objects]):
+    shared = [*command, "-shared", f"-Wl,-soname,{SHARED}", "-o", SHARED, *objects, "-lm"]
+    for step in ([*command, "-c", *sources], [archiver, "rcs", ARCHIVE, *objects], shared):
         done = subprocess.run(step, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise LibraryError(f"the C library does not compile: {shlex.join(step)}\n{done.stderr.strip()}")

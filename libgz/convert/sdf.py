@@ -61,7 +61,7 @@ def convert(world: World, *, meshes: str = "meshes", rays: str = "ray") -> Conve
     for warning in world.file.diagnostics.warnings if world.file is not None else ():
         work.notes.lines.setdefault(str(warning))  # what libgz itself has ignored
     work.settings()
-    for model in world.models:
+    for model in world.legacy.models:
         if model.parent is None:
             work.model(model)
     text = etree.tostring(root, pretty_print=True, xml_declaration=True, encoding="utf-8")
@@ -104,12 +104,12 @@ class _Conversion:
             add(fog, "color", color(world.skyColor))
             add(fog, "type", "exp2")
             add(fog, "density", world.fogDensity)
-        sky = next((model for model in world.models if model.GetName() == SKY), None)
+        sky = next((model for model in world.legacy.models if model.GetName() == SKY), None)
         if sky is not None:
             day_time = world.settings.dayTime
             add(add(scene, "sky"), "time", day_time / 3600.0 if day_time >= 0.0 else 12.0)
             self.notes.add(_owner(sky), "becomes the simulator's own sky; its toneMap is omitted")
-        observers = [model for model in world.models if model.GetName() == GUI_CAMERA]
+        observers = [model for model in world.legacy.models if model.GetName() == GUI_CAMERA]
         for observer in observers[:1]:
             camera = add(add(self.root, "gui"), "camera", name="user_camera")
             add(camera, "pose", pose(observer.GetPose()))

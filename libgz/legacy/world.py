@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import logging
 from collections.abc import Sequence
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 from libgz.errors import GazeboError, ParameterError, StateError, WorldFileError
@@ -21,6 +22,7 @@ from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.search import is_ready_world
 
 __all__ = ["LegacyWorld"]
 
@@ -53,6 +55,11 @@ class LegacyWorld(Era):
         self.loader = ModelLoader(world, self.factory, self._origin_of)
         self._sources: WeakKeyDictionary[WorldFile, Source] = WeakKeyDictionary()  # of the models that were built
         world.journal.builders[BUILDER] = self
+
+    @property
+    def models(self) -> list[Model]:
+        """The models of the world that worldfiles describe."""
+        return [model for model in self.world.models if isinstance(model, Model)]
 
     def _source_of(self, file: WorldFile) -> Source:
         """The source that a worldfile is; one that is not known yet was inserted by code of users."""
@@ -135,9 +142,8 @@ class LegacyWorld(Era):
             node = next(reversed(find_global_nodes(file)), file.GetRootNode())
             file.diagnostics.failure(node.place, error)
         self.loader.visit(file.GetRootNode())
-        models = [model for model in self.world.models if isinstance(model, Model)]
-        warn_of_sweeps(models, warn_of_overlaps(models))
-        warn_of_contacts(models)
+        warn_of_sweeps(self.models, warn_of_overlaps(self.models))
+        warn_of_contacts(self.models)
         file.note_foreign(not self.world.models)
         file.GetRootNode().note_unused()
         for warning in file.diagnostics.warnings:
@@ -208,13 +214,17 @@ class LegacyWorld(Era):
         return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
     def save(self, world: World) -> int:
-        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1."""
+        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1.
+
+        Worlds of libgz that were found by name are not written to.
+        """
         if self.file is None:
             return -1
-        for model in world.models:
-            if not isinstance(model, Model) or model.parent is not None:
-                continue
-            if model.node is None or model.node.file is not self.file:
+        if self.file.filename is not None and is_ready_world(Path(self.file.filename)):
+            log.error("%s belongs to libgz and is not written to; run a copy of it", self.file.filename)
+            return -1
+        for model in self.models:
+            if model.parent is not None or model.node is None or model.node.file is not self.file:
                 continue
             pose = to_file(model, model.GetPose())
             model.initPose = model.GetPose()

@@ -1,5 +1,6 @@
 """The raw ODE library: found, checked, and called through declared prototypes only.
 
+The library is the one that LIBGZ_ODE names, else the system's libode.so.8, else the one that libgz's wheel contains.
 `ode()` gives the one loaded library; its attributes are the functions of `prototypes`. Handles are plain ints.
 Nothing outside `libgz.ode` touches the shared object.
 """
@@ -13,19 +14,23 @@ import logging
 import os
 import re
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from libgz.errors import LibraryError, nearest
 from libgz.ode.prototypes import PROTOTYPES
 from libgz.ode.types import ContactGeom
 
-__all__ = ["OdeLibrary", "ode"]
+__all__ = ["OdeLibrary", "bundled_path", "ode"]
 
 log = logging.getLogger("libgz.ode")
 
 LIBRARY = "libode.so.8"
-ADVICE = "install Debian's package with: apt-get install libode8"
+BUNDLED = "bundled"  # the value of LIBGZ_ODE for the library that the wheel contains
+ADVICE = (
+    "apt-get install libode8 (Debian, Ubuntu), or install libgz from its wheel, which contains ODE (LIBGZ_ODE=bundled)"
+)
 ALLOCATE_ALL = 0xFFFFFFFF  # dAllocateMaskAll
 
 _C_TYPES: dict[str, Any] = {
@@ -57,25 +62,57 @@ def _parse(prototypes: str) -> dict[str, tuple[Any, list[Any]]]:
     return declared
 
 
-def _load() -> ctypes.PyDLL:
-    """The shared object named by LIBGZ_ODE, or Debian's."""
-    name = os.environ.get("LIBGZ_ODE") or LIBRARY
-    try:
-        # PyDLL keeps the interpreter lock: most calls are shorter than releasing and acquiring it.
-        return ctypes.PyDLL(name)
-    except OSError as error:
-        raise LibraryError(f"cannot load the ODE library {name!r} ({error}); {ADVICE}") from None
+def bundled_path() -> Path | None:
+    """Where the ODE library of the wheel is; None in a checkout."""
+    return next(iter(sorted(Path(__file__).parents[2].glob("libgz.libs/libode*.so*"))), None)
+
+
+def _candidates() -> Iterator[tuple[str, str]]:
+    """Names of libraries in the order in which they are tried, each with the reason."""
+    bundled = bundled_path()
+    wanted = os.environ.get("LIBGZ_ODE")
+    if wanted == BUNDLED:
+        if bundled is None:
+            raise LibraryError(f"LIBGZ_ODE={BUNDLED}, but this installation contains no ODE library; {ADVICE}")
+        yield str(bundled), f"bundled, chosen by LIBGZ_ODE={BUNDLED}"
+    elif wanted:
+        yield wanted, "named by LIBGZ_ODE"
+    else:
+        yield LIBRARY, "of the system"
+        if bundled is not None:
+            yield str(bundled), "bundled"
+
+
+def _load() -> tuple[ctypes.PyDLL, str]:
+    """The first candidate that loads and has double precision, and why it was chosen."""
+    reasons = []
+    for name, origin in _candidates():
+        try:
+            # PyDLL keeps the interpreter lock: most calls are shorter than releasing and acquiring it.
+            shared = ctypes.PyDLL(name)
+        except OSError as error:
+            reasons.append(f"cannot load the ODE library {name!r} ({error})")
+            continue
+        if shared.dCheckConfiguration(b"ODE_double_precision"):
+            for reason in reasons:
+                log.info("%s", reason)
+            return shared, origin
+        reasons.append(f"{name} is built for single precision; libgz needs doubles")
+    raise LibraryError(f"{'; '.join(reasons)}; {ADVICE}")
 
 
 class OdeLibrary:
     """libode with its functions as attributes, each bound on first use.
+
+    Attributes:
+        origin: where the library is from: "of the system", "bundled", or what LIBGZ_ODE chose.
 
     Raises:
         LibraryError: the library is absent, or was built for single precision.
     """
 
     def __init__(self) -> None:
-        self._shared = _load()
+        self._shared, self.origin = _load()
         self._declared = _parse(PROTOTYPES)
         self._threads = threading.local()
         self._handlers: list[Any] = []  # kept alive: ODE has their addresses
@@ -88,8 +125,6 @@ class OdeLibrary:
             set_handler(ctypes.cast(self._handlers[-1], ctypes.c_void_p))
         if not self.dInitODE2(0):
             raise LibraryError("dInitODE2 failed: ODE cannot be initialised")
-        if not self.dCheckConfiguration(b"ODE_double_precision"):
-            raise LibraryError(f"{self._shared._name} is built for single precision; libgz needs doubles: {ADVICE}")
         self.ensure_thread()
 
     def __getattr__(self, name: str) -> Callable[..., Any]:

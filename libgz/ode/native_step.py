@@ -25,7 +25,8 @@ _loading = threading.Lock()
 
 def native_path() -> Path | None:
     """Where the native step was built, or None."""
-    return next(iter(sorted(Path(__file__).parent.glob("_step*.so"))), None)
+    path = Path(__file__).with_name("_step.so")
+    return path if path.exists() else None
 
 
 class NativeStep:

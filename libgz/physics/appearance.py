@@ -34,6 +34,7 @@ class Appearance:
     visible: bool = True  # whether the geom is rendered at all
     skin_null: bool = False  # while skins are shown, the geom is not rendered
     skin_instead: Path | None = None  # the skin that replaces the shape; if it cannot be read, the shape is rendered
+    cast_shadows: bool = True  # where images have shadows; what is transparent casts none
     laser: float = 1.0
     retro: float = 0.0
     fiducial: int = -1
@@ -66,12 +67,13 @@ class Appearance:
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
 
-    STATE: ClassVar[tuple[str, ...]] = ("fog_kind",)  # the world keeps the numbers
+    STATE: ClassVar[tuple[str, ...]] = ("fog_kind", "shadows")  # the world keeps the numbers
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's
     fog_kind: str = "exp2"  # or exp, linear
     fog_start: float = 0.0  # [m], of linear fog
     fog_end: float = 100.0  # [m], of linear fog
+    shadows: bool | None = None  # whether images have shadows; None: only those of cameras that ask for them
     lines: list[Callable[[Any], Iterable[Any]]] = field(default_factory=list)  # View -> more Lines to render
     threaded: bool = False  # whether robots' cameras render in a separate thread while physics continues

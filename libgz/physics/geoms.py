@@ -41,7 +41,16 @@ def _space_id(space: Space | None) -> int | None:
 
 
 class BoxGeom(Geom):
-    """A box of full lengths x, y, z [m]."""
+    """A box.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        xDim, yDim, zDim: its full lengths [m].
+
+    Raises:
+        ParameterError: a length is not positive.
+    """
 
     KEPT = ("size",)
 
@@ -61,7 +70,16 @@ class BoxGeom(Geom):
 
 
 class SphereGeom(Geom):
-    """A sphere of the given radius [m]."""
+    """A sphere.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        radius: [m].
+
+    Raises:
+        ParameterError: the radius is not positive.
+    """
 
     KEPT = ("radius",)
 
@@ -80,7 +98,17 @@ class SphereGeom(Geom):
 
 
 class CylinderGeom(Geom):
-    """A cylinder along z, centred: radius and length [m]."""
+    """A cylinder along z, centred.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        radius: [m].
+        length: [m].
+
+    Raises:
+        ParameterError: a length is not positive.
+    """
 
     KEPT = ("radius", "length")
 
@@ -103,7 +131,17 @@ class CylinderGeom(Geom):
 
 
 class CapsuleGeom(Geom):
-    """A cylinder along z with round caps, centred: radius and length of the cylinder [m]."""
+    """A cylinder along z with round caps, centred.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        radius: of cylinder and caps [m].
+        length: of the cylinder, without the caps [m].
+
+    Raises:
+        ParameterError: a length is not positive.
+    """
 
     @built
     def __init__(self, body: Body, space: Space | None, radius: float, length: float) -> None:
@@ -114,7 +152,17 @@ class CapsuleGeom(Geom):
 
 
 class WheelGeom(SphereGeom):
-    """A wheel about z: shape and mass are those of a sphere of the total radius, appearance that of a tire [m]."""
+    """A wheel about z: shape and mass are those of a sphere of the total radius, appearance that of a tire.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        totalRadius: of the wheel [m].
+        tireRadius: of the tire's cross-section [m].
+
+    Raises:
+        ParameterError: a radius is not positive.
+    """
 
     def __init__(self, body: Body, space: Space | None, totalRadius: float, tireRadius: float) -> None:
         self.tire_radius = positive(tireRadius, "tire radius [m]")
@@ -122,7 +170,17 @@ class WheelGeom(SphereGeom):
 
 
 class PlaneGeom(Geom):
-    """An infinite plane, normal . p = altitude [m], in global terms: it does not follow its body."""
+    """An infinite plane, normal . p = altitude, in global terms: it does not follow its body.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        altitude: its distance from the origin along the normal [m].
+        normal: its direction, upwards; of any length.
+
+    Raises:
+        ParameterError: the altitude is not finite, or the normal is zero.
+    """
 
     @built
     def __init__(self, body: Body, space: Space | None, altitude: float, normal: VectorLike) -> None:
@@ -308,9 +366,10 @@ class LightGeom(Geom):
         direction: in which directional lights and spots shine, in the body frame.
         spot: inner and outer angle of a spot's cone [rad] and the falloff between them, as a power.
         range: nothing beyond is lit [m].
+        cast_shadows: whether bodies cast shadows in its light, where images have shadows.
     """
 
-    KEPT = ("attenuation", "kind", "direction", "spot", "range")
+    KEPT = ("attenuation", "kind", "direction", "spot", "range", "cast_shadows")
 
     def __init__(self, body: Body, space: Space | None = None) -> None:
         super().__init__(body, space, placeable=True)
@@ -319,6 +378,7 @@ class LightGeom(Geom):
         self.direction = GzVector(0.0, 0.0, -1.0)
         self.spot = (0.0, 0.0, 0.0)
         self.range = math.inf
+        self.cast_shadows = True
         self.appearance.render_order = RENDER_LIGHT
 
     def SetAttenuation(self, factors: VectorLike) -> None:
@@ -361,7 +421,17 @@ class DomeGeom(Geom):
 
 
 class FrustrumGeom(Geom):
-    """The outline of a camera's field of view: it is rendered on request and touches nothing."""
+    """The outline of a camera's field of view: it is rendered on request and touches nothing.
+
+    Args:
+        body: the body it belongs to.
+        space: the model's space (`modelSpaceId`), or None for a geom that nothing touches.
+        aspect: width / height of the image.
+        nearClip, farClip: distances of the ends [m].
+
+    Raises:
+        ParameterError: a number is not positive.
+    """
 
     def __init__(self, body: Body, space: Space | None, aspect: float, nearClip: float, farClip: float) -> None:
         super().__init__(body, space, placeable=True)

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from libgz.errors import Diagnostic, GazeboError, WorldFileError
+from libgz.files import exists
 from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering.image import read_image
 from libgz.worldfile.file import WorldFile
+from libgz.worldfile.search import find_worldfile, why_missing
 
 __all__ = ["check"]
 
@@ -33,11 +35,15 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     Loading runs `Load` of its plugins; `Init` of no model is called.
 
     Args:
-        filename: the worldfile.
+        filename: the worldfile, or the name of one of libgz's worlds.
     """
-    file, name = WorldFile(), os.fspath(filename)
+    path = find_worldfile(filename)
+    file, name = WorldFile(), str(path)
+    if not exists(path):
+        missing = f"cannot read worldfile {name!r}: it does not exist{why_missing(filename)}"
+        return [Diagnostic(name, 0, "", missing, "error")]
     try:
-        file.Load(filename)
+        file.Load(path)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
     handler, logger = _Collector(), logging.getLogger("libgz")
@@ -49,8 +55,8 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     except WorldFileError:
         pass  # its lines are the file's errors
     else:
-        _find_clashes(world.models)
-        _find_unreadable(world.models)
+        _find_clashes(world.legacy.models)
+        _find_unreadable(world.legacy.models)
     finally:
         world.close()
         logger.handlers[:], logger.propagate = before, propagate

@@ -41,6 +41,8 @@ class Camera:
         LibraryError: the chosen OpenGL does not work here.
     """
 
+    STATE = ("width", "height", "near", "far", "hfov", "pose", "image")
+
     def __init__(
         self,
         world: SceneWorld,
@@ -145,6 +147,14 @@ class Camera:
     def view(self) -> View:
         """The current pose and optics."""
         return View(self.pose, self.width, self.height, self.hfov, self.near, self.far, self.options)
+
+    def shaded(self) -> NDArray[np.uint8]:
+        """The last image again, with shadows unless the world's scene forbids them; shape (height, width, 3).
+
+        Raises:
+            LibraryError: there is no image yet.
+        """
+        return self._scene.shade(self._last_shot())
 
     @property
     def depth(self) -> NDArray[np.float32]:

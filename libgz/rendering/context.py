@@ -11,6 +11,7 @@ from ctypes import c_char_p, c_int, c_uint, c_void_p
 from typing import ClassVar, ParamSpec, TypeVar
 
 from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.rendering.chain import advice
 from libgz.rendering.gl import GL, Constant
 
 __all__ = ["CHOICES", "CONTEXTS", "Context", "EGLContext", "OSMesaContext", "chosen", "open_context", "prefer"]
@@ -31,7 +32,6 @@ class Context:
     """
 
     name: ClassVar[str]
-    hint: ClassVar[str]  # the command that installs it
 
     def __init__(self) -> None:
         self._worker: ThreadPoolExecutor | None = ThreadPoolExecutor(1, thread_name_prefix=f"libgz-{self.name}")
@@ -91,7 +91,6 @@ class OSMesaContext(Context):
     """Mesa that renders into memory, without a window system. Mesa 25.1 dropped it."""
 
     name = "osmesa"
-    hint = "apt-get install libosmesa6"
 
     _RGBA = 0x1908
 
@@ -126,7 +125,6 @@ class EGLContext(Context):
     """EGL on Mesa's surfaceless platform: no window system, and a graphics card if Mesa supports it."""
 
     name = "egl"
-    hint = "apt-get install libegl1 libgl1-mesa-dri"
 
     _SURFACELESS_MESA, _OPENGL_API = 0x31DD, 0x30A2
     _NONE, _SURFACE_TYPE, _RENDERABLE_TYPE, _OPENGL_BIT = 0x3038, 0x3033, 0x3040, 0x0008
@@ -139,7 +137,7 @@ class EGLContext(Context):
         lib.eglGetProcAddress.argtypes = [c_char_p]
         address = self.address_of(b"eglGetPlatformDisplayEXT")
         if not address:
-            raise LibraryError("this EGL has no platforms (eglGetPlatformDisplayEXT)")
+            raise LibraryError(f"this EGL has no platforms (eglGetPlatformDisplayEXT); {advice(self.name)}")
         get_display = ctypes.CFUNCTYPE(c_void_p, c_uint, c_void_p, c_void_p)(address)
         lib.eglInitialize.argtypes = [c_void_p, c_void_p, c_void_p]
         lib.eglChooseConfig.argtypes = [c_void_p, c_void_p, c_void_p, c_int, c_void_p]
@@ -161,7 +159,7 @@ class EGLContext(Context):
             raise self._error("could not make a context")
 
     def _error(self, what: str) -> LibraryError:
-        return LibraryError(f"EGL {what} (EGL error {self._lib.eglGetError():#06x}); {self.hint} may help")
+        return LibraryError(f"EGL {what} (EGL error {self._lib.eglGetError():#06x}); {advice(self.name)}")
 
     def destroy(self) -> None:  # noqa: D102
         # The display is shared by the whole process, so it is not terminated.
@@ -179,7 +177,7 @@ def _library(name: str, context: Context) -> ctypes.CDLL:
     try:
         return ctypes.CDLL(name)
     except OSError as error:
-        raise LibraryError(f"{name} cannot be loaded ({error}); {context.hint}") from None
+        raise LibraryError(f"{name} cannot be loaded ({error}); {advice(context.name)}") from None
 
 
 CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext, EGLContext)}

@@ -25,10 +25,21 @@ except ImportError:
     _library = None
 if _library is None:  # with OSMesa or EGL alone, the declarations still need a library
     platform.PLATFORM.GL = SimpleNamespace(glGetError=None)
+try:
+    _current = platform.PLATFORM.GetCurrentContext
+except (AttributeError, ImportError):  # no GLX either
+    platform.PLATFORM.GetCurrentContext = None
 
-from OpenGL.raw.GL.VERSION import GL_1_1, GL_1_2, GL_1_4, GL_3_0  # type: ignore[import-untyped]
+from OpenGL.raw.GL.VERSION import (  # type: ignore[import-untyped]
+    GL_1_1,
+    GL_1_2,
+    GL_1_3,
+    GL_1_4,
+    GL_2_0,
+    GL_3_0,
+)
 
-VERSIONS = (GL_1_1, GL_1_2, GL_1_4, GL_3_0)  # 1.1 has all of 1.0
+VERSIONS = (GL_1_1, GL_1_2, GL_1_3, GL_1_4, GL_2_0, GL_3_0)  # 1.1 has all of 1.0
 PLAIN = {None, c_double, c_float, c_int, c_ubyte, c_uint}  # all other types are arrays
 WAITING = {"glFinish", "glReadPixels"}  # these render or wait, and release the interpreter lock meanwhile
 

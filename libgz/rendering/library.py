@@ -30,6 +30,7 @@ log = logging.getLogger("libgz.rendering")
 SEGMENTS = (32, 12, 8)  # of a full turn: for a body that is large in the image, small, and very small
 FINER = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)  # the same for round bodies of classic worlds
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
+BLACK = (0.0, 0.0, 0.0, 1.0)
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
 
 
@@ -42,16 +43,22 @@ class Look(NamedTuple):
     skins: bool
     materials: bool
     textures: bool
-    local_lights: bool  # whether there are lights other than directional ones
+    local_lights: bool  # whether light is computed at vertices, and there are lights other than directional ones
+    shaded: bool = False  # whether all is textured, see `Shading`
 
 
 class Compiled:
-    """A display list, the radius [m] of the ball around the body's origin that contains it, and its own middle [m]."""
+    """A display list, the radius [m] of the ball around the body's origin that contains it, and its own middle [m].
 
-    __slots__ = ("list", "middle", "radius")
+    `spread` is the radius [m] of the ball around that middle.
+    """
 
-    def __init__(self, number: int, radius: float, middle: tuple[float, ...] = (0.0, 0.0, 0.0)) -> None:
-        self.list, self.radius, self.middle = number, radius, middle
+    __slots__ = ("list", "middle", "radius", "spread")
+
+    def __init__(
+        self, number: int, radius: float, middle: tuple[float, ...] = (0.0, 0.0, 0.0), spread: float = 0.0
+    ) -> None:
+        self.list, self.radius, self.middle, self.spread = number, radius, middle, spread
 
 
 class Level(NamedTuple):
@@ -83,7 +90,7 @@ class Rounds:
 
 
 class Table:
-    """Lists, radii and middles [m] of all items of a content, for one look.
+    """Lists, radii, middles and spreads [m] of all items of a content, for one look; see `Compiled`.
 
     Attributes:
         rounds: the round geoms; None if there are none.
@@ -98,6 +105,7 @@ class Table:
         least = [find(i, SEGMENTS[-1]) for i in range(count)]
         self.radii = np.array([compiled.radius for compiled in least])
         self.middles = [compiled.middle for compiled in least]
+        self.spreads = [compiled.spread for compiled in least]
         rounds = Rounds(content)
         self.rounds = rounds if len(rounds.items) else None
         self._lists = {segments: [0] * count for segments in {*SEGMENTS, *FINER}}
@@ -121,6 +129,7 @@ class Library:
         self._shapes: dict[str, Compiled] = {}
         self._textures: dict[tuple[Path, bool], int] = {}
         self._levels: dict[Path, tuple[Level, ...]] = {}
+        self._white = 0
         self._damaged: set[Path] = set()
         self._skins: dict[Path, list[Mesh]] = {}
         self._content: Content | None = None
@@ -168,16 +177,19 @@ class Library:
         gl, size = self.gl, geom.appearance.texture_size
         levels = () if plain else self.levels(geom.appearance.texture_file if look.textures else None)
         texel = min(size.x / levels[0].width, size.y / levels[0].height) if levels else math.inf
+        white = self._white_texture() if look.shaded else 0
         number = self._begin()
         if not plain:
             self._material(*(geom.material() if look.materials else NEUTRAL.colors))
-        if levels:
+        if levels or look.shaded:
             gl.glEnable(Constant.TEXTURE_2D)
+        if look.shaded:
+            gl.glBindTexture(Constant.TEXTURE_2D, white)
         for level, shape in rings(sight, texel, max(len(levels), 1), (size.x, size.y)):
             if levels:
                 gl.glBindTexture(Constant.TEXTURE_2D, levels[level].number)
             self._draw_mesh(shape, bool(levels))
-        if levels:
+        if levels or look.shaded:
             gl.glDisable(Constant.TEXTURE_2D)
         gl.glEndList()
         return number
@@ -199,7 +211,7 @@ class Library:
 
     def _compile_item(self, item: Item, look: Look, segments: int, plain: bool) -> Compiled:
         work = [(geom, self._meshes(geom, look, segments)) for geom in item.geoms]
-        radius, middle = _extent([shape for _, meshes in work for shape in meshes])
+        extent = _extent([shape for _, meshes in work for shape in meshes])
         if not plain:
             for geom, _ in work:
                 self._load_texture(geom, look)
@@ -211,7 +223,7 @@ class Library:
             else:
                 self._draw_geom(geom, meshes, look)
         self.gl.glEndList()
-        return Compiled(number, radius, middle)
+        return Compiled(number, *extent)
 
     def _meshes(self, geom: Geom, look: Look, segments: int) -> list[Mesh]:
         """The visible meshes of a geom, in the frame of its body."""
@@ -242,6 +254,8 @@ class Library:
     def _load_texture(self, geom: Geom, look: Look) -> None:
         """Load a texture before a list begins; made inside the list, it would be made again in every image."""
         self.texture(geom.appearance.texture_file if look.textures else None)
+        if look.shaded:
+            self._white_texture()
 
     def _draw_geom(self, geom: Geom, meshes: list[Mesh], look: Look) -> None:
         """Submit meshes with the material and texture of their geom, or their own."""
@@ -254,17 +268,20 @@ class Library:
                 own = NEUTRAL
             self._material(*(colors if own is None else own.colors))
             textured = bool(texture) and shape.texcoords is not None and shape.material is None
-            if textured:
+            if textured or look.shaded:
                 gl.glEnable(Constant.TEXTURE_2D)
-                gl.glBindTexture(Constant.TEXTURE_2D, texture)
+                gl.glBindTexture(Constant.TEXTURE_2D, texture if textured else self._white_texture())
             lit = shape.normals is not None
             if not lit:
+                if look.shaded:
+                    plain = (*(own.diffuse if own is not None else colors[1])[:3], 1.0)
+                    self._material(BLACK, BLACK, BLACK, plain, 0.0)
                 gl.glDisable(Constant.LIGHTING)
                 gl.glColor3f(*(own.diffuse if own is not None else colors[1])[:3])
             self._draw_mesh(shape, textured)
             if not lit:
                 gl.glEnable(Constant.LIGHTING)
-            if textured:
+            if textured or look.shaded:
                 gl.glDisable(Constant.TEXTURE_2D)
 
     def _material(
@@ -317,6 +334,13 @@ class Library:
             self._textures[path, repeat] = 0 if image is None else self._upload(image, vertical, *smoothing)
         return self._textures[path, repeat]
 
+    def _white_texture(self) -> int:
+        """The texture of all that has none, for `Shading`."""
+        if not self._white:
+            nearest = Constant.NEAREST
+            self._white = self._upload(np.full((1, 1, 3), 255, dtype=np.uint8), Constant.REPEAT, nearest, nearest)
+        return self._white
+
     def levels(self, path: Path | None) -> tuple[Level, ...]:
         """The levels of a texture that repeats, for planes; none, and one warning, if its file cannot be read."""
         if path is None:
@@ -362,11 +386,12 @@ class Library:
         return int(number.value)
 
 
-def _extent(meshes: list[Mesh]) -> tuple[float, tuple[float, ...]]:
-    """The radius of the ball around the origin that holds meshes, and the middle of the box around them [m]."""
+def _extent(meshes: list[Mesh]) -> tuple[float, tuple[float, ...], float]:
+    """Of meshes: the radius of the ball around the origin, the middle of the box, the ball's around that [m]."""
     parts = [shape.vertices for shape in meshes if len(shape.vertices)]
     if not parts:
-        return 0.0, (0.0, 0.0, 0.0)
+        return 0.0, (0.0, 0.0, 0.0), 0.0
     points = np.concatenate(parts)
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
-    return float(np.linalg.norm(points, axis=1).max()), tuple(middle.tolist())
+    spread = float(np.linalg.norm(points - middle, axis=1).max())
+    return float(np.linalg.norm(points, axis=1).max()), tuple(middle.tolist()), spread

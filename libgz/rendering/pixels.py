@@ -20,8 +20,8 @@ DropAlpha = Callable[[int, int, int], None]  # from address, to address, number 
 @lru_cache
 def find_drop_alpha() -> DropAlpha | None:
     """The native function, or None where it was not built. The interpreter lock is released while it runs."""
-    path = next(iter(sorted(Path(__file__).parent.glob("_pixels*.so"))), None)
-    if path is None:
+    path = Path(__file__).with_name("_pixels.so")
+    if not path.exists():
         return None
     function = ctypes.CDLL(str(path)).gz_drop_alpha
     function.argtypes, function.restype = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t], None

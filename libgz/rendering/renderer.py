@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -20,11 +22,16 @@ from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
 from libgz.rendering.library import FINER, SEGMENTS, Library, Look, Rounds, Table
 from libgz.rendering.pixels import PixelReader
+from libgz.rendering.shading import Shading
+from libgz.rendering.shadows import ShadowMaps
 from libgz.rendering.shot import Light, Shot, View
 
 __all__ = ["Renderer"]
 
+log = logging.getLogger("libgz.rendering")
+
 LIGHTS = 8
+SAMPLES = 4  # of a pixel of an image with shadows
 MOST_SIZES = 16  # of images, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
 DEPTH_ERROR = 1e-3  # of round geoms of classic worlds, as a share of the distance
@@ -38,7 +45,11 @@ class Renderer:
         self.gl = gl
         self.library = Library(gl)
         self._pixels = PixelReader(gl)
-        self._buffers: dict[tuple[int, int], tuple[ctypes.c_uint, ctypes.Array[ctypes.c_uint]]] = {}
+        self._maps = ShadowMaps(gl)
+        self._shading: Shading | None = None  # made for the first image with shadows
+        self._shades = True  # until that fails
+        self._samples = 0  # of a pixel of an image with shadows
+        self._buffers: dict[tuple[int, int, int], tuple[ctypes.c_uint, ctypes.Array[ctypes.c_uint]]] = {}
         for state in (Constant.CULL_FACE, Constant.DEPTH_TEST):
             gl.glEnable(state)
         gl.glDisable(Constant.DITHER)
@@ -48,10 +59,10 @@ class Renderer:
         gl.glTexEnvi(Constant.TEXTURE_ENV, Constant.TEXTURE_ENV_MODE, Constant.MODULATE)
         gl.glPixelStorei(Constant.PACK_ALIGNMENT, 1)
 
-    def _bind(self, width: int, height: int) -> None:
-        """Render into a buffer of this size."""
-        gl, frame = self.gl, Constant.FRAMEBUFFER
-        if (width, height) not in self._buffers:
+    def _bind(self, width: int, height: int, samples: int = 0) -> int:
+        """Render into a buffer of this size, with so many samples of a pixel; returns the framebuffer."""
+        gl, frame, key = self.gl, Constant.FRAMEBUFFER, (width, height, samples)
+        if key not in self._buffers:
             if len(self._buffers) >= MOST_SIZES:
                 old, used = self._buffers.pop(next(iter(self._buffers)))
                 gl.glDeleteFramebuffers(1, ctypes.byref(old))
@@ -66,13 +77,17 @@ class Renderer:
             )
             for part, (role, layout) in zip(parts, roles, strict=True):
                 gl.glBindRenderbuffer(Constant.RENDERBUFFER, part)
-                gl.glRenderbufferStorage(Constant.RENDERBUFFER, layout, width, height)
+                if samples:
+                    gl.glRenderbufferStorageMultisample(Constant.RENDERBUFFER, samples, layout, width, height)
+                else:
+                    gl.glRenderbufferStorage(Constant.RENDERBUFFER, layout, width, height)
                 gl.glFramebufferRenderbuffer(frame, role, Constant.RENDERBUFFER, part)
             if gl.glCheckFramebufferStatus(frame) != Constant.FRAMEBUFFER_COMPLETE:
                 raise LibraryError(f"this OpenGL cannot render images of {width} x {height} px")
-            self._buffers[width, height] = (number, parts)
-        gl.glBindFramebuffer(frame, self._buffers[width, height][0])
+            self._buffers[key] = (number, parts)
+        gl.glBindFramebuffer(frame, self._buffers[key][0])
         gl.glViewport(0, 0, width, height)
+        return int(self._buffers[key][0].value)
 
     def render(self, shot: Shot, image: NDArray[np.uint8] | None, depth: NDArray[np.float32] | None = None) -> None:
         """Render a shot.
@@ -83,20 +98,54 @@ class Renderer:
             depth: out, distance ahead, along the axis [m], shape (height, width); infinite where there is nothing.
         """
         view = shot.view
-        self._bind(view.width, view.height)
+        if shot.shadows and (image is None or not self._can_shade()):
+            shot = replace(shot, shadows=False)
+        samples = self._samples if shot.shadows and depth is None else 0
+        if shot.shadows:
+            self.library.use(shot.content)
+            maps = self._maps.render(shot, self.library.table(shot.content, _look_of(shot), plain=True))
+        sampled = self._bind(view.width, view.height, samples)
         eye = self._begin(shot)
         self._set_options(shot)
         self._dome(shot, eye)
         self._lights(shot, eye)
         self.gl.glEnable(Constant.LIGHTING)
+        if shot.shadows and self._shading is not None:
+            self._shading.begin(shot, eye, *maps)
         self._ground(shot, eye, plain=False)
         self._items(shot, eye, plain=False)
+        if shot.shadows and self._shading is not None:
+            self._shading.end()
         self.gl.glDisable(Constant.LIGHTING)
         self._lines(shot, eye)
         self.gl.glPolygonMode(Constant.FRONT_AND_BACK, Constant.FILL)
         self.gl.glDisable(Constant.FOG)
         self.gl.check()
+        if samples:
+            self._resolve(sampled, view)
         self._read(view, image, depth)
+
+    def _can_shade(self) -> bool:
+        """Whether images can have shadows here; the first one with shadows compiles the program."""
+        if self._shading is None and self._shades:
+            try:
+                self._shading = Shading(self.gl)
+            except LibraryError as error:
+                log.warning("images have no shadows: %s", error)
+                self._shades = False
+                return False
+            most = ctypes.c_int()
+            self.gl.glGetIntegerv(Constant.MAX_SAMPLES, ctypes.byref(most))
+            self._samples = SAMPLES if most.value >= SAMPLES else 0
+        return self._shades
+
+    def _resolve(self, sampled: int, view: View) -> None:
+        """Copy the mean of each pixel's samples into the buffer that is read."""
+        gl, area = self.gl, (0, 0, view.width, view.height)
+        self._bind(view.width, view.height)
+        gl.glBindFramebuffer(Constant.READ_FRAMEBUFFER, sampled)
+        gl.glBlitFramebuffer(*area, *area, Constant.COLOR_BUFFER_BIT, Constant.NEAREST)
+        self._bind(view.width, view.height)
 
     def segment(self, shot: Shot, ids: NDArray[np.uint8]) -> None:
         """Render which model is where: red + 256 green + 65536 blue is its number, 0 for nothing."""
@@ -365,8 +414,8 @@ class _LocalLights:
 
 def _look_of(shot: Shot) -> Look:
     options = shot.view.options
-    local = any(light.kind != "directional" for light in shot.lights)
-    return Look(options.displaySkins, options.displayMaterials, options.displayTextures, local)
+    local = not shot.shadows and any(light.kind != "directional" for light in shot.lights)
+    return Look(options.displaySkins, options.displayMaterials, options.displayTextures, local, shot.shadows)
 
 
 @lru_cache

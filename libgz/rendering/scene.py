@@ -6,6 +6,7 @@ import logging
 import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
+from dataclasses import replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -106,6 +107,13 @@ class Scene:
         shot = self.capture(view)
         return shot, self.thread.start(shot, image, not self.threaded) if self.thread is not None else None
 
+    def shade(self, shot: Shot) -> NDArray[np.uint8]:
+        """The image of a shot with shadows, unless the scene forbids them; shape (height, width, 3)."""
+        image = np.zeros((shot.view.height, shot.view.width, 3), dtype=np.uint8)
+        if self.thread is not None:
+            self.thread.render(replace(shot, shadows=self.world.backdrop.shadows is not False), image)
+        return image
+
     def depth(self, shot: Shot) -> NDArray[np.float32]:
         """Distance ahead, along the camera's axis [m], shape (height, width)."""
         depth = np.empty((shot.view.height, shot.view.width), dtype=np.float32)
@@ -137,6 +145,7 @@ class Scene:
             dome=share,
             lines=(*overlay_lines(view, engine), *(line for source in world.backdrop.lines for line in source(view))),
             ambient=world.backdrop.ambient,
+            shadows=_shadows(view, world.backdrop),
         )
 
     def _poses(self, engine: Engine) -> NDArray[np.float64]:
@@ -179,11 +188,13 @@ class Scene:
         for body in dict.fromkeys(geom.body for geom in shown):
             seen = [geom for geom in body.geoms if geom.appearance.visible and not isinstance(geom, NOT_ITEMS)]
             clear = [geom for geom in seen if geom.appearance.render_order == RENDER_TRANSPARENT]
-            groups = [[geom for geom in seen if geom not in clear], *([geom] for geom in clear)]
-            for group in groups:
+            solid = [geom for geom in seen if geom not in clear]
+            groups = [[g for g in solid if g.appearance.cast_shadows == casts] for casts in (True, False)]
+            for group in (*groups, *([geom] for geom in clear)):
                 if group:
+                    casts = group[0] not in clear and group[0].appearance.cast_shadows
                     key = tuple(n for g in group for n in (g.number, g.appearance.version))
-                    items.append(Item(tuple(group), owner.get(body, 0), key, group[0] in clear))
+                    items.append(Item(tuple(group), owner.get(body, 0), key, group[0] in clear, casts))
                     bodies.append(body)
         self._content = Content(tuple(items))
         self._rows = np.array([body.row for body in bodies], dtype=np.int64)
@@ -204,7 +215,14 @@ def _light(geom: LightGeom) -> Light:
         (way.x, way.y, way.z),
         geom.spot,
         geom.range,
+        geom.cast_shadows,
     )
+
+
+def _shadows(view: View, back: Backdrop) -> bool:
+    """Whether a view has shadows."""
+    wanted = view.options.shadows
+    return back.shadows is True if wanted is None else wanted and back.shadows is not False
 
 
 def _fog(world: SceneWorld) -> Fog:

@@ -29,6 +29,7 @@ class RenderOptions:
     displayTextures: bool = True
     polygonFill: bool = True
     shadeSmooth: bool = True
+    shadows: bool | None = None  # None: if the world's scene asks for them; True: unless it forbids them
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ class Item:
     model_id: int
     key: tuple[int, ...]  # changes with the appearance of a geom
     transparent: bool = False
+    casts: bool = True  # whether it casts a shadow
 
 
 @dataclass(frozen=True)
@@ -99,6 +101,7 @@ class Light:
     direction: tuple[float, float, float] = (0.0, 0.0, -1.0)
     spot: tuple[float, float, float] = (0.0, 0.0, 0.0)
     range: float = math.inf
+    shadows: bool = True  # whether it makes bodies cast shadows
 
 
 @dataclass(frozen=True)
@@ -134,6 +137,7 @@ class Shot:
     dome: tuple[Geom, float] | None  # the dome, and the time of day as a share of 24 h
     lines: tuple[Lines, ...] = ()
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
+    shadows: bool = False  # whether light is computed at each pixel, with shadows
 
 
 def pose_matrix(pose: GzPose) -> NDArray[np.float64]:

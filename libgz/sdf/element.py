@@ -79,7 +79,7 @@ class Element:
         """The tag."""
         return self.name
 
-    def GetParent(self) -> Element | None:
+    def GetParent(self) -> Element | Any:
         """The element around this one."""
         return self.parent
 
@@ -100,7 +100,7 @@ class Element:
         """Whether there is a child of this name."""
         return any(True for _ in self.named(name))
 
-    def GetElement(self, name: str) -> Element | None:
+    def GetElement(self, name: str) -> Element | Any:
         """The first child of this name. If SDF knows it here, a missing one is created with its defaults; else None."""
         found = next(self.named(name), None)
         if found is None and self.description is not None and name in self.description.children:
@@ -119,11 +119,11 @@ class Element:
             raise NotFoundError(f"{self.where}: <{self.name}> has no <{name}>{nearest(name, names)}")
         return found
 
-    def GetFirstElement(self) -> Element | None:
+    def GetFirstElement(self) -> Element | Any:
         """The first child."""
         return self.children[0] if self.children else None
 
-    def GetNextElement(self, name: str = "") -> Element | None:
+    def GetNextElement(self, name: str = "") -> Element | Any:
         """The next element beside this one, of a name if one is given."""
         beside = self.parent.children if self.parent is not None else []
         index = next((i for i, element in enumerate(beside) if element is self), len(beside))
@@ -159,7 +159,7 @@ class Element:
         """Whether the file contains this attribute."""
         return key in self.attributes and self.attributes[key].given
 
-    def GetAttribute(self, key: str) -> Param | None:
+    def GetAttribute(self, key: str) -> Param | Any:
         """An attribute; None if SDF knows none of this name here."""
         return self.attributes.get(key)
 

@@ -35,16 +35,17 @@ LATER = ("frame", "relative_to")  # SDF 1.7's frames
 class SdfFile:
     """An SDF document, read and checked.
 
-    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `diagnostics` its errors and warnings. Unknown
-    attributes are ignored and unknown elements kept, both with a warning.
+    ``SdfFile.load(path)`` reads a file; `root` is its `<sdf>` element, `diagnostics` its errors and warnings, `label`
+    its name in messages. Unknown attributes are ignored and unknown elements kept, both with a warning.
     """
 
     def __init__(self) -> None:
         self.root = Element("sdf")
         self.diagnostics = Diagnostics()
         self.version = VERSIONS[-1]
-        self._label = "<string>"
+        self.label = "<string>"
         self._folder: Path | None = None
+        self._text = b""
         self._depth = 0
 
     @classmethod
@@ -62,7 +63,7 @@ class SdfFile:
     def from_string(cls, text: str | bytes, label: str = "<string>", folder: Path | None = None) -> SdfFile:
         """The same from text; `label` is its name in messages, `folder` the base of its relative paths."""
         file = cls()
-        file._label, file._folder = label, folder
+        file.label, file._folder = label, folder
         file._read(text.encode() if isinstance(text, str) else text)
         return file
 
@@ -71,17 +72,27 @@ class SdfFile:
             data = read_limited(path)
         except OSError as error:
             raise WorldFileError(f"Unable to read sdf file[{path}]: {error.strerror}") from None
-        self._label, self._folder = str(path), path.parent
+        self.label, self._folder = str(path), path.parent
         self._read(data)
 
+    def read_again(self) -> SdfFile:
+        """The document as it was read, without what has been changed in its elements since."""
+        return SdfFile.from_string(self._text, self.label, self._folder)
+
+    @property
+    def busy(self) -> bool:
+        """Whether it has plugins or sensors."""
+        return any(True for name in ("plugin", "sensor") for _ in self.root.find(name))
+
     def _read(self, data: bytes) -> None:
+        self._text = data
         try:
             xml = etree.fromstring(data, xml_parser())
         except etree.XMLSyntaxError as error:
-            raise WorldFileError(f"{self._label}:{error.lineno or 1}: {error.msg}") from None
+            raise WorldFileError(f"{self.label}:{error.lineno or 1}: {error.msg}") from None
         if _local(xml) != "sdf":
             raise WorldFileError(
-                f"{self._label}:{_line(xml)}: <{_local(xml)}>: the root of an SDF file must be <sdf version='...'>"
+                f"{self.label}:{_line(xml)}: <{_local(xml)}>: the root of an SDF file must be <sdf version='...'>"
             )
         self.version = self._described_version(xml)
         blocks = describe(self.version)
@@ -112,14 +123,14 @@ class SdfFile:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self._label, _line(xml), _local(xml))
+        return Place(self.label, _line(xml), _local(xml))
 
     # Elements ----------------------------------------------------------------------------------------------------
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
         name = _local(xml) if description is not None or not xml.prefix else f"{xml.prefix}:{_local(xml)}"
-        element = Element(name, description, file=self._label, line=_line(xml))
+        element = Element(name, description, file=self.label, line=_line(xml))
         self._read_attributes(xml, element)
         self._read_value(xml, element)
         for child in xml:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from libgz.errors import GazeboError, ParameterError, nearest
@@ -11,6 +11,7 @@ from libgz.geometry import (
     GzCoordPoseAdd,
     GzCoordPoseSub,
     GzPose,
+    GzQuatern,
     GzQuaternInverse,
     GzVector,
     GzVectorAdd,
@@ -36,11 +37,16 @@ from libgz.sdfworld.mechanism import (
     ode_number,
 )
 
-__all__ = ["SdfJoint"]
+__all__ = ["Place", "SdfJoint", "place_of"]
+
+Place = tuple[str, int] | None  # of a link in a world: the id of its entity, its number there; None is the world
+FindPlace = Callable[[Place], Body | None]
 
 TURN = 2.0 * math.pi
 # h^2 k / m and h d / m up to which an implicit spring and damper are applied as efforts, which is stable up to 4 and 2.
 GENTLE = 0.05
+# What an axis has beside its direction.
+NUMBERS = ("lower", "upper", "effort", "velocity", "damping", "friction", "stiffness", "reference", "initial")
 # What makes sense to ODE; values outside are replaced by the nearest bound.
 RANGES = {
     **dict.fromkeys(("erp", "stop_erp", "suspension_erp", "fudge_factor", "bounce"), (0.0, 1.0)),
@@ -170,6 +176,87 @@ class SdfJoint:
         self.acts = False
 
     close = detach
+
+    # State -----------------------------------------------------------------------------------------------------------
+
+    def save(self) -> tuple[Any, ...]:
+        """Its state as plain data, beside what the engine has of its ODE joints."""
+        self.release_deleted()
+        plan, mechanism = self.plan, self._mechanism
+        return (
+            None if mechanism is None else type(mechanism).__name__,
+            (place_of(self.parent), place_of(self.child)),
+            (plan.kind, plan.implicit, place_of(plan.reference), plan.parameters),
+            (plan.pitch, plan.ratio, plan.feedback),
+            [(*axis.direction, *(getattr(axis, name) for name in NUMBERS)) for axis in self.axes],
+            (*self._in_child.pos, *self._in_child.rot),
+            [tuple(axis) for axis in self._local],
+            (self.acts, self._engine_springs, self._step_time),
+            (self._applied, self._applied_at, self._before, self._before_at),
+            (self._set, self._stop_turns, self._spring_stops),
+        )
+
+    @classmethod
+    def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
+        """What to make for a joint that a state has."""
+        _, (parent, child), (kind, implicit, reference, parameters), (pitch, ratio, feedback), axes, *_ = state
+        made = [Axis(GzVector(*numbers[:3]), *numbers[3:-1]) for numbers in axes]  # it moves nothing to its initial
+        frame = find(child) or find(parent)
+        anchor = frame.GetPose() if frame is not None else GzPose()
+        return JointPlan(
+            name,
+            kind,
+            find(parent),
+            find(child),
+            anchor,
+            made,
+            pitch,
+            ratio,
+            find(reference),
+            implicit,
+            feedback,
+            dict(parameters),
+        )
+
+    def load(self, state: Sequence[Any], find: FindPlace) -> None:
+        """Take a state that `save` returned: of this joint, or of one of this name that was removed since.
+
+        The engine sets the numbers of ODE's joints, later.
+
+        Args:
+            state: the state.
+            find: returns a link by its place.
+        """
+        self.release_deleted()
+        name, ends, _, (pitch, ratio, feedback), axes, frame, local, flags, applied, tables = state
+        plan = self.plan
+        plan.pitch, plan.ratio = pitch, ratio
+        self._in_child = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
+        self._local = [GzVector(*axis) for axis in local]
+        for axis, numbers in zip(self.axes, axes, strict=True):
+            axis.direction = GzVector(*numbers[:3])
+            for key, number in zip(NUMBERS, numbers[3:], strict=True):
+                setattr(axis, key, number)
+        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+        present = type(self._mechanism).__name__ if self._mechanism is not None else None
+        if (present, (place_of(self.parent), place_of(self.child))) != (name, tuple(ends)):
+            self._rejoin(name is not None, Links(*map(find, ends)))
+        if plan.feedback != feedback:
+            self.provide_feedback(feedback)
+        for axis, numbers in zip(self.axes, axes, strict=True):
+            axis.direction = GzVector(*numbers[:3])
+        self.acts, self._engine_springs, self._step_time = flags
+        self._applied, self._applied_at, self._before, self._before_at = map(_copied, applied)
+        self._set, self._stop_turns, self._spring_stops = map(dict, tables)
+
+    def _rejoin(self, holds: bool, links: Links) -> None:
+        """Release what it holds, and join other links as they stand, if it `holds` links at all."""
+        self.detach()
+        self.links = links
+        if holds:
+            place = self._in_child
+            self.attach(links.parent, links.child)
+            self._in_child = place
 
     def restore(self) -> None:
         """Count turns from zero again, after links were returned to where they began."""
@@ -592,3 +679,14 @@ class SdfJoint:
                 arm = GzVectorMul(1.0 / len(centres), GzVectorSub(centre, anchor))
                 torque = GzVectorAdd(torque, GzVectorCross(arm, applied))
         return force, torque
+
+
+def place_of(body: Body | None) -> Place:
+    """Where a link stands in its world; None for the world itself."""
+    if body is None or body.model is None:
+        return None
+    return body.model.GetId(), body.model.bodies.index(body)
+
+
+def _copied(value: Any) -> Any:
+    return list(value) if isinstance(value, list) else value

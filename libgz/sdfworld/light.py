@@ -26,6 +26,8 @@ class SdfLight(Entity):
         diagnostics: takes the warnings.
     """
 
+    STATE = ("cast_shadows",)
+
     is_model = False
 
     def __init__(self, world: World, element: Element, diagnostics: Diagnostics) -> None:
@@ -33,12 +35,16 @@ class SdfLight(Entity):
         self.sdf = element
         self.SetName("light")
         self.SetId(element.Get(str, "name"))
-        self.cast_shadows = element.Get(bool, "cast_shadows")
         body = Body(world, dummy=True)
         self.AddBody(body, True)
         body.SetPose(element.Get(GzPose, "pose"))
         self.light = LightGeom(body, None)
         set_light(self.light, element, diagnostics.warn)
+
+    @property
+    def cast_shadows(self) -> bool:
+        """Whether bodies cast shadows in its light."""
+        return self.light.cast_shadows
 
     def MasterDescribe(self, store: Store) -> dict[str, Any]:
         """As of all entities, and whether it casts shadows."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from libgz.errors import Diagnostics, NotFoundError, ParameterError, nearest
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuaternIdent, GzVector
+from libgz.errors import Diagnostics, NotFoundError, ParameterError, StateError, nearest
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzQuaternIdent, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint
@@ -15,7 +15,7 @@ from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
-from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.joint import Place, SdfJoint
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
@@ -23,7 +23,7 @@ from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
 
-__all__ = ["SdfModel", "model_pose"]
+__all__ = ["SdfModel", "load_joints", "model_pose"]
 
 
 class SdfModel(Entity):
@@ -52,6 +52,7 @@ class SdfModel(Entity):
         self._places: list[tuple[Body, GzPose, GzPose]] = []  # where links began: in the model frame, and global
         self._start = GzPose()  # where the model was then
         self._spaces: list[Space] = []
+        self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self.SetName("model")
         self.SetId(self.name)
         if parent is not None:
@@ -90,6 +91,14 @@ class SdfModel(Entity):
         )
         for body in self.bodies:
             body.set_auto_disable(allow and not busy and not body.kinematic)
+
+    def build_nested(self, element: Element) -> SdfModel:
+        """Build a nested model again that was removed, where the file has it."""
+        above, pose = self.parent, model_pose(self.sdf)
+        while isinstance(above, SdfModel):
+            pose, above = GzCoordPoseAdd(pose, model_pose(above.sdf)), above.parent
+        self._add_nested(element, pose)
+        return self.nested[element.Get(str, "name")]
 
     def nested_family(self) -> Iterator[SdfModel]:
         """This model and all models nested in it."""
@@ -149,9 +158,18 @@ class SdfModel(Entity):
         pose = self.GetPose()
         self._add_link(element, pose)
         body = self.links[name]
+        self._added[name] = element
         place = GzCoordPoseSub(body.GetPose(), pose)
         self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
+
+    def remove_link(self, name: str) -> None:
+        """Destroy a link that `create_link` made."""
+        body = self.links.pop(name)
+        self.bodies.remove(body)
+        self._places = [place for place in self._places if place[0] is not body]
+        self.sdf.RemoveChild(self._added.pop(name))
+        body.close()
 
     def _self_collides(self, link: Element) -> bool:
         """Whether a link touches others of its model; from SDF 1.5 the link's setting overrides the model's."""
@@ -288,6 +306,42 @@ class SdfModel(Entity):
         """``file:line: <tag>: `` of its element, for messages."""
         return f"{self.sdf.where}: <{self.sdf.name}>: "
 
+    # State -------------------------------------------------------------------------------------------------------
+
+    def SaveState(self) -> tuple[Any, ...]:
+        """Links that were added, joints, and where the frame is of a model without links."""
+        frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
+        joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
+        added = [(name, self._start_of(name)) for name in self._added] if self._added else None
+        return frame, added, joints
+
+    def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
+        """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
+        places = next(places for body, *places in self._places if body is self.links[name])
+        return (*((*place.pos, *place.rot) for place in places), self._number_of(name))
+
+    def _number_of(self, name: str) -> int:
+        bodies = list(self.world.engine.bodies.values())
+        return bodies.index(self.links[name]) if self.links[name] in bodies else -1
+
+    def LoadState(self, state: Sequence[Any]) -> None:
+        """Take what SaveState returned: links and joints that came since go, those that went are made again."""
+        frame, added, joints = state
+        if frame is not None:
+            self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
+        places = dict(added or ())
+        for name in [name for name in self.sdf_joints if name not in dict(joints or ())]:
+            self.remove_joint(name)
+        for name in [name for name in self._added if name not in places]:
+            self.remove_link(name)
+        for name, (*start, number) in places.items():
+            if name in self.links and self._number_of(name) != number:
+                self.remove_link(name)  # it came before what was built again
+            body = self.links[name] if name in self.links else self.create_link(name)
+            local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
+            self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
+        load_joints(self.world, self.sdf_joints, joints or ())
+
     def MasterJoints(self) -> list[Joint]:
         """What ODE has of the joints of the file."""
         return ode_joints(self.sdf_joints.values())
@@ -350,13 +404,49 @@ class SdfModel(Entity):
             )
         return found
 
+    def Detach(self) -> None:
+        """Take it out of the model that it is nested in."""
+        if isinstance(self.parent, SdfModel):
+            self.parent.nested.pop(self.name, None)
+        super().Detach()
+
     def close(self) -> None:
         """Destroy joints, links and spaces."""
+        for element in self._added.values():
+            self.sdf.RemoveChild(element)
+        self._added.clear()
         for joint in self.sdf_joints.values():
             joint.close()
         super().close()
         for space in self._spaces:
             space.close()
+
+
+def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple[str, Any]]) -> None:
+    """Give joints the states that `SdfJoint.save` returned, by name; those that are missing are made again.
+
+    They are in the order of the states then.
+    """
+
+    def find(place: Place) -> Body | None:
+        if place is None:
+            return None
+        owner, number = place
+        bodies: list[Body] = world.model(owner).bodies
+        if number >= len(bodies):
+            raise StateError(f"a joint of this state is attached to link {number + 1} of {owner!r}, which is not there")
+        return bodies[number]
+
+    kept, before = list(state), dict(joints)
+    joints.clear()
+    for name, one in kept:
+        joint = before.pop(name, None)
+        if joint is None:
+            joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find))
+        joints[name] = joint
+        joint.load(one, find)
+    for joint in before.values():
+        joint.close()
 
 
 def model_pose(element: Element) -> GzPose:

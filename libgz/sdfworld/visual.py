@@ -54,6 +54,7 @@ def dress(geom: Geom, element: Element, note: Note) -> None:
         _material(look, element.child("material"), note)
     set_transparency(look, min(max(element.Get(float, "transparency"), 0.0), 1.0))
     geom.SetRetro(element.Get(float, "laser_retro"))
+    look.change(cast_shadows=element.Get(bool, "cast_shadows"))
 
 
 def _material(look: Appearance, element: Element, note: Note) -> None:
@@ -130,6 +131,7 @@ def set_light(light: LightGeom, element: Element, note: Note) -> None:
         note(element, f"there is no light of type {kind!r}{nearest(kind, KINDS)}; it is shown as a point light")
     light.kind = kind if kind in KINDS else "point"
     light.direction = element.Get(GzVector, "direction")
+    light.cast_shadows = element.Get(bool, "cast_shadows")
     if element.HasElement("attenuation"):
         fading = element.child("attenuation")
         try:
@@ -156,9 +158,11 @@ def link_lights(body: Body, link: Element, note: Note) -> None:
 
 
 def apply_scene(world: World, element: Element) -> None:
-    """Apply the colours, the fog and the sky of a `<scene>` to a world."""
+    """Apply the colours, the shadows, the fog and the sky of a `<scene>` to a world."""
     world.backdrop.ambient = element.Get(GzColor, "ambient")
     world.skyColor = element.Get(GzColor, "background")
+    asked = element.child("shadows").value
+    world.backdrop.shadows = asked.Get(bool) if asked.given else None
     if element.HasElement("fog"):
         fog, back = element.child("fog"), world.backdrop
         kind = fog.Get(str, "type")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
-from libgz.errors import Diagnostics, NotFoundError, WorldFileError, nearest
+from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
@@ -18,11 +21,28 @@ from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
 from libgz.simulation.era import Era
+from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
 
 __all__ = ["SdfWorld"]
 
 log = logging.getLogger("libgz.simulation")
+
+BUILDER = "sdf"  # in the journal
+BUILT = ("model", "light")
+FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
+
+
+class Document(NamedTuple):
+    """What entities are built from.
+
+    Attributes:
+        source: in the world's journal.
+        elements: its models and lights; a `<world>` among them stands for the joints beside models.
+    """
+
+    source: Source
+    elements: list[Element]
 
 
 class SdfWorld(Era):
@@ -33,6 +53,8 @@ class SdfWorld(Era):
         settings: what its `<world>` says beside the entities; SDF's defaults before.
     """
 
+    STATE = ("settings", "profile")
+
     name = "classic"
     counts_at_start = True
 
@@ -40,11 +62,23 @@ class SdfWorld(Era):
         self.world = world
         self.file: SdfFile | None = None
         self.settings: SdfSettings = default_settings()
+        self._documents: list[Document] = []
+        world.journal.builders[BUILDER] = self
 
     @property
     def lights(self) -> list[SdfLight]:
         """The lights that stand in the world, in order of the file."""
         return [entity for entity in self.world.entities if isinstance(entity, SdfLight)]
+
+    @property
+    def profile(self) -> str:
+        """The name of the applied `<physics>`; setting it applies nothing."""
+        profiles = self.settings.profiles
+        return next((name for name, element in profiles.items() if element is self.settings.physics), "")
+
+    @profile.setter
+    def profile(self, name: str) -> None:
+        self.settings.physics = self.settings.profiles.get(name, self.settings.physics)
 
     # Loading ---------------------------------------------------------------------------------------------------------
 
@@ -55,6 +89,8 @@ class SdfWorld(Era):
         world.engine.contact_rule = ContactRule.CLASSIC
         world.engine.record_motion = True
         world.engine.count_turns = world.engine.check_divergence = True
+        if self.file is None:
+            self.digest = hashlib.blake2b(file.root.ToString().encode(), digest_size=16).digest()
         self.file = file
         named = next(file.root.named("world"), None)
         world.name = named.Get(str, "name") if named is not None else world.name
@@ -84,14 +120,18 @@ class SdfWorld(Era):
         """Settings, models, lights and joints of a `<world>`, placed where its first `<state>` says."""
         world = self.world
         self.settings = apply_settings(world, element, diagnostics)
-        self.add_entities(element.children, diagnostics)
-        joints = list(element.named("joint"))
-        if joints:
-            world.adopt(WorldJoints(world, joints, diagnostics))
         state = next(element.named("state"), None)
+        built = [part for part in element.children if part.name in BUILT]
+        document = Document(Source(BUILDER, 0, "", b""), [*built, element])
+        self._documents.append(document)
+        self._add(document, range(len(built)), diagnostics)
+        if any(True for _ in element.named("joint")):
+            self._add(document, [len(built)], diagnostics)
         if state is not None:
-            for insertions in state.named("insertions"):
-                self.add_entities(insertions.children, diagnostics)
+            first = len(document.elements)
+            inserted = [part for insertions in state.named("insertions") for part in insertions.children]
+            document.elements.extend(part for part in inserted if part.name in BUILT)
+            self._add(document, range(first, len(document.elements)), diagnostics)
             apply_state(world, state, diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
@@ -104,33 +144,48 @@ class SdfWorld(Era):
         before = len(world.entities)
         root = next(file.root.named("world"), file.root)
         file.diagnostics.raise_errors()
+        elements = [part for part in root.children if part.name in BUILT]
+        text = "".join(upgraded(part).ToString() for part in elements)
+        source = world.journal.insertion(BUILDER, file.label, f"<sdf version='{NEWEST}'>{text}</sdf>".encode())
+        present = {entity.origin.source for entity in world.entities if entity.origin is not None}
+        self._documents = [one for one in self._documents if not one.source.number or one.source in present]
+        known = len(self._documents)
+        document = Document(source, elements)
+        self._documents.append(document)
         try:
-            added = self.add_entities(root.children, file.diagnostics)
+            self._add(document, range(len(elements)), file.diagnostics)
             file.diagnostics.raise_errors()
-            if not added:
+            if len(world.entities) == before:
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
         except BaseException:
             world.remove(world.entities[before:])
+            del self._documents[known:]
+            world.journal.inserted -= 1
             raise
         for warning in file.diagnostics.warnings:
             log.warning("%s", warning)
-        return added
+        return world.entities[before:]
 
-    def add_entities(self, elements: Iterable[Element], diagnostics: Diagnostics) -> list[Entity]:
-        """Build models, then their joints, and lights; what is wrong is added to the diagnostics. What was added."""
-        world = self.world
-        before = len(world.entities)
+    def _add(self, document: Document, tops: Iterable[int], diagnostics: Diagnostics) -> None:
+        """Build elements of a document by number: models, then their joints, lights; a `<world>` means its joints.
+
+        What is wrong is added to the diagnostics.
+        """
         models = []
-        for element in elements:
+        for top in tops:
+            element = document.elements[top]
             try:
                 if element.name == "model":
-                    model = SdfModel(world, element, diagnostics)
+                    model = SdfModel(self.world, element, diagnostics)
                     model.build(model_pose(element))
                     models.append(model)
-                    for member in model.nested_family():
-                        self._register(member)
+                    self._register_family(model, document, top)
                 elif element.name == "light":
-                    self._register(SdfLight(world, element, diagnostics))
+                    self._register(SdfLight(self.world, element, diagnostics), document, top * FAMILY)
+                else:
+                    joints = WorldJoints(self.world, list(element.named("joint")), diagnostics)
+                    joints.origin = Origin(document.source, top * FAMILY)
+                    self.world.adopt(joints)
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
         for model in models:
@@ -138,11 +193,80 @@ class SdfWorld(Era):
                 model.build_joints()
             except Exception as error:  # noqa: BLE001 - as above
                 diagnostics.failure(model.sdf, error)
-        return world.entities[before:]
 
-    def _register(self, entity: Entity) -> None:
+    def _register_family(self, model: SdfModel, document: Document, top: int) -> None:
+        """Register a model and those nested in it, as far as they are new."""
+        numbers = {id(part): number for number, part in enumerate(_family(document.elements[top]))}
+        for member in model.nested_family():
+            self._register(member, document, top * FAMILY + numbers[id(member.sdf)])
+
+    def _register(self, entity: Entity, document: Document, place: int) -> None:
+        entity.origin = Origin(document.source, place)
         entity.initPose = entity.GetPose()
         self.world.adopt(entity)
+
+    # Building again --------------------------------------------------------------------------------------------------
+
+    def _document_of(self, source: Source) -> Document:
+        """The document of a source; what was inserted into another world is read again."""
+        for document in self._documents:
+            if document.source == source:
+                return document
+        file = SdfFile.from_string(source.text, source.label)
+        document = Document(source, [part for part in file.root.children if part.name in BUILT])
+        self._documents.append(document)
+        return document
+
+    def rebuild(self, source: Source, places: Sequence[int]) -> None:
+        """Build models, lights and joints of a document again, by their places.
+
+        Raises:
+            StateError: one of them cannot be built.
+        """
+        document, diagnostics = self._document_of(source), Diagnostics()
+        nested: dict[int, list[int]] = {}  # to be built into models that are there
+        tops: list[int] = []
+        for place in places:
+            top, member = divmod(place, FAMILY)
+            if not member:
+                tops.append(top)
+            elif top not in tops:
+                nested.setdefault(top, []).append(member)
+        for top, members in nested.items():
+            self._rebuild_nested(document, top, members)
+        self._add(document, tops, diagnostics)
+        if diagnostics.errors:
+            reasons = "; ".join(map(str, diagnostics.errors))
+            raise StateError(f"a model of the state cannot be built again: {reasons}")
+
+    def _rebuild_nested(self, document: Document, top: int, members: list[int]) -> None:
+        family = _family(document.elements[top])
+        built = {e.origin.place: e for e in self.world.entities if e.origin and e.origin.source == document.source}
+        for member in members:
+            place = top * FAMILY + member
+            above = family[member].parent
+            owner = next((e for e in built.values() if isinstance(e, SdfModel) and e.sdf is above), None)
+            if place in built or owner is None:
+                continue
+            model = owner.build_nested(family[member])
+            numbers = {id(part): number for number, part in enumerate(family)}
+            for one in model.nested_family():
+                self._register(one, document, top * FAMILY + numbers[id(one.sdf)])
+                built[top * FAMILY + numbers[id(one.sdf)]] = one
+            model.build_joints()
+
+    def load_into(self, world: World) -> None:
+        """Load the document, as it was read, into another world.
+
+        Raises:
+            StateError: there is no document.
+        """
+        if self.file is None:
+            super().load_into(world)
+            return
+        world.extension(SdfWorld).load(self.file.read_again())
+        if self.file.busy:
+            world.attach_era()
 
     # Era -------------------------------------------------------------------------------------------------------------
 
@@ -160,15 +284,19 @@ class SdfWorld(Era):
         return None
 
     def reset(self, world: World) -> None:
-        """Reset the clock, random numbers and poses, then the companions, and signal it."""
-        world.engine.seed = world.seed
-        world.clock.reset()
-        for entity in world.entities:
+        """Return to the state at the end of loading, then reset the companions, and signal it.
+
+        A pause stays, and so do the initial poses that models were given since.
+        """
+        paused, poses = world.paused, {entity: entity.initPose for entity in world.entities}
+        world.return_to_start()
+        world.paused = paused
+        moved = [entity for entity in world.entities if poses.get(entity, entity.initPose) != entity.initPose]
+        for entity in moved:
+            entity.initPose = poses[entity]
+        for entity in moved:
             if entity.parent is None:
                 entity.restore()
-        world.engine.sort_geoms()
-        world.engine.forget_motion()
-        world.engine.wake()
         for companion in world.companions:
             companion.reset()
         world.events["WorldReset"]()
@@ -190,6 +318,11 @@ class SdfWorld(Era):
             raise NotFoundError(f"there is no physics profile {name!r}; there are {known}{hint}")
         settings.physics = settings.profiles[name]
         apply_physics(self.world, settings.physics, Diagnostics())
+
+
+def _family(element: Element) -> list[Element]:
+    """The elements of a model and of those nested in it, parents first."""
+    return [element, *(part for nested in element.named("model") for part in _family(nested))]
 
 
 def _world_around(root: Element) -> Element:

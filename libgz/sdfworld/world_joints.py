@@ -12,6 +12,7 @@ from libgz.sdf.element import Element
 from libgz.sdfworld.axis import read_joint
 from libgz.sdfworld.description import describe_sdf_joint, ode_joints
 from libgz.sdfworld.joint import SdfJoint
+from libgz.sdfworld.model import load_joints
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
 from libgz.simulation.world import World
@@ -42,6 +43,14 @@ class WorldJoints(Entity):
                 self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
+
+    def SaveState(self) -> list[tuple[str, Any]]:
+        """The joints."""
+        return [(name, joint.save()) for name, joint in self.sdf_joints.items()]
+
+    def LoadState(self, state: list[tuple[str, Any]]) -> None:
+        """Take what SaveState returned."""
+        load_joints(self.world, self.sdf_joints, state)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

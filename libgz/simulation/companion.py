@@ -31,6 +31,9 @@ class Companion(Protocol):
     def reset(self) -> None:
         """Clock and entities were reset."""
 
+    def entities_rebuilt(self) -> None:
+        """The entities of a state are there, some of them built again; their states come next."""
+
     def get_state(self) -> object:
         """Its own state as plain data, for `World.get_state`; None if it has none."""
 

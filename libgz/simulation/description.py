@@ -137,6 +137,7 @@ def _describe_geom(geom: Geom, name: str, store: Store) -> dict[str, Any]:
         "pose": pose_list(geom.GetRelativePose()),
         "collides": bool(geom.id) and geom.space is not None,
         "visible": look.visible,
+        "cast_shadows": look.cast_shadows,
         "scale": look.scale,
         "material": {
             "ambient": ambient,

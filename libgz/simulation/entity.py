@@ -124,8 +124,8 @@ class Entity:
     @property
     def _homes(self) -> tuple[float, ...]:
         """The initial pose and the one in the parent body, as plain numbers."""
-        first, own = self.initPose, self.relPose
-        return *first.pos, *first.rot, *own.pos, *own.rot
+        a, b, c, d = self.initPose.pos, self.initPose.rot, self.relPose.pos, self.relPose.rot
+        return a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z
 
     @_homes.setter
     def _homes(self, numbers: tuple[float, ...]) -> None:

@@ -200,6 +200,7 @@ class Publication:
             "background": tuple(world.skyColor),
             "ambient": tuple(back.ambient),
             "fog": fog if world.fogEnable else None,
+            "shadows": back.shadows,
             "gravity": world.engine.gravity,
             "view": None if view is None else pose_list(view),
         }

@@ -72,6 +72,8 @@ def restore(world: World, data: bytes) -> None:
         for name in saved["companions"].keys() - set(map(_name, world.companions)):
             raise StateError(f"this state has a part that this world has not: {name}")
     _restore_entities(world, saved)
+    for companion in world.companions:
+        companion.entities_rebuilt()
     state.set_state(world, saved["world"])
     world.random = np.random.SeedSequence(world.seed, n_children_spawned=saved["spawned"])
     world.journal.inserted = saved["inserted"]

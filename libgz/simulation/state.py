@@ -21,14 +21,17 @@ import io
 import pickle
 import random
 from collections import deque
+from collections.abc import Callable
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "set_state", "undeclared"]
+__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
+
+C = TypeVar("C", bound=Callable[..., Any])
 
 FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
@@ -37,6 +40,7 @@ _ALLOWED = {
     ("builtins", "complex"),
     ("collections", "deque"),
     ("libgz.geometry", "GzColor"),
+    ("libgz.ode.types", "ContactRule"),
     ("libgz.geometry", "GzPose"),
     ("libgz.geometry", "GzQuatern"),
     ("libgz.geometry", "GzVector"),
@@ -46,7 +50,21 @@ _ALLOWED = {
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
 _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
+_MADE: list[type] = []  # base classes of what allowed functions make
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
+
+
+def plain(kind: C, of: type | None = None) -> C:
+    """Let the objects of a class be values in states, kept by pickling. A layer above declares its vectors by this.
+
+    Args:
+        kind: the class, or a function that makes values, which is safe to call with any arguments.
+        of: the base class of what that function makes.
+    """
+    _ALLOWED.add((kind.__module__, kind.__qualname__))
+    if of is not None:
+        _MADE.append(of)
+    return kind
 
 
 @cache
@@ -71,7 +89,11 @@ def undeclared(kind: Any) -> bool:
 def get_state(thing: Any) -> Any:
     """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
     kind: Any = type(thing)
-    state = {name: _saved(getattr(thing, name)) for name in _names(kind)}
+    plain = _PLAIN
+    state = {}
+    for name in _names(kind):
+        value = getattr(thing, name)
+        state[name] = value if type(value) in plain else _saved(value)
     save = getattr(thing, "SaveState", None)
     if save is not None:
         state[""] = save()
@@ -172,7 +194,7 @@ class _Writer(pickle.Pickler):
 
     def reducer_override(self, thing: Any) -> Any:
         """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
-        if isinstance(thing, _NUMBERS):
+        if isinstance(thing, (_NUMBERS, *_MADE)):
             return NotImplemented
         kind = thing if hasattr(thing, "__qualname__") else type(thing)  # classes and functions stand for themselves
         if (kind.__module__, kind.__qualname__) not in _ALLOWED:

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from types import TracebackType
-from typing import Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
 import numpy as np
 
@@ -52,11 +52,32 @@ from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.transport.server import LocalServer, Server
 
+if TYPE_CHECKING:  # for the types that `interface` returns; written by scripts/make_overloads.py
+    from libgz.interfaces.actarray import Actarray
+    from libgz.interfaces.camera import Camera
+    from libgz.interfaces.factory import Factory
+    from libgz.interfaces.fiducial import Fiducial
+    from libgz.interfaces.gps import Gps
+    from libgz.interfaces.gripper import Gripper
+    from libgz.interfaces.guicam import Guicam
+    from libgz.interfaces.ir import Ir
+    from libgz.interfaces.joint import Joints
+    from libgz.interfaces.laser import Laser
+    from libgz.interfaces.position import Position
+    from libgz.interfaces.power import Power
+    from libgz.interfaces.ptz import Ptz
+    from libgz.interfaces.sonar import Sonar
+    from libgz.interfaces.stereo import Stereo
+    from libgz.interfaces.truth import Truth
+    from libgz.interfaces.wifi import Wifi
+
 __all__ = ["World"]
 
 log = logging.getLogger("libgz.simulation")
 
 E = TypeVar("E")
+K = TypeVar("K", bound=Entity)
+J = TypeVar("J", bound=Joint)
 
 LOWEST = -1000.0  # [m]; a body that falls further is reported
 FALL_PERIOD = 256  # steps between two looks
@@ -142,7 +163,7 @@ class World:
         self.journal = Journal()
         self.companions: list[Companion] = []
         self.entities: list[Entity] = []
-        self.models: list[Any] = []
+        self.models: list[Entity] = []
         self.sim = Sim()
         self._guard = Guard("sim.default")
         self.physics_enabled = True
@@ -171,7 +192,7 @@ class World:
         self.fogEnable, self.fogDensity = False, 0.25
         self.backdrop = Backdrop()
 
-    def __enter__(self) -> Any:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -195,6 +216,11 @@ class World:
         return extension
 
     @property
+    def starting(self) -> bool:
+        """Whether `Initialize` has not come to its end."""
+        return self._start is None
+
+    @property
     def extensions(self) -> list[Any]:
         """The objects that extend this world, in order of construction."""
         return list(self._extensions.values())
@@ -205,7 +231,7 @@ class World:
         """How many models there are."""
         return len(self.models)
 
-    def GetModels(self) -> list[Any]:
+    def GetModels(self) -> list[Entity]:
         """All models, in order of the file."""
         return list(self.models)
 
@@ -213,15 +239,27 @@ class World:
         """The top space, which contains the models' own spaces."""
         return self.engine.top
 
-    def model(self, id: str) -> Any:
+    @overload
+    def model(self, id: str) -> Entity: ...
+
+    @overload
+    def model(self, id: str, kind: type[K]) -> K: ...
+
+    def model(self, id: str, kind: type[Entity] = Entity) -> Entity:
         """The first model, or light of an SDF world, with this id.
+
+        Args:
+            id: its id; in a world of SDF, its name.
+            kind: its class, such as one of your own, whose attributes type checkers then know:
+                `world.model("robot1", MyRobot).battery`.
 
         Raises:
             NotFoundError: there is none.
+            ParameterError: it is not of this class.
         """
         for entity in self.entities:
             if entity.GetId() == id:
-                return entity
+                return _of_kind(entity, kind, f"model {id!r}")
         ids = [entity.GetId() for entity in self.entities]
         raise NotFoundError(
             f"there is no model {id!r}; there are {', '.join(map(repr, ids)) or 'none'}{nearest(id, ids)}"
@@ -233,18 +271,87 @@ class World:
         Raises:
             NotFoundError: there is none.
         """
-        body: Body = self.model(model).GetBody(name)
-        return body
+        return self.model(model).GetBody(name)
 
-    def joint(self, model: str, name: str) -> Any:
+    @overload
+    def joint(self, model: str, name: str) -> Any: ...
+
+    @overload
+    def joint(self, model: str, name: str, kind: type[J]) -> J: ...
+
+    def joint(self, model: str, name: str, kind: type[Joint] = Joint) -> Any:
         """A joint by the id of its model and its own name.
+
+        Args:
+            model: the id of its model.
+            name: of the joint.
+            kind: its class, such as `HingeJoint`, whose methods type checkers then know.
 
         Raises:
             NotFoundError: there is none.
+            ParameterError: it is not of this class.
         """
-        joint: Joint = self.model(model).GetJoint(name)
-        return joint
+        return _of_kind(self.model(model).GetJoint(name), kind, f"joint {name!r} of model {model!r}")
 
+    # Written by scripts/make_overloads.py.
+    @overload
+    def interface(self, type: Literal["actarray"], id: str) -> Actarray: ...
+
+    @overload
+    def interface(self, type: Literal["camera"], id: str) -> Camera: ...
+
+    @overload
+    def interface(self, type: Literal["factory"], id: str) -> Factory: ...
+
+    @overload
+    def interface(self, type: Literal["fiducial"], id: str) -> Fiducial: ...
+
+    @overload
+    def interface(self, type: Literal["gps"], id: str) -> Gps: ...
+
+    @overload
+    def interface(self, type: Literal["gripper"], id: str) -> Gripper: ...
+
+    @overload
+    def interface(self, type: Literal["guicam"], id: str) -> Guicam: ...
+
+    @overload
+    def interface(self, type: Literal["ir"], id: str) -> Ir: ...
+
+    @overload
+    def interface(self, type: Literal["joint"], id: str) -> Joints: ...
+
+    @overload
+    def interface(self, type: Literal["laser"], id: str) -> Laser: ...
+
+    @overload
+    def interface(self, type: Literal["position"], id: str) -> Position: ...
+
+    @overload
+    def interface(self, type: Literal["power"], id: str) -> Power: ...
+
+    @overload
+    def interface(self, type: Literal["ptz"], id: str) -> Ptz: ...
+
+    @overload
+    def interface(self, type: Literal["sim"], id: str) -> Sim: ...
+
+    @overload
+    def interface(self, type: Literal["sonar"], id: str) -> Sonar: ...
+
+    @overload
+    def interface(self, type: Literal["stereo"], id: str) -> Stereo: ...
+
+    @overload
+    def interface(self, type: Literal["truth"], id: str) -> Truth: ...
+
+    @overload
+    def interface(self, type: Literal["wifi"], id: str) -> Wifi: ...
+
+    @overload
+    def interface(self, type: str, id: str) -> Interface[Any]: ...
+
+    # End of what is written.
     def interface(self, type: str, id: str) -> Interface[Any]:
         """An interface that a model serves, by its type and id; commands to it act at the model's next tick.
 
@@ -771,7 +878,8 @@ class World:
     @property
     def _fallen_rows(self) -> tuple[int, ...]:
         """The rows of the bodies that were reported as fallen."""
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in self._fallen))
+        fallen = self._fallen
+        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
 
     @_fallen_rows.setter
     def _fallen_rows(self, rows: tuple[int, ...]) -> None:
@@ -874,6 +982,13 @@ class World:
     def Save(self) -> int:
         """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
         return self.era.save(self)
+
+
+def _of_kind(found: E, kind: type[Any], what: str) -> E:
+    """What was found, if it is of a class."""
+    if not isinstance(found, kind):
+        raise ParameterError(f"{what} is a {type(found).__name__}, not a {kind.__name__}")
+    return found
 
 
 names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")

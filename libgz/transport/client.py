@@ -96,7 +96,10 @@ class Client:
             time.sleep(_POLL)
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Sleep until the server posts, once a simulation step; the first wait may return at once.
+        """Sleep until a post, of a step or of a device; the first wait may return at once.
+
+        The server posts at the end of each step, lasers, cameras and other devices whenever they have new data: waits
+        do not count steps. The `time` of an interface shows whether its data are new.
 
         Args:
             timeout: [s]; None waits without a limit.

@@ -247,11 +247,16 @@ class Interface(Generic[D]):
         Raises:
             ClosedError: the interface is not open.
         """
-        with self._locked_if_possible():
+        taken = self.lock()
+        try:
             memory: Any = self._memory
+            size = self.size
             begin, end = self.gap
             first = bytes(memory[:begin])
-            return first if end == self.size else first + bytes(memory[end : self.size])
+            return first if end == size else first + bytes(memory[end:size])
+        finally:
+            if taken:
+                self.unlock()
 
     def set_bytes(self, state: bytes) -> None:
         """Write bytes that `get_bytes` returned, head included, and zeros between them.
@@ -259,7 +264,8 @@ class Interface(Generic[D]):
         Raises:
             ClosedError: the interface is not open.
         """
-        with self._locked_if_possible():
+        taken = self.lock()
+        try:
             memory: Any = self._memory
             before, end = self.gap
             begin = len(state) - (self.size - end)
@@ -270,12 +276,6 @@ class Interface(Generic[D]):
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
             self.keep_commands()
-
-    @contextlib.contextmanager
-    def _locked_if_possible(self) -> Iterator[None]:
-        taken = self.lock()
-        try:
-            yield
         finally:
             if taken:
                 self.unlock()

@@ -6,8 +6,8 @@ import atexit
 import contextlib
 import logging
 import os
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, TypeVar
 
 from libgz.errors import ParameterError, ServerError
 from libgz.transport.directory import ServerDirectory
@@ -19,9 +19,11 @@ from libgz.transport.segment import Segment
 from libgz.transport.semaphores import SemaphoreSet
 from libgz.transport.tables import SharedTables
 
-__all__ = ["LocalServer", "Server", "alive", "free_server_id"]
+__all__ = ["LocalServer", "Server", "alive", "free_server_id", "on_free_server_id"]
 
 log = logging.getLogger("libgz.transport")
+
+T = TypeVar("T")
 
 
 class LocalServer:
@@ -317,6 +319,21 @@ def free_server_id(first: int = 0) -> int:
         except OSError:
             continue
     raise ServerError(f"server ids {first} to 999 are all taken; name another one: -s")
+
+
+def on_free_server_id(start: Callable[[int], T]) -> T:
+    """Call `start` with a free server id, and with another one if another process takes that first; its result.
+
+    Raises:
+        ServerError: ids 0 to 999 are all taken, or the server cannot start for another reason.
+    """
+    while True:
+        server_id = free_server_id()
+        try:
+            return start(server_id)
+        except ServerError:
+            if free_server_id() == server_id:
+                raise  # the id is still free, so another process did not take it: the error has another cause
 
 
 def alive(pid: int) -> bool:

@@ -48,6 +48,16 @@ static struct sigaction before;
 static _Atomic long chained; /* the thread that runs the handler from before */
 static uintptr_t page = 4096;
 
+/* fstat, by its number where the kernel's struct is libc's: as a symbol it would need glibc 2.33. */
+static int status_of(int descriptor, struct stat *about)
+{
+#if defined(__linux__) && (defined(__x86_64__) && !defined(__ILP32__) || defined(__aarch64__))
+    return (int)syscall(SYS_fstat, descriptor, about);
+#else
+    return fstat(descriptor, about);
+#endif
+}
+
 static struct mapping *find(uintptr_t address)
 {
     for (int b = 0; b < BLOCKS; b++) {
@@ -82,7 +92,7 @@ static int extend(struct mapping *mapping, uintptr_t address)
     int64_t size = atomic_load(&mapping->size);
     struct stat about;
     /* In a child that closed its descriptors, the number may belong to a file that must not be touched. */
-    if (descriptor < 0 || fstat(descriptor, &about) != 0)
+    if (descriptor < 0 || status_of(descriptor, &about) != 0)
         return 0;
     if (about.st_dev != mapping->device || about.st_ino != mapping->inode)
         return 0;
@@ -183,7 +193,7 @@ void *gz_truncation_watch(void *start, size_t size, int descriptor)
 {
     struct stat about;
     page = (uintptr_t)sysconf(_SC_PAGESIZE);
-    if (fstat(descriptor, &about) != 0 || install() != 0)
+    if (status_of(descriptor, &about) != 0 || install() != 0)
         return NULL;
     for (int b = 0; b < BLOCKS; b++) {
         struct mapping *block = atomic_load(&blocks[b]);

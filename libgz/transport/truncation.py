@@ -49,8 +49,8 @@ class Watch:
 @lru_cache
 def _library() -> ctypes.CDLL | None:
     """The native part, or None where it was not built."""
-    path = next(iter(sorted(Path(__file__).parent.glob("_truncation*.so"))), None)
-    if path is None:
+    path = Path(__file__).with_name("_truncation.so")
+    if not path.exists():
         return None
     try:
         library = ctypes.CDLL(str(path))

@@ -8,6 +8,7 @@ import pytest
 from imageio import v3
 from PIL import Image
 
+from libgz import World
 from libgz.files import installed_worlds
 
 PTZ = installed_worlds() / "ptz.world"
@@ -30,6 +31,18 @@ def test_picture_saves_the_image_of_a_camera(tmp_path):
             assert picture.size == size
             pixels = np.asarray(picture)
         assert pixels[-10:, :, 1].mean() > pixels[-10:, :, 2].mean() + 30  # grass
+
+
+def test_picture_has_shadows_unless_told_otherwise(tmp_path):
+    images = {}
+    for word in ("--shadows", "--no-shadows"):
+        done = libgz("picture", PTZ, "--camera", "cam1", word, "-o", tmp_path / "out.png")
+        assert done.returncode == 0, done.stderr
+        images[word] = np.asarray(Image.open(tmp_path / "out.png").convert("RGB")).copy()
+    with World.from_file(PTZ) as world:
+        world.step()
+        assert np.array_equal(world.interface("camera", "cam1").image, images["--no-shadows"])
+    assert (np.abs(images["--shadows"].astype(int) - images["--no-shadows"]) > 30).any()
 
 
 def test_picture_of_a_later_time(tmp_path):

@@ -17,6 +17,7 @@ from libgz.apps import gazebo as command, libgz as toolbox, model, record
 from libgz.apps.console import INTERRUPTED, LogFile, as_command
 from libgz.errors import GazeboError, ParameterError
 from libgz.files import installed_worlds
+from libgz.transport import server
 
 WORLD = installed_worlds() / "pioneer2at.world"
 FULL = "No space left on device"
@@ -141,7 +142,7 @@ def test_a_terminated_demonstration_ends_its_server(wire):
 def test_an_id_that_was_taken_while_the_world_loaded(gazebo, monkeypatch, capsys):
     taken = gazebo(WORLD)
     ids = iter([taken.id, taken.id + 1, taken.id + 1])
-    monkeypatch.setattr(command, "free_server_id", lambda: next(ids))
+    monkeypatch.setattr(server, "free_server_id", lambda: next(ids))
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     assert command.main(["-s", "auto", "-n", "--steps", "1", str(WORLD)]) == 0
     assert capsys.readouterr().out == f"server id {taken.id + 1}\n"

@@ -1,6 +1,7 @@
 """The commands for running SDF worlds, against a real gzserver: libgz model, joint, stats."""
 
 import contextlib
+import json
 import os
 import re
 import subprocess
@@ -74,6 +75,9 @@ def pose(libgz, name):
 def test_a_model_is_shown_and_moved(libgz):
     assert pose(libgz, "box") == pytest.approx([1, 2, 3, 0, 0, 0])
     assert 'name: "box"' in libgz("model", "-m", "box", "-i")
+    assert json.loads(libgz("model", "-m", "box", "-i", "--json"))["name"] == "box"
+    shown = json.loads(libgz("model", "-m", "box", "-p", "--json"))
+    assert shown == pytest.approx({"x": 1, "y": 2, "z": 3, "roll": 0, "pitch": 0, "yaw": 0})
     libgz("model", "-m", "box", "-x", "4", "-Y", "0.5")
     eventually(lambda: pose(libgz, "box") == pytest.approx([4, 2, 3, 0, 0, 0.5]))
 
@@ -106,6 +110,9 @@ def test_statistics_are_printed(libgz):
     assert len(lines) >= 2
     for line in lines:
         assert re.fullmatch(r"Factor\[\d+\.\d\d\] SimTime\[[\d.]+\] RealTime\[[\d.]+\] Paused\[F\]", line)
+    [first, *_] = map(json.loads, libgz("stats", "-d", "1", "--json").splitlines())
+    assert set(first) == {"factor", "sim_time", "real_time", "paused"}
+    assert first["paused"] is False
 
 
 def test_missing_arguments_are_reported(libgz):

@@ -54,6 +54,9 @@ def topic(*words, code=0):
 def test_list_and_info(node):
     ends = [node.Advertise(msgs.Pose, "~/b"), node.Advertise(msgs.Int, "~/a"), node.Subscribe("~/b", print)]
     assert topic("-l").splitlines() == ["/gazebo/w/a", "/gazebo/w/b"]
+    assert json.loads(topic("-l", "--json")) == ["/gazebo/w/a", "/gazebo/w/b"]
+    about = json.loads(topic("-i", "~/b", "--json"))
+    assert (about["topic"], about["type"], len(about["publishers"])) == ("/gazebo/w/b", "gazebo.msgs.Pose", 1)
     text = topic("-i", "~/b")
     assert re.fullmatch(r"Type: gazebo.msgs.Pose\n\nPublishers:\n\t.*, process \d+\n\nSubscribers:\n\t.*\n", text)
     assert "did you mean '/gazebo/w/a'" in topic("-i", "~/aa", code=1)

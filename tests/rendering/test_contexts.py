@@ -38,14 +38,12 @@ def test_what_does_not_work_says_why_and_auto_goes_on(monkeypatch, caplog):
     from libgz.rendering import context
 
     def absent(name, kind):
-        raise libgz.errors.LibraryError(f"{name} cannot be loaded (gone); {kind.hint}")
+        raise libgz.errors.LibraryError(f"{name} cannot be loaded (gone)")
 
     real = context._library
     monkeypatch.setattr(context, "_library", lambda n, k: absent(n, k) if "OSMesa" in n else real(n, k))
     monkeypatch.setenv("LIBGZ_GL", "osmesa")
-    with pytest.raises(
-        libgz.PluginError, match=r"libOSMesa.so.8 cannot be loaded \(gone\); apt-get install libosmesa6"
-    ):
+    with pytest.raises(libgz.PluginError, match=r"libOSMesa.so.8 cannot be loaded \(gone\)"):
         world_of("<model:MonoCam/>")
     monkeypatch.setenv("LIBGZ_GL", "auto")
     with caplog.at_level(logging.INFO), world_of("<model:MonoCam><id>c</id></model:MonoCam>") as world:

@@ -9,6 +9,8 @@ SIDE = 2.0  # [m]
 
 
 class AnimatedBox(ModelPlugin):
+    STATE = ()  # the world remembers where the animation is
+
     def Load(self, model, sdf):
         animation = PoseAnimation("round", LENGTH, True)
         corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE), (0.0, 0.0)]

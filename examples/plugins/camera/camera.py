@@ -13,6 +13,8 @@ from libgz.classic import GZ_REGISTER_SENSOR_PLUGIN, SensorPlugin, gzmsg
 class RedFinder(SensorPlugin):
     """Elements: `<save_folder>`, where every image is saved; without it none is."""
 
+    STATE = ("bearing", "frames")
+
     def Load(self, sensor, sdf):
         self.sensor = sensor
         self.camera = sensor.Camera()

@@ -21,6 +21,13 @@ class ContactPrinter(SensorPlugin):
             gzmsg(f"{one} has left {other}")
         self.touching = touching
 
+    def SaveState(self):
+        # A snapshot of the world keeps this; a set has no order, so it is a list there.
+        return sorted(self.touching)
+
+    def LoadState(self, state):
+        self.touching = set(state)
+
     def Reset(self):
         self.touching = set()
 

@@ -13,6 +13,8 @@ Heights = msgs.declare("survey.msgs.Heights", "survey.msgs.Survey question, doub
 
 
 class Surveyor(WorldPlugin):
+    STATE = ()  # nothing of its own to remember
+
     def Load(self, world, sdf):
         # A ray without a link; its ends are set below.
         self.ray = world.Physics().CreateShape("ray")

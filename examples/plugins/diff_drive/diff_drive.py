@@ -16,6 +16,8 @@ TURN_RATE = 0.5  # [rad/s]
 class DriveSquare(ModelPlugin):
     """Elements: `<side>` [m], `<speed>` [m/s]."""
 
+    STATE = ("sent",)
+
     def Load(self, model, sdf):
         side, speed = self.LoadParam(sdf, "side", 1.0), self.LoadParam(sdf, "speed", 0.2)
         # (end [s], forward [m/s], turn [rad/s]) of one side and one corner, repeated.

@@ -85,6 +85,14 @@ class EventRules(WorldPlugin):
         for rule in self.rules:
             rule.check()
 
+    # Snapshots of the world keep which conditions were true.
+    def SaveState(self):
+        return [rule.was_true for rule in self.rules]
+
+    def LoadState(self, state):
+        for rule, was_true in zip(self.rules, state, strict=True):
+            rule.was_true = was_true
+
     def Reset(self):
         for rule in self.rules:
             rule.was_true = False

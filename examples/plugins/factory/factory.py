@@ -21,6 +21,8 @@ SPHERE = """
 
 
 class Factory(WorldPlugin):
+    STATE = ()  # the world remembers what was inserted
+
     def Load(self, world, element):
         # 1. A file: model:// is searched in GAZEBO_MODEL_PATH and in the models of libgz.
         world.InsertModelFile("model://pioneer2dx")

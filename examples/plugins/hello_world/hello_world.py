@@ -4,6 +4,8 @@ from libgz.classic import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
 
 
 class WorldPluginTutorial(WorldPlugin):
+    STATE = ()  # nothing of its own to remember
+
     def __init__(self):
         super().__init__()
         print("Hello World!", flush=True)

@@ -19,6 +19,8 @@ class JointPid(ModelPlugin):
     The topics ~/<model>/pos_cmd and ~/<model>/vel_cmd take a Vector3d whose x is the new target of the first joint.
     """
 
+    STATE = ()  # the world remembers targets and controllers
+
     def Load(self, model, sdf):
         self.model = model
         self.controller = model.GetJointController()

@@ -14,6 +14,8 @@ class ModelMove(ModelPlugin):
     The first leg begins where the model stands.
     """
 
+    STATE = ()  # the world remembers where the animation is
+
     def Load(self, model, sdf):
         self.model = model
         waypoints = []

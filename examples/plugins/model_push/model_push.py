@@ -12,6 +12,8 @@ from libgz.classic.math import Vector3d
 class ModelPush(ModelPlugin):
     """Elements: `<velocity>` [m/s], global."""
 
+    STATE = ()  # nothing of its own to remember
+
     def Load(self, model, sdf):
         self.model = model
         self.velocity = self.LoadParam(sdf, "velocity", Vector3d(0.3, 0.0, 0.0))

@@ -13,6 +13,8 @@ from libgz.classic.math import Rand, Vector3d
 class RandomVelocity(ModelPlugin):
     """Elements: `<link>`, its name; `<speed>` [m/s]; `<period>` [s] between new directions."""
 
+    STATE = ("due", "velocity")  # what a snapshot of the world keeps of it
+
     def Load(self, model, sdf):
         self.link = model.GetLink(sdf.Get(str, "link"))
         self.speed = self.LoadParam(sdf, "speed", 1.0)
@@ -23,6 +25,7 @@ class RandomVelocity(ModelPlugin):
     def Reset(self):
         # A reset sets sim time to 0, so stored times are reset, too.
         self.due = 0.0
+        self.velocity = Vector3d()
 
     def OnUpdate(self, info):
         # A callback with an argument gets the world's name, sim time and real time.

@@ -14,6 +14,8 @@ from libgz.classic.common import PID
 class SetVelocity(ModelPlugin):
     """Elements: `<joint>`, its name; `<velocity>` [rad/s]; `<how>`: instantly, motor or pid."""
 
+    STATE = ()  # nothing of its own to remember
+
     def Load(self, model, sdf):
         self.model = model
         self.joint = model.GetJoint(sdf.Get(str, "joint"))

@@ -12,6 +12,8 @@ from libgz.classic.math import Color
 class Blink(VisualPlugin):
     """Elements: `<color_a>`, `<color_b>`, red green blue alpha; `<period>` [s]."""
 
+    STATE = ()  # nothing of its own to remember
+
     def Load(self, visual, sdf):
         self.visual = visual
         self.colors = [

@@ -10,6 +10,8 @@ from libgz.classic.math import Vector3d
 class WorldEdit(WorldPlugin):
     """Elements: `<gravity>` [m/s^2], `<max_step_size>` [s], `<real_time_update_rate>` [Hz], `<iters>`; all optional."""
 
+    STATE = ()  # nothing of its own to remember
+
     # Parameters of the physics engine with one number; gravity has three.
     PARAMETERS = {"max_step_size": float, "real_time_update_rate": float, "iters": int}
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right, insort
 from operator import attrgetter
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from libgz.classic.common.key_frame import KeyFrame, NumericKeyFrame, PoseKeyFrame
 from libgz.classic.math.quaternion import Quaterniond
@@ -24,6 +24,8 @@ class Animation(Generic[K]):
 
     Before the first key frame the value is that of the first, after the last that of the last.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("name", "repeat", "time", "length", "keys")
 
     def __init__(self, name: str, length: float, repeat: bool) -> None:
         """An animation without key frames, at time 0.

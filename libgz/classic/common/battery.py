@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import logging
 from collections.abc import Callable
 
@@ -26,11 +25,13 @@ class Battery:
         ParameterError: the voltage is negative or not finite.
     """
 
+    STATE = ("_voltage", "_loads", "_next")
+
     def __init__(self, name: str, voltage: float) -> None:
         self._name = name
         self._initial = self._voltage = not_negative(voltage, "voltage [V]")
         self._loads: dict[int, float] = {}
-        self._numbers = itertools.count()
+        self._next = 0  # number of the next consumer
         self._rule: Callback | None = None
 
     def Name(self) -> str:
@@ -47,7 +48,7 @@ class Battery:
 
     def AddConsumer(self) -> int:
         """Add a consumer, and return its number."""
-        number = next(self._numbers)
+        number, self._next = self._next, self._next + 1
         self._loads[number] = 0.0
         return number
 

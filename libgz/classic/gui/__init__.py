@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.gui.events import Events
 from libgz.classic.gui.window import GUI, MainWindow
@@ -24,7 +24,7 @@ __all__ = [
 _window: MainWindow | None = None
 
 
-def get_main_window() -> MainWindow | None:
+def get_main_window() -> MainWindow | Any:
     """The client's main window; None where there is no client."""
     return _window
 
@@ -35,7 +35,7 @@ def set_main_window(window: MainWindow | None) -> None:
     _window = window
 
 
-def get_active_camera() -> UserCamera | None:
+def get_active_camera() -> UserCamera | Any:
     """The user's camera; None where there is no client."""
     return _window.camera if _window is not None else None
 

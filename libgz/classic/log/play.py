@@ -212,6 +212,9 @@ class LogPlay:
         """Go back to the first state."""
         self.Rewind()
 
+    def entities_rebuilt(self) -> None:
+        """Nothing to do."""
+
     def get_state(self) -> object:
         """Nothing: a log is no part of the world."""
         return None

@@ -192,6 +192,9 @@ class LogRecord:
         """Make the next state due, for the sim time restarts."""
         self._due = -float("inf")
 
+    def entities_rebuilt(self) -> None:
+        """Nothing to do."""
+
     def get_state(self) -> object:
         """Nothing: a log is no part of the world."""
         return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import SupportsFloat
 
 from libgz.classic.math.number import clamp
@@ -17,6 +18,13 @@ class PID:
     error gives a negative command. The integral term (not the error) is limited to `imin` to `imax`. **Their defaults
     of 0 disable it**: set limits, or `imax` below `imin`, which means none. The command is limited to `cmdMin` to
     `cmdMax`; `cmdMax` below `cmdMin`, as by default, means no limits.
+
+    Args:
+        p: gain of the error [command / error]; of an angle's error [rad] and a torque [N m], in [N m/rad].
+        i: gain of its integral [command / (error s)].
+        d: gain of its rate [command s / error].
+        imax, imin: limits of the integral term, in units of the command.
+        cmdMax, cmdMin: limits of the command.
     """
 
     __slots__ = (
@@ -69,6 +77,15 @@ class PID:
         self.iMax, self.iMin = float(imax), float(imin)
         self.cmdMax, self.cmdMin = float(cmdMax), float(cmdMin)
         self.Reset()
+
+    def SaveState(self) -> tuple[float, ...]:
+        """All values, for a snapshot of the world."""
+        return tuple([getattr(self, name) for name in self.__slots__])
+
+    def LoadState(self, state: Sequence[float]) -> None:
+        """Take what SaveState returned."""
+        for name, value in zip(self.__slots__, state, strict=True):
+            setattr(self, name, value)
 
     def Reset(self) -> None:
         """Set all errors and the command to 0."""

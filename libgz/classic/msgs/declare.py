@@ -10,8 +10,9 @@ from libgz.classic.msgs.fields import KINDS, VARINT, Field, Kind
 from libgz.classic.msgs.message import Message
 from libgz.classic.msgs.table import ENUMS, MESSAGES
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.simulation.state import plain
 
-__all__ = ["declare", "known_types", "message_type"]
+__all__ = ["declare", "known_types", "message_type", "restored"]
 
 PREFIX = "gazebo.msgs."
 _FIELD = re.compile(r"(?P<kind>[\w.]+)\s+(?P<name>[a-z_]\w*)\s*(?P<repeated>\[\])?\s*(?:=\s*(?P<default>\S+))?")
@@ -66,6 +67,14 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
             return before
         raise ParameterError(f"there is already a message type {name!r}")
     return _make(name, name, fields, kinds)
+
+
+def restored(name: str, data: bytes) -> Message:
+    """Return the message of a type and its encoding: what pickled messages are made of."""
+    return message_type(name).FromString(data)
+
+
+Message._restored = staticmethod(plain(restored, Message))
 
 
 def _describe(name: str, fields: str) -> str:

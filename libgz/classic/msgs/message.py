@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar, Self
 
 from libgz.classic.msgs import text
@@ -44,6 +44,7 @@ class Message:
     _numbers: ClassVar[dict[int, Field]] = {}
     _parts: ClassVar[frozenset[str]] = frozenset()  # nested and repeated fields, for `copy`
     _name: ClassVar[str] = ""
+    _restored: ClassVar[Callable[[str, bytes], Message]]  # makes a message again; set where types are declared
 
     def __init__(self, **values: Any) -> None:
         for name, value in values.items():
@@ -96,7 +97,7 @@ class Message:
         return self.copy()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self).FromString, (self.SerializeToString(),)
+        return Message._restored, (self._name, self.SerializeToString())
 
     # Presence and copies -----------------------------------------------------------------------------------------
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.common import Battery
 from libgz.classic.physics.animations import Animations
 from libgz.classic.physics.base import Entity
+from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.joint_controller import JointController
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
+from libgz.classic.physics.place import found_at, place_of
 from libgz.geometry import GzCoordPoseAdd, GzPose
 from libgz.simulation.event import Event
+from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -27,6 +30,7 @@ class Activity:
     Attributes:
         animations: the running animations.
         joint_update: the event of Joint.ConnectJointUpdate.
+        edited: links and collisions with values of their own that the engine does not have.
     """
 
     def __init__(self, world: World) -> None:
@@ -37,6 +41,7 @@ class Activity:
         self._batteries: dict[Link, list[Battery]] = {}
         self._all_batteries: list[Battery] | None = None  # None after models were added or removed
         self._attached: list[tuple[Model, Model, GzPose]] = []
+        self.edited: dict[Link | Collision, None] = {}
 
     # Controllers -------------------------------------------------------------------------------------------------
 
@@ -46,7 +51,8 @@ class Activity:
         if found is None:
             found = JointController(model)
             if model.core in self._world.core.models:
-                self._controllers[model] = found
+                known = {**self._controllers, model: found}
+                self._controllers = {one: known[one] for one in self._world.all_models() if one in known}
         return found
 
     def joint_added(self, joint: Joint) -> None:
@@ -92,6 +98,40 @@ class Activity:
             if not (row[0] is parent and name in (row[1].GetName(), row[1].GetScopedName()))
         ]
 
+    # State -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> tuple[Any, ...]:
+        """Its state as plain data."""
+        return (
+            [(place_of(model), one.SaveState()) for model, one in self._controllers.items() if not one.blank],
+            [get_state(battery) for battery in self._batteries_of_all()],
+            self.animations.save(),
+            [(place_of(parent), place_of(model), offset) for parent, model, offset in self._attached],
+            [(place_of(view), get_state(view)) for view in self.edited],
+        )
+
+    def load(self, state: Sequence[Any]) -> None:
+        """Take what `save` returned."""
+        world = self._world
+        controllers, batteries, animations, attached, edited = state
+        kept = {found_at(world, place): one for place, one in controllers}
+        for model in kept:
+            self.controller_of(model)
+        for model, controller in self._controllers.items():
+            controller.LoadState(kept.get(model))
+        for battery, one in zip(self._batteries_of_all(), batteries, strict=False):
+            set_state(battery, one)
+        self.animations.load(animations)
+        self._attached = [(found_at(world, a), found_at(world, b), offset) for a, b, offset in attached]
+        pristine, self.edited = self.edited, {}
+        for place, one in edited:
+            view = found_at(world, place)
+            pristine.pop(view, None)
+            set_state(view, one)
+            self.edited[view] = None
+        for view in pristine:
+            view.forget_edits()
+
     # Changes and updates -----------------------------------------------------------------------------------------
 
     def models_changed(self) -> None:
@@ -106,6 +146,8 @@ class Activity:
                 self.animations.stop(part)
             if isinstance(part, Link):
                 self._batteries.pop(part, None)
+            if isinstance(part, Link | Collision):
+                self.edited.pop(part, None)
         self._attached = [row for row in self._attached if model not in row[:2]]
 
     def reset_model(self, model: Model) -> None:

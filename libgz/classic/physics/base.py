@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
 __all__ = ["Base", "Entity", "find_named", "view_of"]
 
 V = TypeVar("V")
-
-_ids = itertools.count(1)
 
 
 def view_of(core: Any, make: Callable[[], V]) -> V:
@@ -47,7 +44,6 @@ class Base:
 
     def __init__(self, world: World, name: str, parent: Base | None, sdf: Element | None = None) -> None:
         self._world, self._name, self._parent, self._sdf = world, name, parent, sdf
-        self._number = next(_ids)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.GetScopedName()!r}>"
@@ -77,7 +73,7 @@ class Base:
         """The world."""
         return self._world
 
-    def GetParent(self) -> Base | None:
+    def GetParent(self) -> Base | Any:
         """The parent; None for top-level models and lights."""
         return self._parent
 
@@ -85,20 +81,20 @@ class Base:
         """The id of the parent, or 0."""
         return self._parent.GetId() if self._parent is not None else 0
 
-    def GetParentModel(self) -> Model | None:
+    def GetParentModel(self) -> Model | Any:
         """The nearest model among the object itself and its parents; None if there is none."""
         found: Base | None = self
         while found is not None and not found.HasType(Base.MODEL):
             found = found._parent
-        return found  # type: ignore[return-value]
+        return found
 
-    def GetSDF(self) -> Element | None:
+    def GetSDF(self) -> Element | Any:
         """The SDF element it was built from, or None."""
         return self._sdf
 
     def GetId(self) -> int:
-        """The id, unique in the process."""
-        return self._number
+        """The id, unique in its world; it is given when it is first asked for."""
+        return self._world.server.ids.of(self)
 
     def GetType(self) -> int:
         """The bit mask of its types: Base.ENTITY, Base.MODEL and so on."""
@@ -116,14 +112,14 @@ class Base:
         """The number of children."""
         return len(self.children())
 
-    def GetChild(self, which: int | str) -> Base | None:
+    def GetChild(self, which: int | str) -> Base | Any:
         """A child by index or name, or None."""
         parts = self.children()
         if isinstance(which, int):
             return parts[which] if 0 <= which < len(parts) else None
         return next((part for part in parts if which in (part.GetName(), part.GetScopedName())), None)
 
-    def GetByName(self, name: str) -> Base | None:
+    def GetByName(self, name: str) -> Base | Any:
         """The object itself or a descendant, by name or scoped name; None if there is none."""
         return find_named(self.tree(), name)
 

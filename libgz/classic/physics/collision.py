@@ -106,6 +106,8 @@ class SurfaceParams:
 class Collision(Entity):
     """A view on a Geom."""
 
+    STATE = ("_bits",)
+
     entity_type = Base.ENTITY | Base.COLLISION
 
     def __init__(self, link: Link, geom: Geom) -> None:
@@ -186,7 +188,11 @@ class Collision(Entity):
             raise ParameterError(f"collide mode {mode!r} is not known; allowed are {', '.join(MODES)}")
         now = self.geom.surface(Surface.BITS)
         self._bits = now or self._bits  # 0 while the mode allows no contacts
+        self._world.server.activity.edited[self] = None
         self.geom.set_surface(Surface.BITS, self._bits if MODES[mode] else 0.0)
+
+    def forget_edits(self) -> None:
+        """Be as if no mode had been set: a state is loaded that has none. The engine has the bitmask."""
 
     def SetMaxContacts(self, maxContacts: int) -> None:
         """Set the maximum number of contact points with another collision."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,9 @@ from libgz.classic.math import Vector3d
 if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import World
+    from libgz.physics.geom import Geom
 
-__all__ = ["Contact", "JointWrench", "read_contacts"]
+__all__ = ["Contact", "JointWrench", "loaded_contacts", "read_contacts"]
 
 
 @dataclass
@@ -40,6 +42,16 @@ class Contact:
     normals: list[Vector3d] = field(default_factory=list)
     depths: list[float] = field(default_factory=list)
     wrench: list[JointWrench] = field(default_factory=list)
+
+    def save(self) -> tuple[Any, ...]:
+        """The contact as plain data, for `loaded_contacts`."""
+        wrenches = [
+            tuple(tuple(part) for part in (w.body1Force, w.body1Torque, w.body2Force, w.body2Torque))
+            for w in self.wrench
+        ]
+        geoms = [_place(collision.geom) for collision in (self.collision1, self.collision2)]
+        vectors = [tuple(map(tuple, rows)) for rows in (self.positions, self.normals)]
+        return geoms, self.time.nanoseconds, vectors, self.depths, wrenches
 
     @property
     def count(self) -> int:
@@ -81,3 +93,25 @@ def _wrench(contact: Contact, point: np.void) -> JointWrench:
         turn2.RotateVectorReverse(Vector3d(*point["force2"].tolist())),
         turn2.RotateVectorReverse(Vector3d(*point["torque2"].tolist())),
     )
+
+
+def _place(geom: Geom) -> tuple[str, int, int]:
+    """The id of a geom's entity, the number of its link, and its own number there."""
+    body = geom.body
+    return body.model.GetId(), body.model.bodies.index(body), body.geoms.index(geom)
+
+
+def loaded_contacts(world: World, states: Iterable[Any]) -> list[Contact]:
+    """Contacts again from what `Contact.save` returned, without those of collisions that are not there any more."""
+    contacts = []
+    for geoms, nanoseconds, (positions, normals), depths, wrenches in states:
+        pair = [world.collision_of(world.core.model(owner).bodies[link].geoms[at]) for owner, link, at in geoms]
+        if pair[0] is None or pair[1] is None:
+            continue
+        contact = Contact(world, pair[0], pair[1], Time(0, nanoseconds))
+        contact.positions = [Vector3d(*vector) for vector in positions]
+        contact.normals = [Vector3d(*vector) for vector in normals]
+        contact.depths = list(depths)
+        contact.wrench = [JointWrench(*(Vector3d(*part) for part in wrench)) for wrench in wrenches]
+        contacts.append(contact)
+    return contacts

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs
 from libgz.classic.physics.contact import Contact, read_contacts
@@ -20,6 +20,8 @@ __all__ = ["ContactManager"]
 class ContactManager:
     """The contacts of the last step. They are recorded from the first request on."""
 
+    STATE = ("_never_drop", "_requested", "_published")
+
     def __init__(self, world: World) -> None:
         self._world = world
         self._read_at = (-1, -1)  # the step and the collision pass that `_contacts` are of
@@ -30,6 +32,22 @@ class ContactManager:
         self._node: Node | None = None  # of the filters
         self._filters: dict[str, tuple[Publisher, frozenset[str]]] = {}
         self._published = -1  # the step whose contacts were published last
+
+    def SaveState(self) -> list[tuple[str, list[str]]]:
+        """The filters."""
+        return [(name, sorted(collisions)) for name, (_, collisions) in self._filters.items()]
+
+    def LoadState(self, state: Iterable[tuple[str, list[str]]]) -> None:
+        """Take what SaveState returned. The recorded contacts are the engine's."""
+        self._read_at = (-1, -1)
+        wanted, published = dict(state), self._published
+        for name in [name for name in self._filters if name not in wanted]:
+            self.RemoveFilter(name)
+        for name, collisions in wanted.items():
+            if name not in self._filters:
+                self.CreateFilter(name, collisions)
+        self._filters = {name: self._filters[name] for name in wanted}
+        self._published = published
 
     def want(self) -> None:
         """Record contacts from the next step on."""
@@ -61,7 +79,7 @@ class ContactManager:
         """The number of contacts, one for each pair of collisions."""
         return len(self.GetContacts())
 
-    def GetContact(self, index: int) -> Contact | None:
+    def GetContact(self, index: int) -> Contact | Any:
         """A contact by index; None if there is none."""
         found = self.GetContacts()
         return found[index] if 0 <= index < len(found) else None

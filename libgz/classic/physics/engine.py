@@ -47,6 +47,8 @@ WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
 class PhysicsEngine:
     """The physics engine of a world, ODE: step size, rate and parameters."""
 
+    STATE = ("_without_effect", "_contacts")
+
     def __init__(self, world: World) -> None:
         self._world = world
         self._contacts = ContactManager(world)

@@ -33,14 +33,24 @@ class Inertial:
         sdf: the element of the link, which has the axes of the frame.
     """
 
+    STATE = ("_changed", "_mass", "_pose", "_held", "_before")
+
     def __init__(self, body: Body | None = None, sdf: Element | None = None) -> None:
         self._body = body if body is not None and not body.dummy else None
-        self._changed = False
+        self._sdf, self._stale = sdf, False
+        self._begin()
+
+    def forget(self) -> None:
+        """Take the values of the link's element and of the body, as they are when they are first asked for."""
+        self._changed, self._stale = False, True
+
+    def _begin(self) -> None:
+        self._changed = self._stale = False
         self._mass, self._pose = MassMatrix3d(1.0, (1.0, 1.0, 1.0)), Pose3d()
         self._held = b""  # the body's mass matrix and centre of mass, of which these values are
         self._before = self._mass, self._pose  # the values before the changes
-        if sdf is not None:
-            self._read_file(sdf)
+        if self._sdf is not None:
+            self._read_file(self._sdf)
         self._read()
 
     def _read_file(self, sdf: Element) -> None:
@@ -58,6 +68,8 @@ class Inertial:
 
     def _read(self) -> None:
         """Take the values of the body if they are not those of this object; the axes of the frame stay."""
+        if self._stale:
+            self._begin()
         if self._body is None or self._changed:
             return
         numbers = _of_body(self._body)

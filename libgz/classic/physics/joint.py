@@ -241,11 +241,11 @@ class Joint(Base):
 
     # Links -------------------------------------------------------------------------------------------------------
 
-    def GetParent(self) -> Link | None:
+    def GetParent(self) -> Link | Any:
         """The parent link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.parent)
 
-    def GetChild(self, which: int | str | None = None) -> Link | None:
+    def GetChild(self, which: int | str | None = None) -> Link | Any:
         """The child link; None for the world, and for a joint that is detached or whose link was deleted."""
         return self._link(self.core.child)
 

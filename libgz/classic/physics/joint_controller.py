@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.common import PID, Time
 from libgz.errors import GazeboError, ParameterError, nearest
@@ -18,6 +19,7 @@ __all__ = ["JointController"]
 log = logging.getLogger("libgz.classic")
 
 DEFAULT_GAINS = (1.0, 0.1, 0.01, 1.0, -1.0, 1000.0, -1000.0)  # p, i, d, imax, imin, cmdMax, cmdMin; Gazebo's
+NEW_PID = PID(*DEFAULT_GAINS).SaveState()
 
 
 class JointController:
@@ -34,6 +36,44 @@ class JointController:
         self._last = model.GetWorld().SimTime()
         for joint in model.all_joints():
             self.AddJoint(joint)
+
+    def match(self) -> None:
+        """Have the joints that the model has now, each with its gains if it had any."""
+        joints = {joint.GetScopedName(): joint for joint in self._model.all_joints()}
+        for joint in [joint for name, joint in self._joints.items() if joints.get(name) is not joint]:
+            self.RemoveJoint(joint)
+        for name, joint in joints.items():
+            if name not in self._joints:
+                self.AddJoint(joint)
+
+    @property
+    def blank(self) -> bool:
+        """Whether it is as one that is made now: without targets, with the default gains."""
+        return not (self._targets() or any(self._changed_pids()))
+
+    def _targets(self) -> bool:
+        return bool(self._forces or self._positions or self._velocities)
+
+    def _changed_pids(self) -> list[dict[str, tuple[float, ...]]]:
+        return [
+            {name: state for name, pid in pids.items() if (state := pid.SaveState()) != NEW_PID}
+            for pids in (self._position_pids, self._velocity_pids)
+        ]
+
+    def SaveState(self) -> tuple[Any, ...]:
+        """Targets, and the PIDs that are not as new."""
+        return self._forces, self._positions, self._velocities, self._last.nanoseconds, self._changed_pids()
+
+    def LoadState(self, state: Sequence[Any] | None) -> None:
+        """Take what SaveState returned; None for what a new one has."""
+        self.match()
+        now = self._model.GetWorld().SimTime()
+        forces, positions, velocities, last, changed = state or ({}, {}, {}, now.nanoseconds, ({}, {}))
+        self._forces, self._positions, self._velocities = dict(forces), dict(positions), dict(velocities)
+        self._last = Time(0, last)
+        for pids, states in zip((self._position_pids, self._velocity_pids), changed, strict=True):
+            for name, pid in pids.items():
+                pid.LoadState(states.get(name, NEW_PID))
 
     def AddJoint(self, joint: Joint) -> None:
         """Add a joint."""

@@ -69,8 +69,12 @@ class Light(Entity):
         self.core.light.range = float(distance)
 
     def CastShadows(self) -> bool:
-        """Whether its SDF element has shadows enabled."""
+        """Whether bodies cast shadows in its light."""
         return self.core.cast_shadows
+
+    def SetCastShadows(self, cast: bool) -> None:
+        """Set whether bodies cast shadows in its light."""
+        self.core.light.cast_shadows = bool(cast)
 
     def Attenuation(self) -> tuple[float, ...]:
         """The constant, linear [1/m] and quadratic [1/m^2] attenuation."""

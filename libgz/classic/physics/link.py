@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,8 @@ __all__ = ["Link"]
 
 class Link(Entity):
     """A view on a Body. Forces act for one step; vectors and poses are in the world frame unless stated otherwise."""
+
+    STATE = ("inertial",)
 
     entity_type = Base.ENTITY | Base.LINK
 
@@ -194,7 +196,18 @@ class Link(Entity):
         """Mass and inertia: the same object at each call. Changes to it act at UpdateMass."""
         if self._inertial is None:
             self._inertial = Inertial(self.body, self._sdf)
+            self._world.server.activity.edited[self] = None
         return self._inertial
+
+    @property
+    def inertial(self) -> Inertial:
+        """The same, for states."""
+        return self.GetInertial()
+
+    def forget_edits(self) -> None:
+        """Take mass and inertia from the file and the body: a state is loaded that has no changes of them."""
+        if self._inertial is not None:
+            self._inertial.forget()
 
     def SetInertial(self, inertial: Inertial) -> None:
         """Set mass and inertia to a copy of these values, at once.
@@ -310,7 +323,7 @@ class Link(Entity):
         """Its batteries, in the order of the file."""
         return self._world.server.activity.batteries_of(self)
 
-    def Battery(self, which: str | int) -> Battery | None:
+    def Battery(self, which: str | int) -> Battery | Any:
         """A battery by name or index; None if there is none."""
         if isinstance(which, int):
             return self.batteries[which] if 0 <= which < len(self.batteries) else None
@@ -333,7 +346,7 @@ class Link(Entity):
     def _collision(self, geom: Geom) -> Collision:
         return view_of(geom, lambda: Collision(self, geom))
 
-    def GetCollision(self, which: str | int) -> Collision | None:
+    def GetCollision(self, which: str | int) -> Collision | Any:
         """A collision by name or index; None if there is none."""
         found = self.GetChild(which)
         return found if isinstance(found, Collision) else None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
@@ -162,7 +162,7 @@ class Model(Entity):
         """The name of a link."""
         return body.bodyName or f"link_{self.core.bodies.index(body)}"
 
-    def GetLink(self, name: str = "canonical") -> Link | None:
+    def GetLink(self, name: str = "canonical") -> Link | Any:
         """A link by name or ``nested::link``; ``canonical`` is the first one; None if there is none."""
         links = self.GetLinks()
         if name == "canonical":
@@ -179,7 +179,7 @@ class Model(Entity):
         for model in self.family():
             yield from model.GetLinks()
 
-    def CreateLink(self, name: str) -> Link | None:
+    def CreateLink(self, name: str) -> Link | Any:
         """Add a link without shapes, of 1 kg, at the model's pose; None if the name is taken.
 
         Raises:
@@ -218,7 +218,7 @@ class Model(Entity):
         for model in self.family():
             yield from model.GetJoints()
 
-    def GetJoint(self, name: str) -> Joint | None:
+    def GetJoint(self, name: str) -> Joint | Any:
         """A joint by name or ``nested::joint``; None if there is none."""
         return next((j for j in self.all_joints() if name in (j.GetName(), j.GetScopedName(), self._inside(j))), None)
 
@@ -292,7 +292,7 @@ class Model(Entity):
         views = (self._world.view(core) for core in self.core.children)
         return [model for model in views if model.GetParent() is self]
 
-    def NestedModel(self, name: str) -> Model | None:
+    def NestedModel(self, name: str) -> Model | Any:
         """A nested model by name; None if there is none."""
         return next((m for m in self.NestedModels() if name in (m.GetName(), m.GetScopedName())), None)
 

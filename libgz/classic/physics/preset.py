@@ -26,6 +26,8 @@ def read_profile(element: Element) -> dict[str, Any]:
 class PresetManager:
     """The physics profiles of a world."""
 
+    STATE = ("_profiles", "_current")
+
     def __init__(self, world: World) -> None:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}

@@ -158,6 +158,11 @@ class MultiRayShape:
         grid: the directions of the rays.
     """
 
+    STATE = (
+        "_rows",
+        "_reached",
+    )
+
     def __init__(self, body: Body, offset: GzPose, grid: ScanGrid) -> None:
         self.body = body
         self._engine: Engine = body.engine

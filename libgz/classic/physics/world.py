@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class World(Base):
         """The top-level models, then the lights."""
         return [*self.Models(), *self.Lights()]
 
-    def SDF(self) -> Element | None:
+    def SDF(self) -> Element | Any:
         """The `<world>` element."""
         return self.server.element
 
@@ -210,23 +210,23 @@ class World(Base):
 
     GetModelCount = ModelCount
 
-    def ModelByName(self, name: str) -> Model | None:
+    def ModelByName(self, name: str) -> Model | Any:
         """A model by its name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
         found = (c for c in self.core.models if c.GetId() == name)
         core = next(found, None)
         return None if core is None else self.view(core)
 
-    def ModelByIndex(self, index: int) -> Model | None:
+    def ModelByIndex(self, index: int) -> Model | Any:
         """A top-level model by index; None if there is none."""
         models = self.Models()
         return models[index] if 0 <= index < len(models) else None
 
-    def GetModel(self, which: str | int) -> Model | None:
+    def GetModel(self, which: str | int) -> Model | Any:
         """A model by name or index; None if there is none."""
         return self.ModelByIndex(which) if isinstance(which, int) else self.ModelByName(which)
 
-    def BaseByName(self, name: str) -> Base | None:
+    def BaseByName(self, name: str) -> Base | Any:
         """A model, link, joint, collision or light by name or scoped name; None if there is none."""
         name = name.removeprefix(f"{self.Name()}::")
         scope = name
@@ -240,7 +240,7 @@ class World(Base):
 
     GetByName = BaseByName
 
-    def EntityByName(self, name: str) -> Entity | None:
+    def EntityByName(self, name: str) -> Entity | Any:
         """A model, link, collision or light by name; None if there is none."""
         found = self.BaseByName(name)
         return found if isinstance(found, Entity) else None
@@ -259,11 +259,11 @@ class World(Base):
         """The number of lights."""
         return len(self.Lights())
 
-    def LightByName(self, name: str) -> Light | None:
+    def LightByName(self, name: str) -> Light | Any:
         """A light by name; None if there is none."""
         return next((light for light in self.Lights() if light.GetName() == name), None)
 
-    def Light(self, which: str | int) -> Light | None:
+    def Light(self, which: str | int) -> Light | Any:
         """A light by name or index; None if there is none."""
         lights = self.Lights()
         if isinstance(which, int):
@@ -311,7 +311,7 @@ class World(Base):
         collision = self.collision_of(engine.geoms[row])
         return float(ranges[0]), collision.GetScopedName() if collision is not None else ""
 
-    def EntityBelowPoint(self, pt: VectorLike) -> Entity | None:
+    def EntityBelowPoint(self, pt: VectorLike) -> Entity | Any:
         """The nearest collision below a point [m]; None if there is none."""
         return self.EntityByName(self.ray_down(pt)[1])
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from libgz.classic.loading import LoadedPlugin
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.ids import Ids
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
@@ -24,6 +25,7 @@ class WorldServices(Protocol):
     Attributes:
         world: the view on the world.
         element: the `<world>` element; None if the world was not loaded from SDF.
+        ids: the numbers of views.
         activity: joint controllers, batteries, animations and attached models.
         physics, presets: settings of the engine, and their profiles.
         sensors, visuals: sensors and Visual plugins, of packages above this one; None as long as there are none.
@@ -32,6 +34,7 @@ class WorldServices(Protocol):
 
     world: World
     element: Element | None
+    ids: Ids
     activity: Activity
     physics: PhysicsEngine
     presets: PresetManager

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic import transport
 from libgz.classic.event import Events
@@ -18,6 +18,8 @@ __all__ = ["DrivePlugin"]
 
 class DrivePlugin(ModelPlugin):
     """Receives commands, and runs the wheels in every iteration."""
+
+    STATE: ClassVar[tuple[str, ...]] = ("command",)
 
     command = (0.0, 0.0)  # speed forward [m/s], yaw rate [rad/s] with the sign of the message
 

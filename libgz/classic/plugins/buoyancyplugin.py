@@ -31,6 +31,8 @@ class BuoyancyPlugin(ModelPlugin):
             collisions).
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the density, and the volumes of all links."""
         self.world = model.GetWorld()

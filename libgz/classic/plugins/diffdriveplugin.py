@@ -28,6 +28,8 @@ class DiffDrivePlugin(DrivePlugin):
             in Gazebo from version 5 on.
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the joints, and subscribe."""
         torque = sdf.Get(float, "torque", 0.0)[0]

@@ -40,6 +40,8 @@ __all__ = [
 class _Hook(SensorPlugin):
     """Stores the sensor as `sensor`, and activates it."""
 
+    STATE: ClassVar[tuple[str, ...]] = ()
+
     types: ClassVar[tuple[str, ...]] = ()  # types of sensors that it accepts
     sensor: Any
 

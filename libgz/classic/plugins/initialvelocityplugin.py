@@ -20,6 +20,8 @@ class InitialVelocityPlugin(ModelPlugin):
         angular: in the world frame [rad/s].
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Set the velocities."""
         self.model, self.sdf = model, sdf

@@ -24,6 +24,8 @@ class JointTrajectoryPlugin(ModelPlugin):
         joint: the name of a joint; any number of them.
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the joints."""
         self.joints = [find_joint(model, element.Get(str).strip()) for element in sdf.named("joint")]

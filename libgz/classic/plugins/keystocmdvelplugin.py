@@ -37,6 +37,8 @@ class KeysToCmdVelPlugin(ModelPlugin):
             without it arrows, Space and Enter.
     """
 
+    STATE = ("speed", "turn")
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the elements, and subscribe to keys."""
         topic = self.LoadParam(sdf, "cmd_vel_topic", "~/cmd_vel")

@@ -26,6 +26,8 @@ class LegacyPlugin(WorldPlugin):
             any number of them.
     """
 
+    STATE = ()
+
     def Load(self, world: World, sdf: Element) -> None:
         """Insert the models.
 

@@ -40,6 +40,8 @@ class PositionPlugin(ModelPlugin):
         id: of the interface; by default the model's name.
     """
 
+    STATE = ("odometry", "velocity", "command", "enabled", "rate")
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the elements, and create the interface."""
         torque = self._positive(sdf, "torque", 5.0)

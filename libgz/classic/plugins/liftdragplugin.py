@@ -45,6 +45,8 @@ class LiftDragPlugin(ModelPlugin):
         control_joint_rad_to_cl: factor of that position [1/rad] (4).
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the parameters of the surface."""
         self.link = named_link(model, sdf)

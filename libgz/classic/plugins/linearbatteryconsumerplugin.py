@@ -21,6 +21,8 @@ class LinearBatteryConsumerPlugin(ModelPlugin):
         power_load: the power [W].
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Add the load."""
         battery = named_battery(named_link(model, sdf), sdf)

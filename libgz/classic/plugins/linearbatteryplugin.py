@@ -31,6 +31,8 @@ class LinearBatteryPlugin(ModelPlugin):
         smooth_current_tau: tau [s].
     """
 
+    STATE = ("charge", "current")
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Read the parameters, and set the update function of the battery."""
         self.physics = model.GetWorld().Physics()

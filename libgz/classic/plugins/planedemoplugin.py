@@ -34,6 +34,8 @@ class _Keys:
 class _Engine:
     """A torque on a joint."""
 
+    STATE = ("torque",)
+
     def __init__(self, joint: Joint, sdf: Element) -> None:
         self.joint, self.keys = joint, _Keys(sdf)
         limit = joint.GetEffortLimit(0)
@@ -54,6 +56,8 @@ class _Engine:
 class _Thruster:
     """A force on a link."""
 
+    STATE = ("force",)
+
     def __init__(self, link: Link, sdf: Element) -> None:
         self.link, self.keys, self.force = link, _Keys(sdf), Vector3d()
         self.change, self.least, self.most = (sdf.Get(Vector3d, f"{tag}_val") for tag in ("inc", "min", "max"))
@@ -71,6 +75,8 @@ class _Thruster:
 
 class _Control:
     """A joint that is controlled to a position."""
+
+    STATE = ("target", "pid")
 
     def __init__(self, joint: Joint, sdf: Element) -> None:
         self.joint, self.keys = joint, _Keys(sdf)
@@ -105,6 +111,8 @@ class PlaneDemoPlugin(ModelPlugin):
         control: controls the joint joint_name to a position [rad] with a PID of p, i, d, i_max, i_min, cmd_max (1000),
             cmd_min (-1000); limits are by default the joint's.
     """
+
+    STATE = ("parts", "last")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Create the parts, and subscribe to keys."""

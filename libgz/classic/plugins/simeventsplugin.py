@@ -54,6 +54,8 @@ class SimEventsPlugin(WorldPlugin):
                 with `<msg_data>` is published on `<topic>`; no SimEvent.
     """
 
+    STATE = ("number", "conditions", "existing")
+
     def Load(self, world: World, sdf: Element) -> None:
         """Read regions and events."""
         self.world = world
@@ -63,8 +65,9 @@ class SimEventsPlugin(WorldPlugin):
         self.regions = {region.name: region for region in map(Region, sdf.named("region"))}
         self.connections: list[Any] = []
         self.checks: list[Callable[[], None]] = []
-        self.resets: list[Callable[[], None]] = []
         self.number = 0
+        self.conditions: list[bool] = []  # that are watched, in the order of the events
+        self.existing: list[dict[str, None]] = []  # names of models that events of existence know
         kinds = {
             "sim_state": self._sim_state,
             "existence": self._existence,
@@ -88,8 +91,7 @@ class SimEventsPlugin(WorldPlugin):
 
     def Reset(self) -> None:
         """Reset the states of all events."""
-        for reset in self.resets:
-            reset()
+        self.conditions[:] = [False] * len(self.conditions)
 
     def _emit(self, event: Element, /, **data: Any) -> None:
         if event.Get(str, "active", "true")[0].strip() not in ("true", "1"):
@@ -108,19 +110,16 @@ class SimEventsPlugin(WorldPlugin):
 
     def _watch(self, test: Callable[[], bool | None], notify: Callable[[bool], None]) -> None:
         """Call `notify` when a condition changes; None means that it is unknown."""
-        state = [False]
+        index = len(self.conditions)
+        self.conditions.append(False)
 
         def check() -> None:
             now = test()
-            if now is not None and now != state[0]:
-                state[0] = now
+            if now is not None and now != self.conditions[index]:
+                self.conditions[index] = now
                 notify(now)
 
-        def reset() -> None:
-            state[0] = False
-
         self.checks.append(check)
-        self.resets.append(reset)
 
     def _region(self, event: Element) -> Region:
         name = event.Get(str, "region").strip()
@@ -141,16 +140,17 @@ class SimEventsPlugin(WorldPlugin):
 
     def _existence(self, event: Element) -> None:
         prefix = event.Get(str, "model").strip()
-        models = {model.GetName() for model in self.world.Models()}  # lights are removed, too
+        models = dict.fromkeys(model.GetName() for model in self.world.Models())  # lights are removed, too
+        self.existing.append(models)
 
         def added(name: str) -> None:
             if any(model.GetName() == name for model in self.world.Models()):
-                models.add(name)
+                models[name] = None
                 notify(name, "creation")
 
         def removed(name: str) -> None:
             if name in models:
-                models.remove(name)
+                del models[name]
                 notify(name, "deletion")
 
         def notify(name: str, state: str) -> None:

@@ -26,6 +26,8 @@ class SkidSteerDrivePlugin(DrivePlugin):
         max_force: maximum torque of each wheel's motor [N m]; without it the velocity of the wheels is set directly.
     """
 
+    STATE = ()
+
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the wheels, and subscribe."""
         torque = sdf.Get(float, "max_force", 0.0)[0]

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,6 +72,8 @@ class Camera:
         ParameterError: an argument is out of range.
         LibraryError: the chosen OpenGL does not work here.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ("_format", "_capture", "_saving", "_saved", "_rate", "_fresh", "core", "mount")
 
     def __init__(
         self,
@@ -461,7 +463,7 @@ class Camera:
         self.mount.track(found)
         return found is not None
 
-    def TrackedVisual(self) -> Visual | None:
+    def TrackedVisual(self) -> Visual | Any:
         """The visual that it tracks."""
         return self.mount.tracked
 

@@ -22,6 +22,8 @@ class DepthCamera(Camera):
     Nothing closer than its near clip distance or beyond its far one is seen. Arguments as for `Camera`.
     """
 
+    STATE = ("_depths",)
+
     def __init__(self, *values: Any, **options: Any) -> None:
         super().__init__(*values, **options)
         self._depths = np.full((self.core.height, self.core.width), np.inf, dtype=np.float32)

@@ -134,6 +134,16 @@ class Light:
         """Whether it is switched on."""
         return self.geom.appearance.visible
 
+    def CastShadows(self) -> bool:
+        """Whether bodies cast shadows in its light."""
+        return self.geom.cast_shadows
+
+    GetCastShadows = CastShadows
+
+    def SetCastShadows(self, cast: bool) -> None:
+        """Set whether bodies cast shadows in its light."""
+        self.geom.cast_shadows = bool(cast)
+
     def SetVisible(self, visible: bool) -> None:
         """Switch it on or off."""
         self.geom.appearance.visible = bool(visible)

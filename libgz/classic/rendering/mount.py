@@ -27,6 +27,8 @@ class Mount:
         tracked: the visual that the camera looks at.
     """
 
+    STATE = ("_offset", "_turns")
+
     def __init__(self, camera: CoreCamera) -> None:
         self._camera = camera
         self.clock: Callable[[], float] = time.monotonic

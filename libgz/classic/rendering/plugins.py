@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from libgz.classic.rendering.scene import scene_of
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
     from libgz.classic.physics.model import Model
     from libgz.classic.physics.world import World
+    from libgz.sdf.element import Element
     from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["VisualPlugins"]
@@ -22,13 +23,13 @@ class VisualPlugins:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._seen: set[Visual] = set()
+        self._seen: dict[Visual, None] = {}
 
     def add(self, _models: Iterable[CoreModel] = ()) -> None:
         """Load the plugins of all visuals added since the last call, one visual after the other."""
         for visual in list(scene_of(self._world).visuals()):
             if visual not in self._seen:
-                self._seen.add(visual)
+                self._seen[visual] = None
                 self._load(visual)
 
     @staticmethod
@@ -42,6 +43,17 @@ class VisualPlugins:
         for visual in scene_of(self._world).visuals():
             yield from visual.plugins
 
+    def plugins_by_holder(self) -> Iterator[tuple[str, str, list[LoadedPlugin]]]:
+        """("Visual", name of the visual, its plugins) of all visuals that have any."""
+        for visual in self._seen:
+            if visual.plugins:
+                yield "Visual", visual.Name(), visual.plugins
+
+    def holder(self, name: str) -> tuple[Visual | None, Callable[[str, str, Element | None], object]]:
+        """A visual by its full name, and a function that loads one more plugin for it."""
+        visual = scene_of(self._world).GetVisual(name)
+        return visual, visual.LoadPlugin if visual is not None else lambda *_: None
+
     def remove_of(self, model: Model) -> None:
         """Remove the plugins of the visuals of a model that is being deleted."""
         for visual in scene_of(self._world).model_visual(model).tree():
@@ -51,7 +63,7 @@ class VisualPlugins:
         for plugin in visual.plugins:
             plugin.drop()
         visual.plugins.clear()
-        self._seen.discard(visual)
+        self._seen.pop(visual, None)
 
     def close(self) -> None:
         """Remove all plugins."""

@@ -6,7 +6,7 @@ import functools
 import logging
 import weakref
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -83,7 +83,6 @@ class Scene:
         element = world.SDF()
         scene = element.child("scene") if element is not None and element.name == "world" else None
         self.grid = scene.Get(bool, "grid") if scene is not None and scene.HasElement("grid") else True
-        self._shadows = scene.Get(bool, "shadows") if scene is not None else True
         # The backdrop belongs to the engine's world, which must not keep this scene alive.
         this = weakref.ref(self)
         world.core.backdrop.lines.append(lambda view: () if (alive := this()) is None else alive._lines_for(view))
@@ -122,7 +121,7 @@ class Scene:
         """All visuals, parents first."""
         yield from self._root.tree()
 
-    def GetVisual(self, which: str | int) -> Visual | None:
+    def GetVisual(self, which: str | int) -> Visual | Any:
         """A visual by its full name ``model::link::visual``, or number; None if there is none."""
         if isinstance(which, int):
             return next((visual for visual in self.visuals() if visual.GetId() == which), None)
@@ -135,7 +134,7 @@ class Scene:
 
     GetVisualCount = VisualCount
 
-    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | None:
+    def GetModelVisualAt(self, camera: Camera, mousePos: Sequence[int]) -> Visual | Any:
         """The model at a pixel of a camera's last image; None for none."""
         x, y = int(mousePos[0]), int(mousePos[1])
         try:
@@ -220,7 +219,7 @@ class Scene:
 
     GetLightCount = LightCount
 
-    def GetLight(self, which: str | int) -> Light | None:
+    def GetLight(self, which: str | int) -> Light | Any:
         """A light by name or number; None if there is none."""
         lights = self.lights()
         if isinstance(which, int):
@@ -248,7 +247,7 @@ class Scene:
 
     GetCameraCount = CameraCount
 
-    def GetCamera(self, which: str | int) -> Camera | None:
+    def GetCamera(self, which: str | int) -> Camera | Any:
         """A camera by name or number; None if there is none."""
         return _pick(self.cameras(), which)
 
@@ -262,7 +261,7 @@ class Scene:
 
     GetUserCameraCount = UserCameraCount
 
-    def GetUserCamera(self, which: str | int = 0) -> UserCamera | None:
+    def GetUserCamera(self, which: str | int = 0) -> UserCamera | Any:
         """The camera of a user by name or number; None if there is none."""
         return _pick(self.user_cameras(), which)
 
@@ -328,13 +327,12 @@ class Scene:
     SetSkyXMode = SetSky
 
     def SetShadowsEnabled(self, value: bool) -> None:
-        """The value is kept, but there are no shadows."""
-        _log_once("images have no shadows")
-        self._shadows = bool(value)
+        """Set whether images of all cameras have shadows."""
+        self.world.core.backdrop.shadows = bool(value)
 
     def ShadowsEnabled(self) -> bool:
-        """The value last set."""
-        return self._shadows
+        """Whether images may have shadows; cameras of sensors have them only if `<shadows>` or a plugin says so."""
+        return self.world.core.backdrop.shadows is not False
 
     GetShadowsEnabled = ShadowsEnabled
 

@@ -23,6 +23,7 @@ class UserCamera(Camera):
         super().__init__(*values, **options)
         self._controller = "orbit"
         self.core.options.displayGrid = True
+        self.core.options.shadows = True
         self._initial = self.START
         self._focus = Vector3d()
         self.SetDefaultPose(self.START)

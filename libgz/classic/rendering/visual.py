@@ -54,7 +54,8 @@ class Visual:
         self.body: Body | None = None  # that carries its shapes
         self.members: Callable[[], Sequence[Visual]] = tuple  # children from the world's file
         self._offset = GzPose()  # of a group, from its frame
-        self._transparency, self._visible, self._shadows, self._highlighted = 0.0, True, True, False
+        self._transparency, self._visible, self._highlighted = 0.0, True, False
+        self._shadows = True
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
         self._lines: list[DynamicLines] = []
@@ -101,11 +102,11 @@ class Visual:
         """The scene."""
         return self._scene
 
-    def GetSDF(self) -> Element | None:
+    def GetSDF(self) -> Element | Any:
         """The `<visual>` element; None if there was none."""
         return self.sdf
 
-    def GetParent(self) -> Visual | None:
+    def GetParent(self) -> Visual | Any:
         """The visual that contains it; None at the top."""
         return self._parent
 
@@ -126,7 +127,7 @@ class Visual:
 
     ChildCount = GetChildCount
 
-    def GetChild(self, index: int) -> Visual | None:
+    def GetChild(self, index: int) -> Visual | Any:
         """One of the visuals in it; None if there is none of that number."""
         children = self.children()
         return children[index] if 0 <= index < len(children) else None
@@ -425,11 +426,13 @@ class Visual:
         self.SetVisible(not self._visible)
 
     def SetCastShadows(self, shadows: bool) -> None:
-        """The value is kept, but there are no shadows."""
+        """Set whether it casts a shadow, where images have shadows."""
         self._shadows = bool(shadows)
+        for geom in self.geoms:
+            geom.appearance.change(cast_shadows=self._shadows)
 
     def GetCastShadows(self) -> bool:
-        """The value last set."""
+        """Whether it casts a shadow, where images have shadows."""
         return self._shadows
 
     CastShadows = GetCastShadows

@@ -22,6 +22,12 @@ VELOCITY = SensorNoiseType.ALTIMETER_VELOCITY_NOISE_METERS_PER_S
 class AltimeterSensor(LinkSensor):
     """An altimeter; 0 is its height at the start."""
 
+    STATE = (
+        "_reference",
+        "_altitude",
+        "_velocity",
+    )
+
     message_type: ClassVar[Any] = msgs.Altimeter
     topic_appended = True
 

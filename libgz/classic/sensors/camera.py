@@ -25,6 +25,8 @@ class CameraSensor(LinkSensor):
     active.
     """
 
+    STATE = ("taken",)
+
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "image"
     message_type: ClassVar[Any] = msgs.ImageStamped
@@ -74,6 +76,11 @@ class CameraSensor(LinkSensor):
         if self._camera is None:
             self.Init()
         return self._camera  # type: ignore[return-value]
+
+    @property
+    def taken(self) -> list[CameraView]:
+        """The camera, as far as it exists."""
+        return [self._camera] if self._camera is not None else []
 
     def ImageWidth(self) -> int:
         """[px]."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from libgz.classic import msgs
-from libgz.classic.physics.contact import Contact, read_contacts
+from libgz.classic.physics.contact import Contact, loaded_contacts, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.sensors.read import custom_topic, first
 from libgz.classic.sensors.sensor import LinkSensor, SensorOwner
@@ -40,6 +40,17 @@ class ContactSensor(LinkSensor):
         self._waiting: deque[list[Contact]] = deque(maxlen=MOST_ITERATIONS)
         self._contacts: list[Contact] = []
         self._manager = self.world.Physics().GetContactManager()
+
+    def SaveState(self) -> tuple[object, ...]:
+        """The contacts that wait, and those of the last measurement."""
+        return [[contact.save() for contact in found] for found in self._waiting], [c.save() for c in self._contacts]
+
+    def LoadState(self, state: Any) -> None:
+        """Take what SaveState returned."""
+        waiting, contacts = state
+        self._waiting.clear()
+        self._waiting.extend(loaded_contacts(self.world, found) for found in waiting)
+        self._contacts = loaded_contacts(self.world, contacts)
 
     def Init(self) -> None:
         """Check that the collisions exist."""

@@ -25,6 +25,11 @@ class ForceTorqueSensor(Sensor):
     child, along the axes of the parent, of the child, or of the sensor, whose pose is in the joint's frame.
     """
 
+    STATE = (
+        "_force",
+        "_torque",
+    )
+
     topic_suffix: ClassVar[str | None] = "wrench"
     message_type: ClassVar[Any] = msgs.WrenchStamped
 

@@ -33,6 +33,11 @@ VELOCITY_NOISE = (
 class GpsSensor(LinkSensor):
     """A satellite navigation receiver. Noise is on the local position [m] and on the velocity [m/s]."""
 
+    STATE = (
+        "_place",
+        "_velocity",
+    )
+
     message_type: ClassVar[Any] = msgs.GPS
     topic_appended = True
 

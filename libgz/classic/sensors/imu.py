@@ -42,6 +42,14 @@ class ImuSensor(LinkSensor):
     The acceleration is the change of its velocity since the last measurement, less gravity; at rest it is g upwards.
     """
 
+    STATE = (
+        "_reference",
+        "_velocity",
+        "_true",
+        "_noisy",
+        "_orientation",
+    )
+
     topic_suffix: ClassVar[str | None] = "imu"
     message_type: ClassVar[Any] = msgs.IMU
 

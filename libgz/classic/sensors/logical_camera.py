@@ -28,6 +28,11 @@ class LogicalCameraSensor(LinkSensor):
     A model without collisions counts as a point. Its own model is left out, and models do not hide each other.
     """
 
+    STATE = (
+        "_camera_pose",
+        "_seen",
+    )
+
     topic_suffix: ClassVar[str | None] = "models"
     message_type: ClassVar[Any] = msgs.LogicalCameraImage
 
@@ -46,7 +51,7 @@ class LogicalCameraSensor(LinkSensor):
         planes = self._planes(pose)
         own = self.link.GetParentModel()
         while own is not None and own.GetParent() is not None:
-            own = own.GetParent().GetParentModel()  # type: ignore[union-attr]
+            own = own.GetParent().GetParentModel()
         self._seen = [
             (model.GetScopedName(), Pose3d(GzCoordPoseSub(model.pose(), pose)))
             for model in self.world.Models()

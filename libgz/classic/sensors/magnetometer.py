@@ -25,6 +25,8 @@ NOISE = (
 class MagnetometerSensor(LinkSensor):
     """A compass for three axes."""
 
+    STATE = ("_field",)
+
     message_type: ClassVar[Any] = msgs.Magnetometer
     topic_appended = True
 

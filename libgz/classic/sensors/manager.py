@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
 from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
-from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, nearest
+from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.upgrade import NEWEST
+from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["WorldSensors"]
 
 log = logging.getLogger("libgz.classic")
+
+SENSOR = f"<sdf version='{NEWEST}'><model name='any'><link name='any'>%s</link></model></sdf>"
 
 
 class WorldSensors:
@@ -126,11 +131,13 @@ class WorldSensors:
         if sensor in self._active:
             self._next = -math.inf
         elif self.sensors.get(sensor.ScopedName()) is sensor and sensor.IsActive():
-            active = sorted([*self._active, sensor], key=lambda one: one.Id())
-            self._active = dict.fromkeys(active)
             self._next = -math.inf
-            sensor.activated()
+            self._activate(sensor)
             self._update_lists()
+
+    def _activate(self, sensor: Sensor) -> None:
+        self._active = {one: None for one in self.sensors.values() if one in self._active or one is sensor}
+        sensor.activated()
 
     def _deactivate(self, sensor: Sensor) -> None:
         del self._active[sensor]
@@ -190,6 +197,54 @@ class WorldSensors:
                     log.error("%s: <sensor>: %s", sensor.sdf.where, error)
         self._update_lists()
 
+    # State -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> tuple[Any, ...]:
+        """The state of all sensors, as plain data."""
+        sensors = [
+            (name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, get_state(one))
+            for name, one in self.sensors.items()
+        ]
+        return self._now, self._next, sensors
+
+    def load(self, state: Sequence[Any]) -> None:
+        """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
+        now, due, rows = state
+        kinds = {name: kind for name, kind, *_ in rows}
+        for sensor in [s for name, s in self.sensors.items() if kinds.get(name) != s.Type()]:
+            self.remove(sensor)
+        for name, _, parent, source, *_ in rows:
+            if name not in self.sensors:
+                self._make_again(name, parent, source)
+        self.start_new()
+        missing = [name for name, *_ in rows if name not in self.sensors]
+        if missing:
+            raise StateError(f"sensors of this state cannot be made again: {', '.join(missing)}")
+        self.sensors = {name: self.sensors[name] for name, *_ in rows}
+        self._active = {sensor: None for sensor in self.sensors.values() if sensor in self._active}
+        for name, *_, active, one in rows:
+            sensor = self.sensors[name]
+            set_state(sensor, one)
+            if active and sensor not in self._active:
+                self._activate(sensor)
+            elif not active and sensor in self._active:
+                self._deactivate(sensor)
+        self._update_lists()
+        self._now, self._next = now, due
+
+    def _make_again(self, name: str, parent: str, source: str) -> None:
+        holder = self.world.BaseByName(parent)
+        if holder is None:
+            return
+        element = next(SdfFile.from_string(SENSOR % source).root.find("sensor")) if source else None
+        sdf = holder.GetSDF()
+        for own in sdf.named("sensor") if element is None and sdf is not None else ():
+            if name.endswith(f"::{own.Get(str, 'name')}"):
+                element = own
+        made = self.create(holder, element) if element is not None else None  # type: ignore[arg-type]
+        if made is not None:
+            made.source = source
+
     # Look up -----------------------------------------------------------------------------------------------------
 
     def names(self) -> list[str]:
@@ -207,6 +262,17 @@ class WorldSensors:
         """The plugins of all sensors."""
         for loaded in list(self._plugins.values()):
             yield from loaded
+
+    def plugins_by_holder(self) -> Iterator[tuple[str, str, list[LoadedPlugin]]]:
+        """("Sensor", name of the sensor, its plugins) of all sensors that have any."""
+        for sensor in self.sensors.values():
+            if sensor in self._plugins:
+                yield "Sensor", sensor.ScopedName(), self._plugins[sensor]
+
+    def holder(self, name: str) -> tuple[Sensor | None, Callable[[str, str, Element | None], object]]:
+        """A sensor by its full name, and a function that loads one more plugin for it."""
+        sensor = self.sensors.get(name)
+        return sensor, lambda *values: self.load_plugin(sensor, values[2]) if sensor and values[2] else None
 
     # Ends --------------------------------------------------------------------------------------------------------
 

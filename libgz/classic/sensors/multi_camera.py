@@ -24,6 +24,11 @@ __all__ = ["MultiCameraSensor"]
 class MultiCameraSensor(LinkSensor):
     """Takes images with all its cameras at once; each looks along +x of its own pose in the sensor."""
 
+    STATE = (
+        "_cameras",
+        "camera_noises",
+    )
+
     category: ClassVar[SensorCategory] = SensorCategory.IMAGE
     topic_suffix: ClassVar[str | None] = "images"
     message_type: ClassVar[Any] = msgs.ImagesStamped
@@ -40,6 +45,11 @@ class MultiCameraSensor(LinkSensor):
     def _noise(self, element: Element, index: int) -> NoiseModel | None:
         noise = first(element, "noise")
         return new_noise(noise, self.world.core.seed, self.ScopedName(), index) if noise is not None else None
+
+    @property
+    def camera_noises(self) -> list[NoiseModel]:
+        """The noises of its cameras."""
+        return [plan.noise for plan in self._plans if plan.noise is not None]
 
     def Init(self) -> None:
         """Open all cameras."""

@@ -6,6 +6,7 @@ import math
 import zlib
 from collections.abc import Callable
 from enum import IntEnum
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,8 @@ class NoiseType(IntEnum):
 
 class Noise:
     """A model of noise; without a callback this one adds none."""
+
+    STATE: ClassVar[tuple[str, ...]] = ()
 
     NONE, CUSTOM, GAUSSIAN, GAUSSIAN_QUANTIZED = NoiseType
 
@@ -108,6 +111,8 @@ class GaussianNoiseModel(Noise):
         precision: values are rounded to multiples of it; 0 for no rounding.
         seed: of the random numbers.
     """
+
+    STATE = ("_mean", "_stddev", "_bias", "_random")
 
     def __init__(
         self,

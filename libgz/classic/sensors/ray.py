@@ -36,6 +36,12 @@ class RaySensor(LinkSensor):
     `resolution` is not 1, there are samples * resolution readings, interpolated between the rays.
     """
 
+    STATE = (
+        "_ranges",
+        "_retros",
+        "_shape",
+    )
+
     category: ClassVar[SensorCategory] = SensorCategory.RAY
     topic_suffix: ClassVar[str | None] = "scan"
     message_type: ClassVar[Any] = msgs.LaserScanStamped
@@ -67,6 +73,13 @@ class RaySensor(LinkSensor):
     def SetPose(self, pose: GzPose) -> None:
         """Set the pose in its link [m]."""
         super().SetPose(pose)
+        self._shape.place(self._pose)
+
+    def SaveState(self) -> None:
+        """Its pose is all that the rays have."""
+
+    def LoadState(self, _state: object) -> None:
+        """Place the rays where its pose is now."""
         self._shape.place(self._pose)
 
     def LaserShape(self) -> MultiRayShape:

@@ -61,6 +61,16 @@ class Sensor:
         sdf: its `<sensor>` element.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = (
+        "_pose",
+        "_active",
+        "_period",
+        "_updated",
+        "_measured",
+        "_delay",
+        "all_noises",
+    )
+
     category: ClassVar[SensorCategory] = SensorCategory.OTHER
     topic_suffix: ClassVar[str | None] = None  # follows the sensor's name in its topic; None: it has no topic
     topic_appended: ClassVar[bool] = False  # whether its file's topic is appended to its own instead of replacing it
@@ -81,6 +91,7 @@ class Sensor:
         self._message_event = Event(f"Update of sensor {self.ScopedName()}")
         self.noises: dict[SensorNoiseType, NoiseModel] = {}
         self.publisher: Publisher | None = None
+        self.source = ""  # the text of its element, if that is not in the element of its parent
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.ScopedName()!r}>"
@@ -283,6 +294,11 @@ class Sensor:
         element = first(holder, "noise")
         if element is not None:
             self.noises[kind] = new_noise(element, self.world.core.seed, self.ScopedName(), int(kind))
+
+    @property
+    def all_noises(self) -> list[NoiseModel]:
+        """Its noises, in the order in which they were added."""
+        return list(self.noises.values())
 
     def noisy(self, kind: SensorNoiseType, value: float) -> float:
         """A value with its noise."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
 from libgz.classic.physics import get_world, worlds
 from libgz.classic.physics.joint import Joint
@@ -11,6 +11,7 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.registry import own_world
 from libgz.classic.sensors.kinds import KINDS
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.sdf.upgrade import upgraded
 
 if TYPE_CHECKING:
     from libgz.classic.sensors.manager import WorldSensors
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 __all__ = ["SensorManager", "get_sensor", "remove_sensors", "run_once", "run_threads"]
 
 log = logging.getLogger("libgz.classic")
+
+
+S = TypeVar("S", bound="Sensor")
 
 
 class SensorManager:
@@ -40,10 +44,21 @@ class SensorManager:
     def _all(self) -> list[WorldSensors]:
         return [world.server.sensors for world in worlds() if world.server.sensors is not None]
 
-    def GetSensor(self, name: str) -> Sensor | None:
+    @overload
+    def GetSensor(self, name: str) -> Sensor | Any: ...
+
+    @overload
+    def GetSensor(self, name: str, kind: type[S]) -> S | Any: ...
+
+    def GetSensor(self, name: str, kind: type[Any] = object) -> Any:
         """A sensor by its full name, its name from the model on, or the plain one if that is unique; else None.
 
         A plugin gets the sensor of its own world, if there is one of this name.
+
+        Args:
+            name: of the sensor.
+            kind: its class, such as `RaySensor`; None is returned for a sensor of another one, as by C++'s
+                dynamic_pointer_cast.
         """
         own = own_world()
         found = own.server.sensors.find(name) if own is not None and own.server.sensors is not None else []
@@ -51,7 +66,7 @@ class SensorManager:
         if len(found) > 1:
             names = ", ".join(sensor.ScopedName() for sensor in found)
             log.warning("Unable to get a sensor, multiple sensors are called %s: %s. Use a scoped name.", name, names)
-        return found[0] if len(found) == 1 else None
+        return found[0] if len(found) == 1 and isinstance(found[0], kind) else None
 
     def GetSensors(self) -> list[Sensor]:
         """All sensors."""
@@ -82,6 +97,7 @@ class SensorManager:
         sensors.start_new()
         if sensor is None:
             raise ParameterError(f"{sdf.where}: this sensor could not be made")
+        sensor.source = upgraded(sdf).ToString()
         return sensor.ScopedName()
 
     def RemoveSensor(self, name: str) -> None:
@@ -126,9 +142,17 @@ class SensorManager:
         """Nothing to do: sensors end with their worlds."""
 
 
-def get_sensor(name: str) -> Sensor | None:
-    """`SensorManager.Instance().GetSensor(name)`."""
-    return SensorManager.Instance().GetSensor(name)
+@overload
+def get_sensor(name: str) -> Sensor | Any: ...
+
+
+@overload
+def get_sensor(name: str, kind: type[S]) -> S | Any: ...
+
+
+def get_sensor(name: str, kind: type[Any] = object) -> Any:
+    """`SensorManager.Instance().GetSensor(name, kind)`."""
+    return SensorManager.Instance().GetSensor(name, kind)
 
 
 def remove_sensors() -> None:

@@ -34,6 +34,13 @@ class SonarSensor(LinkSensor):
     radius at its base, may be missed.
     """
 
+    STATE = (
+        "_reached",
+        "_rows",
+        "_range",
+        "_contact",
+    )
+
     topic_suffix: ClassVar[str | None] = "sonar"
     message_type: ClassVar[Any] = msgs.SonarStamped
 
@@ -58,6 +65,13 @@ class SonarSensor(LinkSensor):
         """Set the pose in its link [m]."""
         super().SetPose(pose)
         self._place()
+
+    def LoadState(self, _state: object) -> None:
+        """Place the rays where its pose is now."""
+        self._place()
+
+    def SaveState(self) -> None:
+        """Its pose is all."""
 
     def ConnectUpdate(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` with a msgs.SonarStamped after each measurement, as long as the connection is kept."""

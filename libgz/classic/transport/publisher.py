@@ -13,7 +13,7 @@ from libgz.classic.transport.manager import PATIENCE, TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.errors import ClosedError, ParameterError
 
-__all__ = ["Publisher"]
+__all__ = ["Publisher", "drop_waiting", "queue_message", "waiting_messages"]
 
 POLL = 0.002  # [s] between checks for a subscriber
 
@@ -159,3 +159,45 @@ def _send_one(topic: Topic, outbox: deque[tuple[int, Message]]) -> None:
     except IndexError:
         return
     topic.deliver(*entry)
+
+
+# States of worlds -----------------------------------------------------------------------------------------------------
+
+
+def waiting_messages(prefix: str) -> list[tuple[str, Message]]:
+    """Return (topic, message) of all that waits in this process on topics with a prefix, in the order of delivery."""
+    found: dict[int, tuple[str, Message]] = {}
+    for deliver in list(TopicManager.Instance().queue):
+        if isinstance(deliver, functools.partial) and deliver.func is _send_one:
+            topic, outbox = deliver.args
+            found.update({number: (topic.name, message) for number, message in outbox})
+        elif isinstance(deliver, _Waiting):
+            found[deliver.number] = deliver.topic, deliver.message
+    return [entry for _, entry in sorted(found.items()) if entry[0].startswith(prefix)]
+
+
+def drop_waiting(prefix: str) -> None:
+    """Drop the messages that `waiting_messages` returns."""
+    queue = TopicManager.Instance().queue
+    for deliver in list(queue):
+        if isinstance(deliver, functools.partial) and deliver.func is _send_one:
+            topic, outbox = deliver.args
+            if topic.name.startswith(prefix):
+                outbox.clear()
+        elif isinstance(deliver, _Waiting) and deliver.topic.startswith(prefix):
+            queue.remove(deliver)
+
+
+def queue_message(topic: str, message: Message) -> None:
+    """Let a message wait on a topic, for those that have subscribed by now."""
+    TopicManager.Instance().queue.append(_Waiting(topic, message))
+
+
+class _Waiting:
+    """A message whose publisher is not known any more."""
+
+    def __init__(self, topic: str, message: Message) -> None:
+        self.topic, self.message, self.number = topic, message, next(sequence)
+
+    def __call__(self) -> None:
+        TopicManager.Instance().topic(self.topic).deliver(self.number, self.message)

@@ -2,6 +2,7 @@
 
 import base64
 import bz2
+import json
 import subprocess
 import sys
 import zlib
@@ -315,6 +316,9 @@ def test_gzserver_records_and_plays(place, tmp_path):
     done = run(place, path, "--record_path", folder, "--record_period", 0.01, "--iters", 301, "--seed", 7, "--verbose")
     assert done.returncode == 0, done.stderr
     assert f"recording to [{folder}/state.log]" in done.stderr + done.stdout
+    code, said, _ = tool(place, "log", "-f", folder / "state.log", "--json")
+    assert code == 0
+    assert json.loads(said)["end_time"] > 0.0
     code, said, _ = tool(place, "log", "-f", folder / "state.log")
     assert code == 0
     for line in ("Random Seed:    7", "Duration:       0.300000 s", "Steps:          31", "Encoding:       zlib"):

@@ -1,0 +1,63 @@
+"""Install: the header, the library and its pkg-config file where the build systems of old programs look for them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from libgz.clib import FOLDER
+from libgz.clib.header import version_macro
+from libgz.clib.library import ARCHIVE, SHARED, library_folder
+from libgz.errors import LibraryError
+from libgz.files import write_whole
+from libgz.transport.layout import LIBGAZEBO_VERSION
+
+__all__ = ["install"]
+
+RELEASES = {0x050: "0.5.0", 0x060: "0.7.0"}  # of Gazebo, by version of the structs
+LINK = "libgazebo.so"
+PKG_CONFIG = """\
+prefix={prefix}
+exec_prefix=${{prefix}}
+libdir=${{exec_prefix}}/lib
+includedir=${{prefix}}/include
+
+Name: gazebo
+Description: Interfaces of the Gazebo robot simulator, of libgz
+Version: {release}
+Requires:
+Libs: -L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
+Libs.private: -lm
+Cflags: -I${{includedir}}
+"""
+
+
+def install(prefix: Path, version: int = LIBGAZEBO_VERSION) -> list[Path]:
+    """Write gazebo.h, libgazebo.a, libgazebo.so.0 with its link, and gazebo.pc below a directory; returns their paths.
+
+    Args:
+        prefix: such as `/usr/local`; missing directories are created.
+        version: of the structs, one of `libgz.transport.layout.VERSIONS`.
+
+    Raises:
+        LibraryError: the library cannot be compiled, or the directory cannot be written.
+    """
+    compiled = library_folder(version)
+    prefix = prefix.expanduser().absolute()
+    header = (FOLDER / "gazebo.h").read_text().replace(version_macro(LIBGAZEBO_VERSION), version_macro(version))
+    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version])
+    contents = {
+        prefix / "include" / "gazebo.h": header.encode(),
+        prefix / "lib" / ARCHIVE: (compiled / ARCHIVE).read_bytes(),
+        prefix / "lib" / SHARED: (compiled / SHARED).read_bytes(),
+        prefix / "lib" / "pkgconfig" / "gazebo.pc": description.encode(),
+    }
+    link = prefix / "lib" / LINK
+    try:
+        for path, content in contents.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_whole(path, content)
+        link.unlink(missing_ok=True)
+        link.symlink_to(SHARED)
+    except OSError as error:
+        raise LibraryError(f"the C library cannot be installed in {prefix}: {error}") from None
+    return sorted([*contents, link])

@@ -1,0 +1,31 @@
+"""Makes the native parts plain shared libraries: neither their names nor the wheel's tag has a Python ABI."""
+
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.bdist_wheel import bdist_wheel
+from setuptools.command.build_ext import build_ext
+
+
+class BuildLibraries(build_ext):
+    """Names libraries without Python's suffix."""
+
+    def get_ext_filename(self, fullname: str) -> str:
+        """`libgz/ode/_step.so` for `libgz.ode._step`."""
+        return str(Path(*fullname.split("."))) + ".so"
+
+    def build_extensions(self) -> None:
+        """Build them without the directories of the Python that builds, where they would look for libraries."""
+        self.compiler.linker_so = [word for word in self.compiler.linker_so if not word.startswith("-Wl,-rpath")]
+        super().build_extensions()
+
+
+class AnyPythonWheel(bdist_wheel):
+    """One wheel for all versions of Python on a platform."""
+
+    def get_tag(self) -> tuple[str, str, str]:
+        """Python and ABI tag of a wheel without extension modules, with the platform's tag."""
+        return "py3", "none", super().get_tag()[2]
+
+
+setup(cmdclass={"build_ext": BuildLibraries, "bdist_wheel": AnyPythonWheel})

@@ -1,0 +1,403 @@
+"""States of SDF worlds: what happens after `set_state` is equal to the bit to what happened after `get_state`."""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from classic_runs import Run, first_difference, opened
+
+from libgz import World
+from libgz.classic.common import PoseAnimation
+from libgz.classic.math import PID, Pose3d, Rand, Vector3d
+from libgz.classic.server import attach
+from libgz.errors import ClosedError, StateError
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
+WORLDS = sorted(path for path in EXAMPLES.glob("*/*.world") if path.parent.name != "hello_world")
+STEPS = 150
+
+GROUND = """<model name='ground'><static>1</static><link name='l'><collision name='c'><geometry><plane/></geometry>
+</collision></link></model>"""
+NOISE = """<noise type='gaussian'><mean>0.1</mean><stddev>0.2</stddev><bias_mean>1</bias_mean>
+<bias_stddev>1</bias_stddev></noise>"""
+IMU = f"""<sensor name='imu' type='imu'><always_on>1</always_on><update_rate>130</update_rate><imu>
+<angular_velocity><x>{NOISE}</x></angular_velocity>
+<linear_acceleration><z>{NOISE}</z></linear_acceleration></imu></sensor>"""
+SENSORS = f"""{IMU}
+<sensor name='ray' type='ray'><always_on>1</always_on><update_rate>40</update_rate><ray><scan><horizontal>
+<samples>20</samples><min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan>
+<range><min>0.05</min><max>5</max></range>{NOISE}</ray></sensor>
+<sensor name='bump' type='contact'><always_on>1</always_on><update_rate>30</update_rate>
+<contact><collision>c</collision></contact></sensor>
+<sensor name='gps' type='gps'><always_on>1</always_on><gps><position_sensing><horizontal>{NOISE}</horizontal>
+</position_sensing></gps></sensor>
+<sensor name='alt' type='altimeter'><always_on>1</always_on><altimeter><vertical_position>{NOISE}</vertical_position>
+</altimeter></sensor>
+<sensor name='sonar' type='sonar'><always_on>1</always_on><sonar><min>0.1</min><max>3</max><radius>0.3</radius></sonar>
+</sensor>"""
+
+
+def box(name, pose, inside="", link="", plugin=""):
+    return f"""<model name='{name}'><pose>{pose}</pose><link name='l'>
+<collision name='c'><geometry><box><size>.4 .4 .4</size></box></geometry></collision>
+<visual name='v'><geometry><box><size>.4 .4 .4</size></box></geometry></visual>{link}</link>{inside}{plugin}</model>"""
+
+
+ARM = """<link name='arm'><pose>.3 0 0 0 0 0</pose>
+<collision name='c'><geometry><box><size>.2 .1 .1</size></box></geometry></collision></link>
+<joint name='hinge' type='revolute'><parent>l</parent><child>arm</child><axis><xyz>0 1 0</xyz>
+<dynamics><damping>0.1</damping></dynamics></axis></joint>"""
+BATTERY = "<battery name='main'><voltage>12</voltage></battery>"
+TEXT = f"""<sdf version='1.6'><world name='default'>{GROUND}
+<light name='sun' type='directional'/>
+{box("one", "0 0 1 0.1 0.2 0", link=SENSORS)}
+{box("two", "0.1 0.1 1.8 0 0.3 0.1", link=BATTERY)}
+{box("three", "2 0 0.3 0 0 0", inside=ARM)}
+{box("four", "-2 0 0.2 0 0 0", inside=box("inner", "0 1 0 0 0 0"))}
+</world></sdf>"""
+NEW = f"<sdf version='1.6'>{box('new', '0 0 3 0 0 0', link=IMU)}</sdf>"
+
+
+@pytest.fixture
+def run():
+    with World.from_string(TEXT) as world:
+        made = Run(world)
+        made.watch()
+        yield made
+
+
+def repeats(run, between, steps=STEPS):
+    """Save; run; do something else; restore; run again: both runs are equal to the bit."""
+    state = run.world.get_state()
+    assert run.world.get_state() == state
+    first = run.steps(steps)
+    between()
+    run.world.set_state(state)
+    assert run.world.get_state() == state
+    assert first_difference(first, run.steps(steps)) is None
+
+
+@pytest.mark.parametrize("path", WORLDS, ids=lambda path: path.stem)
+def test_a_restored_world_runs_on_to_the_bit(path):
+    Rand.Seed(5)
+    run = opened(path)
+    with run.world:
+        run.watch()
+        run.steps(STEPS, every=50)
+        repeats(run, lambda: None)
+
+
+def test_the_harness_sees_a_difference(run):
+    """One force of a micronewton is enough, so that the tests here can fail."""
+    run.steps(20)
+    state = run.world.get_state()
+    first = run.steps(20)
+    run.world.set_state(state)
+    run.view.ModelByName("two").GetLink("l").AddForce((1e-6, 0.0, 0.0))
+    assert first_difference(first, run.steps(20)) == 0
+
+
+def test_models_that_went_return_and_those_that_came_go(run):
+    run.steps(50)
+    run.view.InsertModelString(NEW.replace("'new'", "'before'"))
+    run.steps(10)
+    one, ground = run.view.ModelByName("one"), run.view.ModelByName("ground")
+
+    def edit():
+        run.view.RemoveModel("one")
+        run.view.RemoveModel("sun")
+        run.steps(3)
+        run.view.RemoveModel("before")
+        run.view.InsertModelString(NEW)
+        run.steps(20)
+
+    repeats(run, edit)
+    names = [model.GetName() for model in run.view.Models()]
+    assert names == ["ground", "one", "two", "three", "four", "before"]
+    assert run.view.ModelByName("ground") is ground  # what stayed has its views
+    assert run.view.ModelByName("one") is not one
+    with pytest.raises(ClosedError, match="was closed"):
+        one.GetLink("l").AddForce((1.0, 0.0, 0.0))
+
+
+def test_nested_models_and_links_made_at_run_time_return(run):
+    run.steps(5)
+    link = run.view.ModelByName("two").CreateLink("extra")
+    link.SetLinearVel((0.1, 0.0, 0.0))
+
+    def edit():
+        run.view.RemoveModel("four::inner")
+        run.view.ModelByName("two").CreateLink("another")
+        run.steps(5)
+
+    repeats(run, edit)
+    assert run.view.ModelByName("two").GetLink("another") is None
+    assert run.view.ModelByName("two").GetLink("extra") is not None
+    assert run.view.ModelByName("four::inner") is not None
+
+
+def test_joints_made_and_removed_around_a_state(run):
+    two, three = (run.view.ModelByName(name) for name in ("two", "three"))
+    run.steps(30)
+    two.CreateJoint("grip", "fixed", three.GetLink("l"), two.GetLink("l"))
+    run.steps(10)
+
+    def edit():
+        two.CreateJoint("late", "ball", None, two.GetLink("l"))
+        run.steps(10)
+
+    repeats(run, edit)
+    assert two.GetJoint("late") is None
+
+    def remove():
+        two.RemoveJoint("grip")
+        run.steps(10)
+
+    repeats(run, remove)
+    assert two.GetJoint("grip") is not None
+
+
+def test_an_axis_and_an_anchor_set_since_are_undone(run):
+    hinge = run.view.ModelByName("three").GetJoint("hinge")
+    run.steps(20)
+
+    def edit():
+        hinge.SetAxis(0, (1.0, 0.0, 0.0))
+        hinge.SetAnchor(0, (2.2, 0.1, 0.2))
+        hinge.SetParam("fmax", 0, 3.0)
+        hinge.SetDamping(0, 2.0)
+        run.steps(10)
+
+    repeats(run, edit)
+    assert run.view.ModelByName("three").GetJoint("hinge") is hinge
+
+
+def test_controllers_batteries_animations_and_settings(run):
+    view = run.view
+    three, two = view.ModelByName("three"), view.ModelByName("two")
+    controller = three.GetJointController()
+    controller.SetPositionPID("three::hinge", PID(5.0, 1.0, 0.2, 10.0, -10.0))
+    controller.SetPositionTarget("three::hinge", 0.4)
+    battery = two.GetLink("l").Battery("main")
+    load = battery.AddConsumer()
+    battery.SetPowerLoad(load, 3.0)
+    animation, ended = PoseAnimation("up", 0.3, False), []
+    for time in (0.0, 0.3):
+        animation.CreateKeyFrame(time).Translation(Vector3d(-2.0, 0.0, 1.0 + time))
+    view.ModelByName("four").SetAnimation(animation, lambda: ended.append(view.SimTime().Double()))
+    run.steps(40)
+
+    def edit():
+        controller.Reset()
+        controller.SetForce("three::hinge", 2.0)
+        view.ModelByName("two").GetJointController().SetForce("nothing", 1.0)
+        battery.RemoveConsumer(load)
+        view.SetGravity((0.0, 0.0, 1.0))
+        view.SetMagneticField((1.0, 2.0, 3.0))
+        view.Physics().SetParam("iters", 7)
+        view.Physics().SetParam("island_threads", 3)
+        two.GetLink("l").GetInertial().SetMass(7.0)
+        two.GetLink("l").GetCollision("c").SetCollideMode("none")
+        two.SetScale((2.0, 2.0, 2.0))
+        view.LightByName("sun").SetDiffuseColor((1.0, 0.0, 0.0, 1.0))
+        run.steps(5)
+
+    repeats(run, edit, 300)
+    assert len(ended) == 2  # the callback of its end was called in both runs
+    assert ended[0] == ended[1]
+    assert battery.PowerLoad(load) == 3.0
+    assert controller.GetPositions()
+    assert view.Physics().GetParam("island_threads") == 0
+    assert tuple(view.MagneticField()) != (1.0, 2.0, 3.0)
+    assert two.GetLink("l").GetInertial().Mass() != 7.0
+
+
+def test_sensors_made_removed_and_changed_since(run):
+    from libgz.classic.sensors import SensorManager
+
+    run.steps(20)
+    manager = SensorManager.Instance()
+
+    def edit():
+        manager.RemoveSensor("one::l::alt")
+        ray = manager.GetSensor("one::l::ray")
+        ray.SetUpdateRate(5.0)
+        ray.SetPose(Pose3d(0.1, 0.0, 0.5, 0.0, 0.0, 1.0))
+        manager.GetSensor("one::l::imu").SetActive(False)
+        manager.GetSensor("one::l::gps").all_noises[0].SetStdDev(3.0)
+        run.steps(10)
+
+    repeats(run, edit)
+
+
+def test_bodies_asleep_stay_asleep_in_both_runs():
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{box('b', '0 0 0.2 0 0 0')}</world></sdf>"
+    with World.from_string(text) as world:
+        run = Run(world)
+        world.step(1500)
+        link = run.view.ModelByName("b").GetLink("l")
+        assert not link.GetEnabled()
+        repeats(run, lambda: link.SetEnabled(True))
+        assert world.get_state()
+
+
+def test_another_process_continues_to_the_bit(run, tmp_path):
+    world_file, state_file = tmp_path / "a.world", tmp_path / "state"
+    world_file.write_text(TEXT)
+    run.steps(60)
+    run.view.InsertModelString(NEW)
+    run.view.RemoveModel("two")
+    run.steps(10)
+    run.view.ModelByName("three").CreateJoint("hold", "fixed", None, run.view.ModelByName("three").GetLink("l"))
+    run.listen()
+    state = run.world.get_state()
+    state_file.write_bytes(state)
+    wanted = hashlib.blake2b(b"".join(run.steps(STEPS))).hexdigest()
+    code = f"""if True:
+        import hashlib, sys
+        sys.path.insert(0, {str(Path(__file__).parents[1])!r})
+        from classic_runs import opened
+        run = opened({str(world_file)!r})
+        run.watch()
+        state = open({str(state_file)!r}, "rb").read()
+        run.world.set_state(state)
+        assert run.world.get_state() == state
+        run.listen()
+        print(hashlib.blake2b(b"".join(run.steps({STEPS}))).hexdigest())
+        run.world.close()"""
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert found.stdout.strip() == wanted, found.stderr
+
+
+def test_a_state_of_another_world_is_refused(run):
+    with (
+        World.from_string(TEXT.replace("0 0 1 0.1", "0 0 1 0.3")) as other,
+        pytest.raises(StateError, match="another world"),
+    ):
+        other.set_state(run.world.get_state())
+
+
+# Plugins --------------------------------------------------------------------------------------------------------------
+
+COUNTER = """
+from libgz.classic import *
+from libgz.classic.event import Events
+loads = []
+class Counter(ModelPlugin):
+    {declares}
+    def Load(self, model, sdf):
+        loads.append(model.GetName())
+        self.count, self.resets, self.model = 0, 0, model
+        self.c = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+    def OnUpdate(self):
+        self.count += 1
+        self.model.GetLinks()[0].AddForce((0.01 * (self.count % 7), 0, 0))
+    def Reset(self):
+        self.count = 0
+        self.resets += 1
+GZ_REGISTER_MODEL_PLUGIN(Counter)
+"""
+PLUGIN = "<plugin name='p' filename='libcounter.so'/>"
+
+
+@pytest.fixture
+def with_plugin(tmp_path, monkeypatch):
+    """Makes a run of a world with the counter, and returns the plugins of its two models."""
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    worlds = []
+
+    def make(declares):
+        (tmp_path / "counter.py").write_text(COUNTER.format(declares=declares))
+        models = "".join(box(name, f"{x} 0 .5 0 0 0", plugin=PLUGIN) for x, name in enumerate("ab"))
+        worlds.append(World.from_string(f"<sdf version='1.6'><world name='default'>{GROUND}{models}</world></sdf>"))
+        run = Run(worlds[0])
+        server = attach(worlds[0])
+        return run, lambda name: server.model_plugins(run.view.ModelByName(name))[0].plugin
+
+    yield make
+    for world in worlds:
+        world.close()
+
+
+def test_plugins_that_stay_are_not_reloaded_and_get_their_state(with_plugin):
+    run, plugin = with_plugin("STATE = ('count',)")
+    run.steps(10)
+    before = plugin("a")
+    repeats(run, lambda: run.view.RemoveModel("b"))
+    assert plugin("a") is before
+    assert sys.modules[type(before).__module__].loads == ["a", "b", "b"]
+    assert plugin("b").count == plugin("a").count == 10 + STEPS
+
+
+def test_a_plugin_without_a_declared_state_is_named_once(with_plugin, caplog):
+    run, _ = with_plugin("pass")
+    assert "does not declare its state" not in caplog.text
+    for _ in range(2):
+        run.world.get_state()
+    assert caplog.text.count("class Counter does not declare its state") == 1
+
+
+def test_a_reset_calls_reset_and_loads_the_plugins_of_models_that_return(with_plugin):
+    run, plugin = with_plugin("STATE = ('count',)")
+    run.steps(10)
+    before = plugin("a")
+    run.view.RemoveModel("b")
+    run.world.reset()
+    assert plugin("a") is before
+    assert (before.count, before.resets) == (0, 1)
+    assert sys.modules[type(before).__module__].loads == ["a", "b", "b"]
+
+
+# Resets ---------------------------------------------------------------------------------------------------------------
+
+
+def fresh_and_reset(open_world, edit=lambda run: None):
+    """The digests of the first steps of a fresh world, and of those of one after a reset."""
+    records = []
+    for again in (False, True):
+        Rand.Seed(5)
+        run = open_world()
+        with run.world:
+            run.watch()
+            if again:
+                run.steps(STEPS + 7)
+                edit(run)
+                run.world.reset()
+                run.activate()
+            records.append(run.steps(STEPS))
+    return records
+
+
+@pytest.mark.parametrize("path", WORLDS, ids=lambda path: path.stem)
+def test_a_reset_world_is_as_a_fresh_one_to_the_bit(path):
+    assert first_difference(*fresh_and_reset(lambda: opened(path))) is None
+
+
+def test_a_reset_undoes_inserts_deletes_and_settings(caplog):
+    def edit(run):
+        run.view.InsertModelString(NEW)
+        run.view.RemoveModel("two")
+        run.view.SetGravity((0.0, 0.0, 0.0))
+        run.view.ModelByName("three").CreateJoint("j", "fixed", None, run.view.ModelByName("three").GetLink("l"))
+
+    assert first_difference(*fresh_and_reset(lambda: Run(World.from_string(TEXT)), edit)) is None
+    assert not [record for record in caplog.records if record.levelno >= logging.ERROR]
+
+
+def test_reset_of_time_and_of_entities_keep_their_meaning(run):
+    run.steps(40)
+    two = run.view.ModelByName("two")
+    pose = tuple(two.WorldPose().Pos())
+    run.view.ResetTime()
+    assert (run.world.GetSimTime(), tuple(two.WorldPose().Pos())) == (0.0, pose)
+    run.steps(10)
+    run.view.InsertModelString(NEW)
+    run.view.ResetEntities()
+    assert tuple(two.WorldPose().Pos()) == (0.1, 0.1, 1.8)
+    assert run.world.GetSimTime() > 0.0
+    assert run.view.ModelByName("new") is not None

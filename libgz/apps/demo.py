@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
                 raise ServerError("the server did not start; its messages are above")
             server_id = int(words[-1])
             with _viewer(server_id, options) if shown else contextlib.nullcontext():
-                _drive(server_id, world, seconds)
+                _drive(server_id, world, seconds, shown)
                 if shown:
                     print("the page stays until Ctrl-C; drive on with W A S D")
                     server.wait()
@@ -77,7 +77,7 @@ def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
             viewer.terminate()
 
 
-def _drive(server_id: int, world: Path, seconds: float) -> None:
+def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
     """Drive in a circle and print ten lines in all."""
     print(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
     print(HEADER)
@@ -85,8 +85,9 @@ def _drive(server_id: int, world: Path, seconds: float) -> None:
         sim, robot = client.sim(), client.position("robot1")
         sonar, laser, power = client.sonar("robot1"), client.laser("laser1"), client.power("robot1")
         robot.command(vx=SPEED, vyaw=TURN)
-        next_line, distance, last = 0.0, 0.0, robot.pose
-        while sim.sim_time < seconds:
+        begin = sim.sim_time if shown else 0.0  # the world runs while the page is made
+        next_line, distance, last = begin, 0.0, robot.pose
+        while sim.sim_time < begin + seconds:
             if not client.wait(timeout=PATIENCE):
                 raise GazeboError(f"the server sent no data for {PATIENCE:g} s")
             x, y, yaw = robot.pose

@@ -101,7 +101,9 @@ class WorldControl:
             self.world.paused = False
 
     def _reset(self, _argument: str, _content: dict[str, Any]) -> None:
+        paused = self.world.paused
         self.world.Reset()
+        self.world.paused = paused  # a state has that, too
 
     def _speed(self, argument: str, _content: dict[str, Any]) -> None:
         speed = _number(argument, "speed")

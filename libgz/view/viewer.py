@@ -89,7 +89,7 @@ class Viewer:
         self._selected = ""
         self._pictures: dict[str, NDArray[np.uint8]] = {}  # of SDF cameras
         self._details: dict[str, Any] = {}
-        self._follow = False
+        self._follow = self._following = False
         self._offset: NDArray[np.float64] = np.zeros(3)
         self._handle: Any = None
         self._held = False  # whether a user holds the handles
@@ -389,12 +389,13 @@ class Viewer:
 
     def set_follow(self, on: bool) -> None:
         """Whether the view follows the selected model."""
-        self._follow = on
-        if not on and self._offset.any():
+        self._follow, self._following = on, False
+        if not on:
             offset, self._offset = self._offset, np.zeros(3)
             self._root.position = np.zeros(3)
             for client in self.page.get_clients().values():
-                client.camera.position = client.camera.position + offset
+                place, target = client.camera.position + offset, client.camera.look_at + offset
+                client.camera.position, client.camera.look_at = place, target
 
     def set_handles(self, on: bool) -> None:
         """Whether the selected model has handles."""
@@ -473,9 +474,10 @@ class Viewer:
         if not self._follow or number is None:
             return
         here = self.view.pose(number, state)[:3]
-        if not self._offset.any():
+        if not self._following:
+            self._following = True
             for client in self.page.get_clients().values():
-                client.camera.position = client.camera.position - here
+                client.camera.position = client.camera.position - here + self._offset
                 client.camera.look_at = (0.0, 0.0, 0.0)
         self._offset = here.copy()
         self._root.position = -here

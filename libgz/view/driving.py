@@ -11,7 +11,7 @@ from libgz.view.source import Controls
 
 __all__ = ["Driver", "Robot", "robots_of"]
 
-STALE = 0.6  # [s] after which a robot stops whose page is silent
+STALE = 2.0  # [s] after which a robot stops whose page is silent
 SPEED, TURN = 0.4, 0.8  # [m/s], [rad/s] at full deflection, unless the user chooses others
 
 

@@ -10,14 +10,19 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 from step import build
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.physics.engine import Engine
 
 ROUNDS = 15
 STEPS, STATES = 100, 30  # in a round
+PLUGINS = Path(__file__).parents[1] / "examples" / "plugins"
+LEGACY = ("simplesolids", "pioneer2at", "pioneer2dx", "factory", "clodbuster", "gripper", "peoplebot")
 MOST_GET, MOST_SET = 3.0, 10.0
 BOX = """<model name="b{0}"><pose>{1} {2} {3} 0 0 0</pose><link name="link">
 <collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision>
@@ -39,32 +44,42 @@ def _time(work: Callable[[], object], count: int) -> float:
     return (time.process_time() - start) / count
 
 
-def measure(name: str, engine: Engine, steps: int = 200) -> None:
+def measure(name: str, of: Engine | libgz.World, steps: int = 200) -> None:
     """Print what a step, a state and its restoration take, after so many steps."""
+    step_once: Callable[[], object] = of.step
     for _ in range(steps):
-        engine.step()
-    state = engine.get_state()
+        step_once()
+    state: Any = of.get_state()
+    put_back: Callable[[Any], object] = of.set_state
     samples = []
     for _ in range(ROUNDS):
-        step = _time(engine.step, STEPS)
-        get = _time(engine.get_state, STATES)
-        put = _time(lambda: engine.set_state(state), STATES)
+        step = _time(step_once, STEPS)
+        get = _time(of.get_state, STATES)
+        put = _time(lambda: put_back(state), STATES)
         samples.append((step, get, put))
     step, get, put = (statistics.median(column) for column in zip(*samples, strict=True))
-    size = sum(len(value) for value in state.values() if isinstance(value, bytes))
+    size = len(state) if isinstance(state, bytes) else sum(len(v) for v in state.values() if isinstance(v, bytes))
     print(
-        f"{name:12} step {step * 1e6:7.1f} us   get_state {get / step:5.2f} steps (limit {MOST_GET:g})   "
-        f"set_state {put / step:5.2f} steps (limit {MOST_SET:g})   {size / 1024:.0f} KiB"
+        f"{name:22} step {step * 1e6:7.1f} us   get_state {get * 1e6:6.0f} us, {get / step:5.2f} steps (limit "
+        f"{MOST_GET:g})   set_state {put * 1e6:6.0f} us, {put / step:5.2f} steps (limit {MOST_SET:g})   "
+        f"{size / 1024:.0f} KiB",
+        flush=True,
     )
 
 
 def main() -> None:
-    """Measure worlds of robots on a plane, and of boxes in a pile."""
-    measure("1 robot", build(1))
-    measure("10 robots", build(10))
+    """Measure engines of robots on a plane and of boxes in a pile, then worlds of both eras."""
+    measure("engine: 1 robot", build(1))
+    measure("engine: 10 robots", build(10))
     with boxes(50) as world:
-        measure("50 SDF boxes", world.engine)
+        measure("engine: 50 SDF boxes", world.engine)
         measure("  asleep", world.engine, 3000)
+        measure("world: 50 boxes asleep", world)
+    with boxes(50) as world:
+        measure("world: 50 SDF boxes", world)
+    for path in (*(installed_worlds() / f"{name}.world" for name in LEGACY), *sorted(PLUGINS.glob("*/*.world"))):
+        with libgz.World.from_file(path) as world:
+            measure(path.stem, world)
 
 
 if __name__ == "__main__":

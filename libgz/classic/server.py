@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.joint import Joint
     from libgz.classic.physics.link import Link
     from libgz.classic.rendering.plugins import VisualPlugins
+    from libgz.classic.rendering.scene import Scene
     from libgz.classic.sensors.manager import WorldSensors
     from libgz.simulation.entity import Entity as CoreModel
 
@@ -70,6 +71,7 @@ class WorldServer:
         physics, presets: settings of the engine, and their profiles.
         paused_steps: requested iterations of a paused world.
         sensors, visuals: sensors and Visual plugins; None as long as there are none.
+        scene: the rendered part of the world; None as long as nobody asked for it.
         topics: the topics; None if quiet.
         stopped: whether World.Stop was called.
     """
@@ -90,6 +92,7 @@ class WorldServer:
         self.sensors: WorldSensors | None = None
         self.topics = None if quiet else WorldTopics(self.world, self.paused_steps)
         self.visuals: VisualPlugins | None = None
+        self.scene: Scene | None = None
         self.stopped = False
         self._new: list[CoreModel] = list(core.entities)
         self._started = False
@@ -329,6 +332,7 @@ class WorldServer:
             "ids": self.ids.save(),
             "activity": self.activity.save(),
             "sensors": self.sensors.save() if self.sensors is not None else None,
+            "scene": self.scene.save() if self.scene is not None else None,
             "topics": self.topics.save() if self.topics is not None else None,
             "plugins": self._saved_plugins() if not starting else None,
         }
@@ -344,6 +348,12 @@ class WorldServer:
         elif self.sensors is not None:
             self.sensors.load((0.0, -math.inf, ()))
         self.activity.load(state["activity"])
+        if self.scene is None and state["scene"] is not None:
+            from libgz.classic.rendering.scene import scene_of
+
+            scene_of(self.world)
+        if self.scene is not None:
+            self.scene.load(state["scene"])
         if state["plugins"] is not None:
             self._load_plugins(state["plugins"])
         self.ids.load(state["ids"])
@@ -359,6 +369,8 @@ class WorldServer:
         """
         deferred = self.core.agenda.deferred
         before = len(deferred)
+        if self._new and self.scene is not None:
+            self.scene.shape_again()
         self.finish_added()
         del deferred[before:]
 

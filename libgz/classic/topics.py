@@ -52,9 +52,9 @@ class WorldTopics:
     def __init__(self, world: World, paused_steps: PausedSteps) -> None:
         self._world = world
         self._manager = TopicManager.Instance()
-        self._manager.AddTopicNamespace(world.Name())
+        self._manager.AddTopicNamespace(world.core.topic_space)
         self._node = Node()
-        self._node.Init(world.Name())
+        self._node.Init(world.core.topic_space)
         self._contacts = self._node.Advertise(msgs.Contacts, "~/physics/contacts")
         self._records = False  # whether contacts are recorded for that topic
         self._response = self._node.Advertise(msgs.Response, "~/response")
@@ -90,7 +90,7 @@ class WorldTopics:
         Those of other processes are not the world's, nor is the last message that a publisher keeps for late
         subscribers.
         """
-        return waiting_messages(self._prefix)
+        return [(self._node.EncodeTopicName(name), message) for name, message in waiting_messages(self._prefix)]
 
     def load(self, state: Sequence[tuple[str, Any]], *, replace: bool) -> None:
         """Take what `save` returned.
@@ -104,12 +104,12 @@ class WorldTopics:
         if replace:
             drop_waiting(self._prefix)
         for name, message in state:
-            queue_message(name, message)
+            queue_message(self._node.DecodeTopicName(name), message)
 
     @property
     def _prefix(self) -> str:
         """Of the names of this world's topics."""
-        return f"/gazebo/{self._world.Name()}/"
+        return f"/gazebo/{self._world.core.topic_space}/"
 
     def model_added(self, model: Model) -> None:
         """Publish a model that was inserted."""
@@ -133,9 +133,9 @@ class WorldTopics:
 
     def close(self) -> None:
         """End the topics; the namespace stays if another world of this process has the same name."""
-        name = self._world.Name()
+        name = self._world.core.topic_space
         self._node.Fini()
         self._subscribers.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
-        if not any(core.name == name for core in others):
+        if not any(core.topic_space == name for core in others):
             self._manager.RemoveTopicNamespace(name)

@@ -344,6 +344,11 @@ class Tables:
         self.touched = True  # whether `step_done` has rows to mark
         self.publish()
 
+    @property
+    def changes(self) -> tuple[int, int, int]:
+        """Numbers that change with each object that comes or goes."""
+        return self.bodies.changes, self.joints.changes, self.geoms.changes
+
     def publish(self) -> None:
         """Hand the arrays to the step, after one was added to."""
         self.bodies.publish(self._context, self.fresh_after_step)

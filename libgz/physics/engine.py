@@ -572,6 +572,7 @@ class Engine:
         for part in [*self.joints.values(), *self.bodies.values(), *self.geoms.values(), *self.spaces]:
             part.close()
         self._destroy()
+        self._state.forget()
         self._step = self._closed_step
 
     def _closed_step(self) -> int:

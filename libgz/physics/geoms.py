@@ -273,7 +273,7 @@ class TriMeshGeom(Geom):
         # Large, and a closed world is in memory until Python collects its cycles.
         self.vertices, self.triangles = np.empty((0, 3)), np.empty((0, 3), dtype=np.uint32)
         self.normals = self.texture_coordinates = self.colors = None
-        self._first_mesh = None
+        self._mesh = self._first_mesh = None
         self._ode_vertices = self._ode_triangles = None
 
 

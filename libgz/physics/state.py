@@ -13,8 +13,8 @@ import base64
 import ctypes
 import functools
 import json
+import struct
 import weakref
-from array import array
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
@@ -51,6 +51,7 @@ SETTINGS = (
     "record_contacts",
     "record_motion",
 )
+_POSE = struct.Struct("7d")
 _settings = attrgetter(*SETTINGS)
 _counters = attrgetter(*COUNTERS)
 _solver = attrgetter("iterations", "over_relaxation")
@@ -74,9 +75,31 @@ def _kept(kind: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
 
 
-def _values(things: Sequence[Any]) -> list[tuple[Any, ...]]:
-    getters = {kind: _getter(kind) for kind in set(map(_type, things))}
-    return [getters[_type(thing)](thing) for thing in things]
+def _pose_bytes(pose: GzPose) -> bytes:
+    place, turn = pose.pos, pose.rot
+    return _POSE.pack(place.x, place.y, place.z, turn.u, turn.x, turn.y, turn.z)
+
+
+class _Present:
+    """The objects of an engine, as they were when the tables last changed.
+
+    Attributes:
+        changes: of the tables, then.
+        rows: of bodies, joints and geoms.
+        readers: what reads the values that a body, geom or joint keeps, each with the object.
+    """
+
+    def __init__(self, engine: Any) -> None:
+        tables = engine.tables
+        of_each = (tables.bodies, tables.joints, tables.geoms)
+        self.changes = tables.changes
+        self.rows = [_rows(table) for table in of_each]
+        self.censuses = [table.census() for table in of_each]
+        self.bodies, self.geoms, self.joints = (
+            list(table.values()) for table in (engine.bodies, engine.geoms, engine.joints)
+        )
+        things = (*self.bodies, *self.geoms, *self.joints)
+        self.readers = [(_getter(_type(thing)), thing) for thing in things]
 
 
 class EngineState:
@@ -90,6 +113,7 @@ class EngineState:
     def __init__(self, engine: Any, context: StepContext) -> None:
         self._owner = weakref.ref(engine)
         self._context = context
+        self._now: _Present | None = None
         self._collected: list[Any] = []  # at the last encoding
         self._block = b""  # that encoding
         self._parts: Parts | None = None
@@ -97,6 +121,10 @@ class EngineState:
     @property
     def _engine(self) -> Any:
         return self._owner()
+
+    def forget(self) -> None:
+        """Drop what was collected, which can be large."""
+        self._now, self._collected, self._block, self._parts = None, [], b"", None
 
     # Get ---------------------------------------------------------------------------------------------------------
 
@@ -107,8 +135,8 @@ class EngineState:
         _refresh(tables.bodies)
         if not turning:  # else reading would count turns
             _refresh(tables.joints)
-        body_rows, joint_rows = _rows(tables.bodies), _rows(tables.joints)
-        joints = list(engine.joints.values())
+        present = self._present()
+        body_rows, joint_rows, geom_rows = present.rows
         return {
             "ode": layout().digest,
             "settings": [int(value) if isinstance(value, ContactRule) else value for value in _settings(engine)],
@@ -122,13 +150,19 @@ class EngineState:
             "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
             "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
             "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
-            "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning else b"",
-            "surfaces": tables.geoms.surface[_rows(tables.geoms)].tobytes(),
-            "dummies": array("d", [n for d in engine.dummies for n in (*d._pose.pos, *d._pose.rot)]).tobytes(),
+            "fresh": bytes([tables.joints.fresh[joint.row] for joint in present.joints]) if turning else b"",
+            "surfaces": tables.geoms.surface[geom_rows].tobytes(),
+            "dummies": b"".join(_pose_bytes(dummy._pose) for dummy in engine.dummies),
             "couplings": [list(_plain_values(coupling)) for coupling in engine.couplings if not coupling.broken],
-            "feedback": b"".join(bytes(joint._feedback) for joint in joints if joint._feedback is not None),
+            "feedback": b"".join(bytes(joint._feedback) for joint in present.joints if joint._feedback is not None),
             "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
         }
+
+    def _present(self) -> _Present:
+        tables = self._engine.tables
+        if self._now is None or self._now.changes != tables.changes:
+            self._now = _Present(self._engine)
+        return self._now
 
     def _present_parts(self) -> Parts:
         engine = self._engine
@@ -147,18 +181,19 @@ class EngineState:
 
     def _objects(self) -> bytes:
         """What Python knows of the objects, as JSON."""
-        engine, tables = self._engine, self._engine.tables
-        bodies, dummies = list(engine.bodies.values()), list(engine.dummies)
-        geoms, joints, attached = list(engine.geoms.values()), list(engine.joints.values()), list(engine.attached)
+        engine, present = self._engine, self._present()
+        geoms, joints = present.geoms, present.joints
+        dummies, attached = list(engine.dummies), list(engine.attached)
         collected = [
-            *(bodies, dummies, geoms, joints, attached, list(engine.spaces)),
-            *([table.census() for table in (tables.bodies, tables.joints, tables.geoms)]),
-            *(_values(bodies), _values(dummies), _values(geoms), _values(joints)),
+            present,
+            *(dummies, attached, list(engine.spaces)),
+            [get(thing) for get, thing in present.readers],
+            [_getter(_type(dummy))(dummy) for dummy in dummies],
             [geom.appearance.edits for geom in geoms],
             [(joint._feedback is not None, joint.bodies) for joint in joints],
         ]
         if collected != self._collected:
-            self._block = self._encode(bodies, dummies, geoms, joints, attached)
+            self._block = self._encode(present.bodies, dummies, geoms, joints, attached)
             self._collected = collected
         return self._block
 

@@ -15,6 +15,10 @@ class RunningWorld(Protocol):
     name: str
     events: WorldEvents
 
+    @property
+    def topic_space(self) -> str:
+        """What `~` means in the names of its topics."""
+
     def attach_era(self) -> None:
         """Attach what the world's era offers on request, such as topics. Can be called twice."""
 

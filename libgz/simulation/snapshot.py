@@ -32,7 +32,8 @@ def save(world: World) -> bytes:
         ParameterError: an object declares something as its state that is not plain data, or cannot be read.
     """
     number = {entity: index for index, entity in enumerate(world.entities)}
-    sources = list(dict.fromkeys(entity.origin.source for entity in world.entities if entity.origin is not None))
+    origins = [entity.origin for entity in world.entities]
+    sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
     plain = {
         "file": world.era.digest,
         "world": state.get_state(world),
@@ -108,16 +109,17 @@ def _name(thing: Any) -> str:
 # Entities -----------------------------------------------------------------------------------------------------------
 
 
-def _saved_entity(entity: Entity, sources: list[Source], number: dict[Entity, int]) -> dict[str, Any]:
+def _saved_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
     origin = entity.origin
-    parent, body = _holder(entity, number)
+    parent, body = (None, None) if entity.parent is None else _holder(entity, number)
+    failed, plugin_error = entity.failed, entity.plugin_error
     return {
-        "origin": (sources.index(origin.source), origin.place) if origin is not None else None,
+        "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
         "parent": parent,
         "body": body,
-        "failed": _text_of(entity.failed),
-        "plugin_error": _text_of(entity.plugin_error),
+        "failed": None if failed is None else _text_of(failed),
+        "plugin_error": None if plugin_error is None else _text_of(plugin_error),
         "state": _own_state(entity),
     }
 

@@ -21,8 +21,9 @@ import io
 import pickle
 import random
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
+from operator import attrgetter
 from typing import Any, TypeVar
 
 import numpy as np
@@ -50,6 +51,7 @@ _ALLOWED = {
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
 _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
+_WRITTEN: set[type] = set()  # classes of values that were found to be plain
 _MADE: list[type] = []  # base classes of what allowed functions make
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 
@@ -74,6 +76,15 @@ def _names(kind: Any) -> tuple[str, ...]:
 
 
 @cache
+def _reader(kind: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]], bool]:
+    """Those names, a function that reads their values of an object, and whether it has a SaveState."""
+    names = _names(kind)
+    read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
+    one = len(names) == 1
+    return names, (lambda thing: (read(thing),)) if one else read, hasattr(kind, "SaveState")
+
+
+@cache
 def declares(kind: Any) -> bool:
     """Whether a class, or one of its bases, declares state."""
     return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
@@ -89,14 +100,13 @@ def undeclared(kind: Any) -> bool:
 def get_state(thing: Any) -> Any:
     """The declared state of an object, for `set_state`: a dict, with what SaveState returned under an empty name."""
     kind: Any = type(thing)
-    plain = _PLAIN
-    state = {}
-    for name in _names(kind):
-        value = getattr(thing, name)
-        state[name] = value if type(value) in plain else _saved(value)
-    save = getattr(thing, "SaveState", None)
-    if save is not None:
-        state[""] = save()
+    names, read, saves = _reader(kind)
+    values: Sequence[Any] = read(thing)
+    if not _PLAIN.issuperset(map(type, values)):
+        values = [value if type(value) in _PLAIN else _saved(value) for value in values]
+    state = dict(zip(names, values, strict=True))
+    if saves:
+        state[""] = thing.SaveState()
     return state
 
 
@@ -122,6 +132,8 @@ def _saved(value: Any) -> Any:
     if kind is list or kind is tuple:
         return kind(value) if _PLAIN.issuperset(map(type, value)) else kind(map(_saved, value))
     if kind is dict:
+        if _PLAIN.issuperset(map(type, value.values())):
+            return value.copy()
         return {key: _saved(item) for key, item in value.items()}
     if isinstance(value, np.random.Generator):
         return value.bit_generator.state
@@ -194,11 +206,15 @@ class _Writer(pickle.Pickler):
 
     def reducer_override(self, thing: Any) -> Any:
         """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
-        if isinstance(thing, (_NUMBERS, *_MADE)):
+        kind: Any = type(thing)
+        if kind in _WRITTEN or isinstance(thing, (*_NUMBERS, *_MADE)):
             return NotImplemented
-        kind = thing if hasattr(thing, "__qualname__") else type(thing)  # classes and functions stand for themselves
-        if (kind.__module__, kind.__qualname__) not in _ALLOWED:
+        itself = hasattr(thing, "__qualname__")  # classes and functions stand for themselves
+        named = thing if itself else kind
+        if (named.__module__, named.__qualname__) not in _ALLOWED:
             raise pickle.PicklingError(f"{thing!r} is none")
+        if not itself:
+            _WRITTEN.add(kind)
         return NotImplemented
 
 

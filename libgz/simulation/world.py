@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 import sys
 import time
@@ -81,6 +82,7 @@ J = TypeVar("J", bound=Joint)
 
 LOWEST = -1000.0  # [m]; a body that falls further is reported
 FALL_PERIOD = 256  # steps between two looks
+_clones = itertools.count(1)
 NAMED = 5  # bodies in one such message
 
 
@@ -112,6 +114,7 @@ class World:
         era: how time is counted, and what a reset does.
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
+        clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
 
     Raises:
@@ -153,6 +156,7 @@ class World:
         self.seed = seed
         self.random = np.random.SeedSequence(seed)
         self.name = "default"
+        self.clone_name = ""
         self.clock = Clock()
         self.lock = self.engine.lock
         self.lock.report = report_wait
@@ -199,6 +203,11 @@ class World:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    @property
+    def topic_space(self) -> str:
+        """What `~` means in the names of its topics: its name; in a clone, a name that no other world has."""
+        return self.clone_name or self.name
 
     @property
     def worldId(self) -> Engine:
@@ -817,6 +826,8 @@ class World:
     def clone(self) -> Self:
         """An independent world of the same file in the same state, without a server for other processes.
 
+        Its name is the same; in the names of its topics, `topic_space` stands instead of it.
+
         Raises:
             GazeboError: a step is under way, or plugins load or are reset.
             StateError: the world was not loaded from a file.
@@ -829,6 +840,7 @@ class World:
                 wire_version=self.gz_server.version,
                 strict=self.problems.strict,
             )
+            clone.clone_name = f"{self.name}_clone{next(_clones)}"
             try:
                 self.era.load_into(clone)
                 clone.Initialize()
@@ -855,14 +867,14 @@ class World:
     @property
     def _surroundings(self) -> tuple[tuple[float, ...], ...]:
         """Vectors and colours as plain numbers."""
-        backdrop = self.backdrop
-        fog = backdrop.fog_color
+        backdrop, zone, offset, sky = self.backdrop, self.utmZone, self.utmOffset, self.skyColor
+        ambient, fog = backdrop.ambient, backdrop.fog_color
         return (
-            tuple(self.utmZone),
-            tuple(self.utmOffset),
-            tuple(self.skyColor),
-            tuple(backdrop.ambient),
-            () if fog is None else tuple(fog),
+            (zone.x, zone.y, zone.z),
+            (offset.x, offset.y, offset.z),
+            (sky.r, sky.g, sky.b, sky.a),
+            (ambient.r, ambient.g, ambient.b, ambient.a),
+            () if fog is None else (fog.r, fog.g, fog.b, fog.a),
             (backdrop.fog_start, backdrop.fog_end),
         )
 

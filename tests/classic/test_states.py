@@ -12,10 +12,14 @@ import pytest
 from classic_runs import Run, first_difference, opened
 
 from libgz import World
+from libgz.classic import msgs
 from libgz.classic.common import PoseAnimation
-from libgz.classic.math import PID, Pose3d, Rand, Vector3d
+from libgz.classic.math import PID, Color, Pose3d, Rand, Vector3d
+from libgz.classic.rendering import Visual, get_scene
 from libgz.classic.server import attach
+from libgz.classic.transport import Node, TopicManager
 from libgz.errors import ClosedError, StateError
+from libgz.simulation.event import owner
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
 WORLDS = sorted(path for path in EXAMPLES.glob("*/*.world") if path.parent.name != "hello_world")
@@ -401,3 +405,99 @@ def test_reset_of_time_and_of_entities_keep_their_meaning(run):
     assert tuple(two.WorldPose().Pos()) == (0.1, 0.1, 1.8)
     assert run.world.GetSimTime() > 0.0
     assert run.view.ModelByName("new") is not None
+
+
+def test_commands_to_a_clone_move_only_the_clone():
+    with World.from_file(EXAMPLES / "diff_drive" / "diff_drive.world") as world:
+        world.step(100)
+        state = world.get_state()
+        expected = []
+        for _ in range(STEPS):
+            world.step()
+            expected.append(world.engine.states.tobytes())
+        world.set_state(state)
+        with world.clone() as silent, world.clone() as driven:
+            assert driven.get_state() == silent.get_state() == state
+            node = Node()
+            node.Init(driven.topic_space)
+            publisher = node.Advertise(msgs.Pose, "~/pioneer2dx/vel_cmd")
+            moved, turn = [], msgs.Pose()
+            msgs.Set(turn, Pose3d(0.0, 0.0, 0.0, 0.0, 0.0, 0.8))
+            for number in range(STEPS):
+                if number % 10 == 0:
+                    publisher.Publish(turn)
+                for each in (driven, world, silent):
+                    each.step()
+                assert world.engine.states.tobytes() == expected[number]
+                assert silent.engine.states.tobytes() == expected[number]
+                moved.append(driven.engine.states.tobytes())
+            assert moved[0] == expected[0]
+            assert moved[-1] != expected[-1]
+        world.step()  # the clones' end leaves its topics
+
+
+def test_plugins_of_a_clone_find_its_topics_by_the_name_of_the_world():
+    with World.from_file(EXAMPLES / "diff_drive" / "diff_drive.world") as world, world.clone() as clone:
+        assert clone.name == world.name
+        topics = TopicManager.Instance().topics
+        for space in (world.topic_space, clone.topic_space):
+            assert len(topics[f"/gazebo/{space}/pioneer2dx/vel_cmd"].live_subscribers()) == 1
+        plugin = next(attach(clone).plugins())
+        token = owner.set(plugin)
+        try:
+            node = Node()
+            node.Init(world.name)
+            assert node.GetTopicNamespace() == clone.topic_space
+            assert node.DecodeTopicName(f"/gazebo/{world.name}/a") == f"/gazebo/{clone.topic_space}/a"
+            assert node.EncodeTopicName(f"/gazebo/{clone.topic_space}/a") == "~/a"
+        finally:
+            owner.reset(token)
+
+
+def test_groups_lines_and_shapes_of_visuals(run):
+    blue = (0.0, 0.0, 1.0, 1.0)
+    before = run.world.get_state()
+    scene = get_scene("default")
+    assert run.world.get_state() == before  # a scene that nothing changed is no part of the state
+    model = scene.GetVisual("one")
+    model.SetTransparency(0.25)
+    model.SetVisible(False)
+    model.SetMaterial("Gazebo/Red")
+    line = model.CreateDynamicLine()
+    line.AddPoint((0, 0, 0), Color(*blue))
+    line.AddPoint((0, 0, 1))
+    arrow = Visual("arrow", scene)
+    arrow.AttachMesh("unit_box")
+    arrow.SetPosition((1, 2, 3))
+    state = run.world.get_state()
+
+    model.SetTransparency(0.75)
+    model.SetVisible(True)
+    model.SetMaterial("Gazebo/Green")
+    line.SetPoint(1, (5, 5, 5))
+    line.AddPoint((1, 1, 1))
+    model.CreateDynamicLine()
+    scene.GetVisual("two").SetTransparency(0.5)
+    arrow.Fini()
+    Visual("later", scene).AttachMesh("unit_sphere")
+    run.world.set_state(state)
+    assert run.world.get_state() == state
+    assert (model.Transparency(), model.Visible(), model.GetMaterialName()) == (0.25, False, "Gazebo/Red")
+    assert scene.lines == [line]
+    assert (line.PointCount(), line.Point(1)) == (2, Vector3d(0, 0, 1))
+    assert scene.GetVisual("two").Transparency() == 0.0
+    assert scene.GetVisual("later") is None
+    assert scene.GetVisual("arrow").Position() == Vector3d(1, 2, 3)
+
+    run.world.DeleteModel("one")
+    run.world.set_state(state)  # the model is built again, and its visual is a new one
+    assert run.world.get_state() == state
+    assert scene.GetVisual("one") is not model
+    assert scene.GetVisual("one").Transparency() == 0.25
+    assert [line.PointCount() for line in scene.lines] == [2]
+
+    run.world.set_state(before)
+    assert run.world.get_state() == before
+    assert (scene.GetVisual("one").Transparency(), scene.GetVisual("one").Visible()) == (0.0, True)
+    assert scene.GetVisual("arrow") is None
+    assert scene.lines == []

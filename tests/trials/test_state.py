@@ -26,6 +26,12 @@ def worlds():
     return [path for folder in folders for path in sorted(folder.rglob("*.world"))]
 
 
+def check(expected, seen, what):
+    """Two traces are equal; otherwise the message says where they differ first."""
+    at = difference(expected, seen)
+    assert at is None, f"{what}: {at}"
+
+
 @pytest.mark.parametrize("path", worlds(), ids=lambda path: path.stem)
 def test_states_are_exact(path, tmp_path):
     with trial(f"state of {path.stem}") as row:
@@ -37,14 +43,14 @@ def test_states_are_exact(path, tmp_path):
             seen = run(world, STEPS, second)
             world.set_state(state)
             assert world.get_state() == state, "restored in place"
-            assert difference(seen, run(world, STEPS, second)) is None, "in place"
+            check(seen, run(world, STEPS, second), "in place")
 
             tops = [entity.GetId() for entity in world.models if entity.parent is None]
             world.DeleteModel(tops[len(tops) // 2])
             world.InsertModel(EXTRA)
             run(world, STEPS // 10, third)
             world.set_state(state)
-            assert difference(seen, run(world, STEPS, second)) is None, "built again"
+            check(seen, run(world, STEPS, second), "built again")
 
             world.InsertModel(EXTRA)
             run(world, STEPS // 10, third)
@@ -54,11 +60,11 @@ def test_states_are_exact(path, tmp_path):
             then = run(world, STEPS, third)
             with world.clone() as clone:
                 clone.set_state(changed)
-                assert difference(then, run(clone, STEPS, third)) is None, "cloned after changes"
+                check(then, run(clone, STEPS, third), "cloned after changes")
 
             world.Reset()
             assert world.get_state() == start, "reset"
-            assert difference(fresh, run(world, STEPS, first)) is None, "after the reset"
+            check(fresh, run(world, STEPS, first), "after the reset")
         for kept, seed, expected in ((state, second, seen), (changed, third, then)):
             file = tmp_path / "state"
             file.write_bytes(kept)

@@ -25,7 +25,7 @@ class RecordControl:
     def __init__(self, world: World, record: LogRecord | None = None) -> None:
         self._world, self.record = world, record
         self._node = Node()
-        self._node.Init(world.Name())
+        self._node.Init(world.core.topic_space)
         self._status = self._node.Advertise(msgs.LogStatus, "~/log/status")
         self._subscriber = self._node.Subscribe("~/log/control", self._on_control)
 
@@ -71,7 +71,7 @@ class PlaybackControl:
         self._play = play
         self._received: list[Any] = []
         self._node = Node()
-        self._node.Init(play.world.Name())
+        self._node.Init(play.world.core.topic_space)
         self._subscriber = self._node.Subscribe("~/playback_control", self._received.append)
 
     def update(self) -> None:

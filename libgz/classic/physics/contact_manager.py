@@ -114,7 +114,7 @@ class ContactManager:
             raise ParameterError(f"contact filter {name!r} has no collisions")
         if self._node is None:
             self._node = Node()
-            self._node.Init(self._world.Name())
+            self._node.Init(self._world.core.topic_space)
             self._published = self._world.core.engine.steps
         prefix = f"{self._world.Name()}::"
         topic = f"~/{name}/contacts"

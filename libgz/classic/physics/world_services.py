@@ -28,7 +28,8 @@ class WorldServices(Protocol):
         ids: the numbers of views.
         activity: joint controllers, batteries, animations and attached models.
         physics, presets: settings of the engine, and their profiles.
-        sensors, visuals: sensors and Visual plugins, of packages above this one; None as long as there are none.
+        sensors, visuals, scene: sensors, Visual plugins and the rendered part, of packages above this one; None as long
+            as there are none.
         stopped: whether World.Stop was called.
     """
 
@@ -40,6 +41,7 @@ class WorldServices(Protocol):
     presets: PresetManager
     sensors: Any
     visuals: Any
+    scene: Any
     stopped: bool
 
     def all_sensors(self) -> Any:

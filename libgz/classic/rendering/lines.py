@@ -26,6 +26,9 @@ class LineFrame(Protocol):
     def deleted(self) -> bool:
         """Whether its body was deleted."""
 
+    def Name(self) -> str:
+        """Its full name."""
+
     def Visible(self) -> bool:
         """Whether it is shown."""
 
@@ -37,7 +40,12 @@ class DynamicLines:
     """Unlit lines through points in the frame of a visual.
 
     `Visual.CreateDynamicLine` makes them. The line between two points has the colour of the first.
+
+    Attributes:
+        attached: the visuals that points move with, by the points' numbers.
     """
+
+    STATE = ("type", "_points", "_colors", "_visible")
 
     POINT_LIST: ClassVar[int] = 1  # each point by itself
     LINE_LIST: ClassVar[int] = 2  # a line from each even point to the next one
@@ -47,7 +55,7 @@ class DynamicLines:
         self.visual, self.type = visual, type
         self._points: list[Vector3d] = []
         self._colors: list[Color] = []
-        self._attached: dict[int, LineFrame] = {}
+        self.attached: dict[int, LineFrame] = {}
         self._visible = True
 
     def AddPoint(self, point: VectorLike | float, *values: float | GzColor) -> None:
@@ -112,20 +120,20 @@ class DynamicLines:
         """Remove all points."""
         self._points.clear()
         self._colors.clear()
-        self._attached.clear()
+        self.attached.clear()
 
     def Update(self) -> None:
         """Accepted: every image shows the present points."""
 
     def attach(self, index: int, visual: LineFrame) -> None:
         """Attach a point to a visual: it moves with the visual."""
-        self._attached[index] = visual
+        self.attached[index] = visual
 
     def segments(self) -> list[Lines]:
         """The lines to render, by colour."""
         frame = self.visual.world_pose()
-        self._attached = {index: visual for index, visual in self._attached.items() if not visual.deleted}
-        for index, visual in self._attached.items():
+        self.attached = {index: visual for index, visual in self.attached.items() if not visual.deleted}
+        for index, visual in self.attached.items():
             if index < len(self._points):
                 self._points[index] = Vector3d(*GzCoordPositionSub(visual.world_pose().pos, frame.pos, frame.rot))
         if not self._visible or not self.visual.Visible():

@@ -18,7 +18,7 @@ from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
-from libgz.errors import LibraryError, ParameterError, nearest
+from libgz.errors import LibraryError, ParameterError, StateError, nearest
 from libgz.geometry import GzColor, GzPose
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
@@ -76,10 +76,13 @@ class Scene:
     def __init__(self, world: World) -> None:
         self.world = world
         self.lines: list[DynamicLines] = []
+        self.made: list[Visual] = []  # that plugins made
+        self.edited: dict[Visual, tuple[Any, ...]] = {}  # visuals that were changed, with their states before that
         self._cameras: list[Camera] = []
         self._highlighted: list[Visual] = []
         self._static: Body | None = None
         self._root = Visual.of(self, "__world_node__", None, frame=GzPose, members=self._model_visuals)
+        world.server.scene = self
         element = world.SDF()
         scene = element.child("scene") if element is not None and element.name == "world" else None
         self.grid = scene.Get(bool, "grid") if scene is not None and scene.HasElement("grid") else True
@@ -196,7 +199,7 @@ class Scene:
 
     def static_body(self) -> Body:
         """A body at the origin, for shapes that plugins attach to the world."""
-        if self._static is None:
+        if self._static is None or self._static.closed:
             self._static = Body(self.world.core, dummy=True)
         return self._static
 
@@ -336,6 +339,65 @@ class Scene:
 
     GetShadowsEnabled = ShadowsEnabled
 
+    # State -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> tuple[Any, ...] | None:
+        """What plugins changed of visuals, as plain data; None for nothing."""
+        self.made = [visual for visual in self.made if not visual.deleted]
+        self.edited = {visual: before for visual, before in self.edited.items() if not visual.deleted}
+        made = [(*_key(visual), list(visual.meshes)) for visual in self.made]
+        edited = [(*_key(visual), visual.save()) for visual in self.edited]
+        return (made, edited) if made or edited else None
+
+    def load(self, state: Sequence[Any] | None) -> None:
+        """Take what `save` returned: visuals that plugins made since go, those that went are made again.
+
+        Raises:
+            StateError: the visual that held one of those is missing.
+        """
+        made, edited = state or ((), ())
+        self.lines = [line for line in self.lines if not line.visual.deleted]
+        wanted = [(name, above) for name, above, _ in made]
+        for visual in [visual for visual in self.made if visual.deleted or _key(visual) not in wanted]:
+            visual.Fini()
+        present = {_key(visual): visual for visual in self.made}
+        for name, above, meshes in made:
+            if (name, above) not in present:
+                present[name, above] = self._make_again(name, above, meshes)
+        self.made = [present[key] for key in wanted]
+        if not edited and not self.edited:
+            return
+        visuals = {_key(visual): visual for visual in self.visuals()}
+        rows = {(name, above): row for name, above, row in edited}
+        for visual, before in list(self.edited.items()):
+            if not visual.deleted and _key(visual) not in rows:
+                visual.load(before)
+                del self.edited[visual]
+        found = [(visuals[key], row) for key, row in rows.items() if key in visuals]
+        self.edited = {visual: self.edited.get(visual) or visual.save() for visual, _ in found}
+        for visual, row in found:
+            visual.load(row)
+
+    def _make_again(self, name: str, above: str, meshes: Sequence[str]) -> Visual:
+        parent = self.GetVisual(above)
+        if parent is None:
+            raise StateError(f"visual {name!r} of this state cannot be made again: there is no visual {above!r}")
+        visual = Visual(name, parent)
+        for mesh in meshes:
+            visual.AttachMesh(mesh)
+        return visual
+
+    def shape_again(self) -> None:
+        """Make the shapes of visuals that plugins made again: those of models that are built again came before them."""
+        for visual in self.made:
+            if not visual.deleted:
+                visual.shape_again()
+
+    def forget(self, visual: Visual) -> None:
+        """A visual that a plugin made was removed."""
+        self.made = [other for other in self.made if other is not visual]
+        self.edited.pop(visual, None)
+
     # Lines -------------------------------------------------------------------------------------------------------
 
     def highlight(self, visual: Visual, on: bool) -> None:
@@ -357,6 +419,12 @@ class Scene:
                 low, size = np.array(box.Min()), np.array(box.Size())
                 ends = [low + CORNERS[end] * size for edge in EDGES for end in edge]
                 yield placed(np.array(ends), visual.world_pose(), WHITE)
+
+
+def _key(visual: Visual) -> tuple[str, str]:
+    """The names of a visual and of the one around it."""
+    above = visual.GetParent()
+    return visual.Name(), above.Name() if above is not None else ""
 
 
 def _pick(cameras: Sequence[C], which: str | int) -> C | None:

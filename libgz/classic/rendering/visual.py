@@ -17,6 +17,7 @@ from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVe
 from libgz.physics.geom import Geom
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
+from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -38,10 +39,14 @@ class Visual:
     ``Visual("name", parent)``, where the parent is the scene or any visual, and gives it a shape with `AttachMesh`.
     """
 
+    # Of the shapes' own looks and places the engine has the state.
+    STATE = ("_offset", "_scale", "_transparency", "_visible", "_shadows", "_highlighted", "_material")
+
     def __init__(self, name: str, parent: Visual | Scene) -> None:
         above = parent if isinstance(parent, Visual) else parent.WorldVisual()
         self._begin(above.GetScene(), name, above)
         above.made.append(self)
+        self._scene.made.append(self)
 
     def _begin(self, scene: Scene, name: str, parent: Visual | None) -> None:
         self._scene, self._name, self._parent = scene, name, parent
@@ -59,6 +64,7 @@ class Visual:
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
         self._lines: list[DynamicLines] = []
+        self.meshes: list[str] = []  # that plugins attached
         self.plugins: list[LoadedPlugin] = []
 
     @classmethod
@@ -157,9 +163,36 @@ class Visual:
         self.SetHighlighted(False)
         if self._parent is not None and self in self._parent.made:
             self._parent.made.remove(self)
+            self._scene.forget(self)
             for geom in self.geoms:
                 geom.close()
             self.geoms.clear()
+
+    # State -------------------------------------------------------------------------------------------------------
+
+    def _edit(self) -> None:
+        """Note what it was before its first change."""
+        if self not in self._scene.edited:
+            self._scene.edited[self] = self.save()
+
+    def save(self) -> tuple[Any, ...]:
+        """Its state and its lines, as plain data."""
+        lines = [(get_state(line), {at: part.Name() for at, part in line.attached.items()}) for line in self._lines]
+        return get_state(self), lines
+
+    def load(self, state: Sequence[Any]) -> None:
+        """Take what `save` returned: lines that came since go, those that went are made again."""
+        own, lines = state
+        set_state(self, own)
+        self._scene.highlight(self, self._highlighted)
+        for line in self._lines[len(lines) :]:
+            self.DeleteDynamicLine(line)
+        for _ in lines[len(self._lines) :]:
+            self.CreateDynamicLine()
+        for line, (kept, attached) in zip(self._lines, lines, strict=True):
+            set_state(line, kept)
+            found = {at: self._scene.GetVisual(name) for at, name in attached.items()}
+            line.attached = {at: visual for at, visual in found.items() if visual is not None}
 
     # Plugins -----------------------------------------------------------------------------------------------------
 
@@ -206,6 +239,7 @@ class Visual:
 
     def _put(self, pose: GzPose) -> None:
         if not self.geoms:
+            self._edit()
             self._offset = GzCoordPoseSub(pose, self._base())
         for geom in self.geoms:
             geom.SetRelativePose(GzCoordPoseSub(pose, geom.body.GetPose()), updateCoM=False)
@@ -287,6 +321,7 @@ class Visual:
                 look = geom.appearance
                 look.scale = GzVector(*(a * k for a, k in zip(look.scale, ratios, strict=True)))
                 look.version += 1
+        self._edit()
         self._scale = Vector3d(*(factor or SMALLEST for factor in scale))
 
     def DerivedScale(self) -> Vector3d:
@@ -378,6 +413,7 @@ class Visual:
             log.warning("visual %r: there is no material %r", self._name, materialName)
             return
         for part in self.tree() if cascade else iter((self,)):
+            part._edit()
             part._material = materialName
             for geom in part.geoms:
                 put_on(geom.appearance, material)
@@ -396,6 +432,7 @@ class Visual:
 
     def SetTransparency(self, trans: float) -> None:
         """Set the transparency, 0 to 1; the parts of a group have their own on top."""
+        self._edit()
         self._transparency = min(max(float(trans), 0.0), 1.0)
         for part in self.tree():
             derived = part.DerivedTransparency()
@@ -416,6 +453,7 @@ class Visual:
     def SetVisible(self, visible: bool, cascade: bool = True) -> None:
         """Show or hide it, and all in it."""
         for part in self.tree() if cascade else iter((self,)):
+            part._edit()
             part._visible = bool(visible)
             for geom in part.geoms:
                 geom.appearance.visible = part._visible
@@ -427,6 +465,7 @@ class Visual:
 
     def SetCastShadows(self, shadows: bool) -> None:
         """Set whether it casts a shadow, where images have shadows."""
+        self._edit()
         self._shadows = bool(shadows)
         for geom in self.geoms:
             geom.appearance.change(cast_shadows=self._shadows)
@@ -439,6 +478,7 @@ class Visual:
 
     def SetHighlighted(self, highlighted: bool) -> None:
         """Show a white box around it, or hide it."""
+        self._edit()
         self._highlighted = bool(highlighted)
         self._scene.highlight(self, self._highlighted)
 
@@ -461,8 +501,18 @@ class Visual:
         for geom in geoms:
             geom.SetRelativePose(GzCoordPoseSub(pose, geom.body.GetPose()), updateCoM=False)
         self.geoms += geoms
+        self.meshes.append(meshName)
         self.SetTransparency(self._transparency)
         return geoms[0]
+
+    def shape_again(self) -> None:
+        """Make the shapes again that were attached, after all other shapes that there are."""
+        meshes, self.meshes = self.meshes, []
+        for geom in self.geoms:
+            geom.close()
+        self.geoms.clear()
+        for mesh in meshes:
+            self.AttachMesh(mesh)
 
     def _carrier(self) -> Body:
         """The body of the nearest visual around it that has one."""
@@ -483,6 +533,7 @@ class Visual:
 
     def CreateDynamicLine(self, type: int = DynamicLines.LINE_STRIP) -> DynamicLines:
         """New lines in its frame."""
+        self._edit()
         line = DynamicLines(self, type)
         self._lines.append(line)
         self._scene.lines.append(line)

@@ -187,7 +187,7 @@ class WorldSensors:
         """Advertise the topics of new sensors."""
         if self._node is None:
             self._node = Node()
-            self._node.Init(self.world.Name())
+            self._node.Init(self.world.core.topic_space)
         for sensor in self.sensors.values():
             topic = sensor.Topic()
             if sensor.publisher is None and topic and sensor.message_type:

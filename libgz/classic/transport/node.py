@@ -16,7 +16,7 @@ from libgz.classic.transport.subscriber import Subscriber
 from libgz.classic.transport.topic import decode, encode, log
 from libgz.errors import ClosedError, ParameterError
 from libgz.simulation.event import owner
-from libgz.simulation.running import running_worlds
+from libgz.simulation.running import RunningWorld, running_worlds
 
 __all__ = ["Node"]
 
@@ -30,6 +30,7 @@ class Node:
     def __init__(self) -> None:
         self._id = next(_ids)
         self._namespace: str | None = None
+        self._renamed = ""  # what absolute names begin with that a clone renames
         self._ends: weakref.WeakSet[Publisher | Subscriber] = weakref.WeakSet()
 
     def Init(self, space: str = "") -> None:
@@ -37,10 +38,17 @@ class Node:
 
         Args:
             space: The world's name. If empty: the world of the running plugin; outside plugins the first world; or
-                `default` if this process has no world and no server is connected.
+                `default` if this process has no world and no server is connected. For plugins of a clone, the name of
+                their world means the clone; its own one is `World.topic_space`.
         """
         _open_topics()
-        self._namespace = space.strip("/") or _own_namespace() or first_namespace()
+        name, own = space.strip("/"), _own_world()
+        self._renamed = ""
+        if own is not None and name in ("", own.name):
+            self._namespace = own.topic_space
+            self._renamed = f"/gazebo/{own.name}/" if own.topic_space != own.name else ""
+        else:
+            self._namespace = name or first_namespace()
 
     def IsInitialized(self) -> bool:
         """Whether Init was called."""
@@ -70,7 +78,10 @@ class Node:
 
     def DecodeTopicName(self, topic: str) -> str:
         """Return the full name of a topic: `/gazebo/<world>/a` for `~/a`."""
-        return decode(topic, self.GetTopicNamespace())
+        name = decode(topic, self.GetTopicNamespace())
+        if self._renamed and name.startswith(self._renamed):
+            return f"/gazebo/{self._namespace}/{name.removeprefix(self._renamed)}"
+        return name
 
     def EncodeTopicName(self, topic: str) -> str:
         """Return the short name of a topic: `~/a` for `/gazebo/<world>/a`."""
@@ -126,16 +137,14 @@ def _open_topics() -> None:
     """Open the topics of this process's worlds; those without plugins and sensors have none before."""
     names = TopicManager.Instance().GetTopicNamespaces()
     for world in running_worlds():
-        if world.name not in names:
+        if world.topic_space not in names:
             world.attach_era()
 
 
-def _own_namespace() -> str:
-    """Return the name of the running plugin's world; an empty string outside plugins."""
+def _own_world() -> RunningWorld | None:
+    """Return the running plugin's world; None outside plugins."""
     plugin = owner.get()
-    if plugin is None:
-        return ""
-    return next((world.name for world in running_worlds() if plugin.events is world.events), "")
+    return next((world for world in running_worlds() if plugin is not None and plugin.events is world.events), None)
 
 
 def first_namespace() -> str:

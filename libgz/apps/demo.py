@@ -46,6 +46,7 @@ def run(options: argparse.Namespace) -> int:
     world = installed_worlds() / "pioneer2at.world"
     command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world)]
     shown = sys.stdout.isatty() and importlib.util.find_spec("viser") is not None
+    stopped = False
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
             words = (server.stdout.readline() if server.stdout else "").split()
@@ -58,10 +59,12 @@ def run(options: argparse.Namespace) -> int:
                     print("the page stays until Ctrl-C; drive on with W A S D")
                     server.wait()
         except KeyboardInterrupt:
+            stopped = True
             print()
         finally:
             server.terminate()
-        return server.wait(PATIENCE)
+        code = server.wait(PATIENCE)
+        return 0 if stopped else code  # the server of a user who pressed Ctrl-C may get two signals
 
 
 @contextlib.contextmanager

@@ -23,7 +23,7 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic"],
     ["front"],
-    ["convert", "recording", "reference", "images"],
+    ["convert", "recording", "reference", "images", "view"],
     ["testing"],
     ["apps"],
     ["__main__"],

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import importlib.util
 import math
+import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+from libgz.apps.view import add_view_options
 from libgz.errors import GazeboError, ServerError
 from libgz.files import installed_worlds
 from libgz.interfaces.client import Client
@@ -28,10 +33,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--rate", type=float, default=2.0, metavar="R", help="simulated seconds per second of real time (default 2)"
     )
+    add_view_options(parser, optional=False)
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the server, drive its robot, and print what the client reads.
+    """Run the server, drive its robot, and print what the client reads; on a terminal, show it in a browser, too.
 
     Raises:
         ServerError: the server did not start.
@@ -39,20 +45,42 @@ def run(options: argparse.Namespace) -> int:
     seconds, rate = options.seconds, options.rate
     world = installed_worlds() / "pioneer2at.world"
     command = [sys.executable, "-m", "libgz.apps.gazebo", "-s", "auto", "-d", "0", "--rate", str(rate), str(world)]
+    shown = sys.stdout.isatty() and importlib.util.find_spec("viser") is not None
+    stopped = False
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as server:
         try:
             words = (server.stdout.readline() if server.stdout else "").split()
             if not words:
                 raise ServerError("the server did not start; its messages are above")
-            _drive(int(words[-1]), world, seconds)
+            server_id = int(words[-1])
+            with _viewer(server_id, options) if shown else contextlib.nullcontext():
+                _drive(server_id, world, seconds, shown)
+                if shown:
+                    print("the page stays until Ctrl-C; drive on with W A S D")
+                    server.wait()
         except KeyboardInterrupt:
+            stopped = True
             print()
         finally:
             server.terminate()
-        return server.wait(PATIENCE)
+        code = server.wait(PATIENCE)
+        return 0 if stopped else code  # the server of a user who pressed Ctrl-C may get two signals
 
 
-def _drive(server_id: int, world: Path, seconds: float) -> None:
+@contextlib.contextmanager
+def _viewer(server_id: int, options: argparse.Namespace) -> Iterator[None]:
+    """A viewer in a process of its own; its address is printed first."""
+    command = [sys.executable, "-m", "libgz", "view", "-s", str(server_id), "--parent", str(os.getpid())]
+    command += ["--view-port", str(options.view_port), "--view-host", options.view_host]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True) as viewer:
+        try:
+            print((viewer.stdout.readline() if viewer.stdout else "").strip(), flush=True)
+            yield
+        finally:
+            viewer.terminate()
+
+
+def _drive(server_id: int, world: Path, seconds: float, shown: bool) -> None:
     """Drive in a circle and print ten lines in all."""
     print(f"server {server_id} runs {world}; this client drives robot1 at {SPEED} m/s, turning {TURN} rad/s\n")
     print(HEADER)
@@ -60,8 +88,9 @@ def _drive(server_id: int, world: Path, seconds: float) -> None:
         sim, robot = client.sim(), client.position("robot1")
         sonar, laser, power = client.sonar("robot1"), client.laser("laser1"), client.power("robot1")
         robot.command(vx=SPEED, vyaw=TURN)
-        next_line, distance, last = 0.0, 0.0, robot.pose
-        while sim.sim_time < seconds:
+        begin = sim.sim_time if shown else 0.0  # the world runs while the page is made
+        next_line, distance, last = begin, 0.0, robot.pose
+        while sim.sim_time < begin + seconds:
             if not client.wait(timeout=PATIENCE):
                 raise GazeboError(f"the server sent no data for {PATIENCE:g} s")
             x, y, yaw = robot.pose

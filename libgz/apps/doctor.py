@@ -52,6 +52,7 @@ EXTRAS = {
         "logs by --mcap, libgz play and libgz export",
         "worlds run, and gzserver -r records state.log",
     ),
+    "view": Extra(("viser",), "running worlds in a browser", "everything else works"),
 }
 
 

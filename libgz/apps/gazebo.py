@@ -27,6 +27,7 @@ from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder, ViewRecorder, new_recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
+from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
 from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, WorldFileError
 from libgz.files import exists, is_file
@@ -159,6 +160,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add("--strict", action="store_true", help=STRICT_HELP)
     add_rewind_option(parser)
+    add_view_options(parser, optional=True)
     add("--steps", type=int, default=None, metavar="N", help="quit after a number of steps")
     return parser
 
@@ -196,6 +198,8 @@ class Run:
                 self.capture.take()
             if self.control is not None:
                 self.control.act()
+                if self.control.requests.speed not in (None, pacer.speed):
+                    pacer = Pacer(self.control.requests.speed)
             while not self.over(done) and not pacer.sleep(world.GetSimTime() + world.GetPauseTime()):
                 pass
             if self._next_status <= time.monotonic():
@@ -273,7 +277,11 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             run.recorders += [new_recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
-            with record_mcap(world, options) as run.capture, SnapshotControl(world, options.rewind) as run.control:
+            with (
+                record_mcap(world, options) as run.capture,
+                SnapshotControl(world, options.rewind) as run.control,
+                view_process(options, server_id),
+            ):
                 run.loop(world)
         finally:
             try:

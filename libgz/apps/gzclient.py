@@ -1,12 +1,14 @@
-"""gzclient: Gazebo classic's client without a window: it runs GUI, Visual and System plugins, and saves images."""
+"""gzclient: Gazebo classic's client: shows the world in a browser, runs GUI and other plugins, saves images."""
 
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 from libgz.apps.classic_command import (
     BANNER,
@@ -19,15 +21,17 @@ from libgz.apps.classic_command import (
     set_up_console,
 )
 from libgz.apps.console import as_command, number_above_zero
+from libgz.apps.view import add_view_options, make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
-from libgz.classic.transport import connect
-from libgz.errors import GazeboError
+from libgz.classic.transport import TopicManager, connect
+from libgz.errors import GazeboError, LibraryError, ServerGoneError
 from libgz.rendering.context import CHOICES, prefer
 from libgz.rendering.image import write_image
 from libgz.simulation.event import everywhere
 from libgz.simulation.watchdog import Watchdog
+from libgz.transport.observer import Observer
 
 __all__ = ["main"]
 
@@ -38,7 +42,7 @@ DEPRECATED = "g/gui-plugin is really loading a SystemPlugin. To load a GUI plugi
 
 def make_parser() -> Parser:
     """The options of Gazebo 11's gzclient, and those for images."""
-    parser = Parser("gzclient", "gzclient -- Run the Gazebo client.")
+    parser = Parser("gzclient", "gzclient -- Run the Gazebo client: show the world in a browser, and run GUI plugins.")
     add = parser.add_argument
     add("--gui-client-plugin", action="append", default=[], help="load a GUI plugin; may be repeated")
     add("-g", "--gui-plugin", action="append", default=[], help="load a System plugin; may be repeated")
@@ -47,6 +51,8 @@ def make_parser() -> Parser:
     add("--picture", metavar="FILE", help="save an image of the user camera, and exit")
     add("--pose", type=pose, metavar='"X Y Z R P Y"', help="pose of the user camera [m], [rad] (default: the world's)")
     add("--size", type=size, default=(800, 600), metavar="WxH", help="size of its image [px] (default 800x600)")
+    add("--no-view", action="store_true", help="do not show the world in a browser")
+    add_view_options(parser, optional=False)
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     return parser
 
@@ -89,11 +95,17 @@ class Run:
 
     def _show(self, connected: Callable[[], bool]) -> int:
         options = self.options
-        with Client(options.size, options.pose and Pose3d(options.pose), options.gui_client_plugin) as client:
+        with (
+            Client(options.size, options.pose and Pose3d(options.pose), options.gui_client_plugin) as client,
+            contextlib.ExitStack() as stack,
+        ):
             if options.picture is not None:
                 return self._save_image(client)
+            viewer = None if options.no_view else self._open_view(client, stack)
             self._starting = False
             for _ in client.run(options.rate):
+                if viewer is not None:
+                    viewer.tick()
                 if self._stopped:
                     everywhere["SigInt"]()
                     break
@@ -101,6 +113,26 @@ class Run:
                     log.error("The server has ended.")
                     return FAILED
         return 0
+
+    def _open_view(self, client: Client, stack: contextlib.ExitStack) -> Any:
+        """The page with the world and the panels of GUI plugins; None where it cannot be shown."""
+        from libgz.view.server import ServerControls
+
+        server_id = observed_server(TopicManager.Instance().TopicInfo(f"/gazebo/{client.world.Name()}/world_stats"))
+        if server_id is None:
+            log.info("The world is not shown in a browser: its server does not run on this machine.")
+            return None
+        try:
+            observer = stack.enter_context(Observer(server_id))
+            controls = ServerControls(server_id)
+            viewer = make_viewer(observer, controls, self.options, overlays=lambda: client.window.places)
+        except (LibraryError, ServerGoneError) as error:
+            log.info("The world is not shown in a browser: %s", error)
+            return None
+        stack.enter_context(viewer)
+        viewer.frame()
+        print(f"open {viewer.url}", flush=True)
+        return viewer
 
     def _save_image(self, client: Client) -> int:
         client.frame(image=True)

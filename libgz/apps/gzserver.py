@@ -26,13 +26,14 @@ from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
+from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
 from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import serve
-from libgz.errors import GazeboError, NotFoundError, PluginError, StrictError, WorldFileError
+from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
@@ -41,6 +42,7 @@ from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems
 from libgz.simulation.watchdog import Watchdog
+from libgz.transport.server import free_server_id
 from libgz.worldfile.search import find_worldfile
 
 if TYPE_CHECKING:
@@ -51,6 +53,7 @@ __all__ = ["main"]
 log = logging.getLogger("libgz.classic")
 
 EMPTY_WORLD = "worlds/empty.world"
+FIRST_ID, SPREAD = 100, 800  # of the ids that servers take by themselves; two that start together take different ones
 
 # Options of Gazebo that are accepted without effect, with a warning: option -> reason.
 WITHOUT_EFFECT = {
@@ -82,6 +85,7 @@ def make_parser() -> Parser:
     add("--gl", choices=CHOICES, default=None, help=GL_HELP)
     add_rewind_option(parser)
     add_mcap_option(parser)
+    add_view_options(parser, optional=True)
     add_log_options(parser)
     for option, why in WITHOUT_EFFECT.items():
         names = [SHORT[option], option] if option in SHORT else [option]
@@ -142,7 +146,7 @@ class Server:
             log.error("Unregistered physics engine [%s], the default will be used instead.", options.physics)
         seed = os.getpid() if options.seed is None else options.seed
         gzlog(f"Loading world file [{path}]")
-        core = self._watchdog.world = World(options.server_id, seed=seed, strict=options.strict)
+        core = self._watchdog.world = World(self._server_id(), seed=seed, strict=options.strict)
         try:
             with self._watchdog.loading(), show_loading(Path(path), core):
                 core.LoadFile(path)
@@ -156,8 +160,22 @@ class Server:
             raise
         return core
 
+    def _server_id(self) -> int | None:
+        """The id of the command line, else a free one of those that legacy servers seldom use, for viewers.
+
+        None if no id is free.
+        """
+        if self.options.server_id is not None:
+            return int(self.options.server_id)
+        logging.getLogger("libgz.transport").setLevel(logging.INFO)  # classic has no such files
+        try:
+            return free_server_id(FIRST_ID + os.getpid() % SPREAD)
+        except ServerError as error:
+            log.warning("viewers cannot see this world: %s", error)
+            return None
+
     def _open_log(self, path: str) -> World:
-        core = self._watchdog.world = World(self.options.server_id, strict=self.options.strict)
+        core = self._watchdog.world = World(self._server_id(), strict=self.options.strict)
         self._play = LogPlay(path, core)
         log.info("playing [%s], recorded by %s", path, self._play.reader.header.gazebo_version)
         core.paused = self.options.pause
@@ -176,7 +194,11 @@ class Server:
     def _loop(self, core: World, control: PlaybackControl | None) -> None:
         """Step until a signal, World.Stop, or the number of iterations ends the run."""
         server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
-        with record_mcap(core, self.options) as capture, SnapshotControl(core, self.options.rewind) as snapshots:
+        with (
+            record_mcap(core, self.options) as capture,
+            SnapshotControl(core, self.options.rewind) as snapshots,
+            view_process(self.options, core.server_id),
+        ):
             self._steps(core, control, server, snapshots, capture)
         core.events["Stop"]()
         if self._stopped:

@@ -7,6 +7,7 @@ import logging
 from types import TracebackType
 
 from libgz.apps.console import number_above_zero
+from libgz.apps.world_control import WorldControl
 from libgz.errors import GazeboError, ServerError
 from libgz.front import World
 from libgz.transport.control import Control, Request
@@ -28,7 +29,7 @@ def add_rewind_option(parser: argparse.ArgumentParser) -> None:
 
 
 class SnapshotControl:
-    """Saves, restores and rewinds a world that runs, when other processes ask for it.
+    """Saves, restores, rewinds and controls a world that runs, when other processes ask for it.
 
     Args:
         world: it is initialized.
@@ -37,6 +38,7 @@ class SnapshotControl:
 
     def __init__(self, world: World, rewind: float | None = None) -> None:
         self.world = world
+        self.requests = WorldControl(world)
         self._control: Control | None = None
         if rewind is not None:
             world.keep_rewind(rewind)
@@ -56,7 +58,8 @@ class SnapshotControl:
             self._control.close()
 
     def act(self) -> None:
-        """Answer what was asked for; between two steps."""
+        """Answer what was asked for; after each step."""
+        self.requests.stepped()
         while self._control is not None and self._control.waiting:
             request = self._control.waiting.popleft()
             try:
@@ -79,6 +82,6 @@ class SnapshotControl:
             except ValueError as error:
                 raise GazeboError(str(error)) from None
         else:
-            raise GazeboError(f"there is no request {request.verb!r}")
+            return self.requests.obey(request)
         log.info("%s: sim time is %g s", request.verb, world.GetSimTime())
         return f"{world.GetSimTime():g}".encode()

@@ -304,13 +304,13 @@ class Server(LocalServer):
             self._semaphores = None
 
 
-def free_server_id() -> int:
-    """The lowest id for which there are neither semaphores nor a directory, of live or dead servers.
+def free_server_id(first: int = 0) -> int:
+    """The lowest id from `first` for which there are neither semaphores nor a directory, of live or dead servers.
 
     Raises:
-        ServerError: ids 0 to 999 are all taken.
+        ServerError: all up to 999 are taken.
     """
-    for server_id in range(1000):
+    for server_id in range(first, 1000):
         try:
             SemaphoreSet.attach(server_id)
         except FileNotFoundError:
@@ -318,7 +318,7 @@ def free_server_id() -> int:
                 return server_id
         except OSError:
             continue
-    raise ServerError("server ids 0 to 999 are all taken; name another one: -s")
+    raise ServerError(f"server ids {first} to 999 are all taken; name another one: -s")
 
 
 def on_free_server_id(start: Callable[[int], T]) -> T:

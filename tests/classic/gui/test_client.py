@@ -162,7 +162,7 @@ def test_plugins_come_in_classic_s_order_and_see_the_server_s_world(server, plac
     server("moving.world")
     (place / "home" / ".gazebo").mkdir(parents=True)
     (place / "home" / ".gazebo" / "gui.ini").write_text("[overlay_plugins]\nfilenames=libfirst.so:libnothere.so\n")
-    code, out, err = client("-g", "libsystem.so", "--gui-client-plugin", "libbroken.so", "--rate", "200")
+    code, out, err = client("--no-view", "-g", "libsystem.so", "--gui-client-plugin", "libbroken.so", "--rate", "200")
     assert (code, out) == (0, [
         "system made", "system Load gzclient", "system Init", "first Load libfirst.so",
         "teller Load hello teller default", "painter Load box::link::v", "painter Init", "teller ready",

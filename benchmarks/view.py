@@ -1,0 +1,142 @@
+"""The live viewer: what it costs the server and itself, with robots that drive and one client connected.
+
+python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, then 400 robots)
+"""
+
+import asyncio
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import msgspec.msgpack
+import viser
+import websockets
+
+import libgz
+from libgz.transport.server import free_server_id
+
+ROUNDS, SPAN = 5, 4.0  # [s]
+TICKS = os.sysconf("SC_CLK_TCK")
+HEAD = (
+    '<?xml version="1.0"?><gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz" '
+    'xmlns:model="http://playerstage.sourceforge.net/gazebo/xmlschema/#model" '
+    'xmlns:param="http://playerstage.sourceforge.net/gazebo/xmlschema/#param">'
+    "<model:GroundPlane><id>ground</id></model:GroundPlane>"
+    "<model:LightSource><id>sun</id><xyz>0 0 20</xyz></model:LightSource>"
+)
+
+
+def world(robots, lasers):
+    """A worldfile with robots in rows."""
+    parts = [HEAD]
+    for i in range(robots):
+        laser = f"<model:SickLMS200><id>laser{i}</id><xyz>0.15 0 0.2</xyz></model:SickLMS200>" if lasers else ""
+        place = f"<xyz>{2 * (i % 20)} {2 * (i // 20)} 0.2</xyz>"
+        parts.append(f"<model:Pioneer2AT><id>robot{i}</id>{place}{laser}</model:Pioneer2AT>")
+    return "".join([*parts, "</gz:world>"])
+
+
+def cpu(process):
+    """CPU time of a process [s]."""
+    words = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
+    return (int(words[11]) + int(words[12])) / TICKS
+
+
+class Page:
+    """A client that receives as a browser does; it counts the frames."""
+
+    def __init__(self, url):
+        self.url, self.frames, self.bytes, self.ended = url, 0, 0, False
+
+    async def receive(self):
+        token = self.url.partition("token=")[2]
+        address = self.url.split("?")[0].replace("http", "ws") + token
+        protocol = f"viser-v{viser.__version__}"
+        async with websockets.connect(address, subprotocols=[protocol], max_size=None, compression=None) as socket:
+            camera = {"type": "ViewerCameraMessage", "wxyz": (1, 0, 0, 0), "position": (0, 0, 1), "fov": 1.0}
+            camera |= {"near": 0.1, "far": 100.0, "look_at": (1, 0, 0), "up_direction": (0, 0, 1)}
+            await socket.send(msgspec.msgpack.encode(camera | {"image_height": 600, "image_width": 800}))
+            while not self.ended:
+                raw = await asyncio.wait_for(socket.recv(), 10.0)
+                self.bytes += len(raw)
+                self.frames += len(raw) > 2000
+
+
+def measure(server, viewer, page, observer):
+    """(CPU time of the server per step [us], share of a core of the viewer, frames per second)."""
+    begin, steps, busy, seen, frames = time.monotonic(), observer.state().steps, cpu(server), cpu(viewer), page.frames
+    time.sleep(SPAN)
+    span = time.monotonic() - begin
+    done = observer.state().steps - steps
+    return 1e6 * (cpu(server) - busy) / done, (cpu(viewer) - seen) / span, (page.frames - frames) / span
+
+
+def run(robots, rate, lasers):
+    """Measure with a page that is open and, in turn, with a stopped viewer."""
+    server_id = free_server_id(400)
+    with tempfile.NamedTemporaryFile("w", suffix=".world") as file:
+        file.write(world(robots, lasers))
+        file.flush()
+        command = [sys.executable, "-m", "libgz.apps.gazebo", "-d", "0", "-s", str(server_id), file.name]
+        server = subprocess.Popen(command)
+        observer = libgz.Observer(server_id, timeout=60.0)
+        with libgz.Client(server_id, client_id=-1, timeout=60.0) as client:
+            for i in range(robots):
+                client.position(f"robot{i}").command(vx=0.2, vyaw=0.2)
+        words = [
+            sys.executable,
+            "-m",
+            "libgz",
+            "view",
+            "-s",
+            str(server_id),
+            "--view-port",
+            "18900",
+            "--rate",
+            str(rate),
+        ]
+        viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        page = Page(viewer.stdout.readline().split()[-1])
+        try:
+            asyncio.run(_measured(server, viewer, page, observer, robots, rate))
+        finally:
+            for process in (viewer, server):
+                process.terminate()
+                process.wait(20.0)
+            viewer.stdout.close()
+
+
+async def _measured(server, viewer, page, observer, robots, rate):
+    receiving = asyncio.create_task(page.receive())
+    await asyncio.sleep(4.0)
+    ratios, shares, rates, costs = [], [], [], []
+    for _ in range(ROUNDS):
+        seen, share, frames = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
+        os.kill(viewer.pid, 19)  # SIGSTOP: the same server without a viewer at work
+        alone, _, _ = await asyncio.to_thread(measure, server.pid, viewer.pid, page, observer)
+        os.kill(viewer.pid, 18)
+        await asyncio.sleep(0.5)
+        ratios.append(seen / alone)
+        shares.append(share)
+        rates.append(frames)
+        costs.append(alone)
+    page.ended = True
+    await asyncio.gather(receiving, return_exceptions=True)
+    print(
+        f"{robots} robots, {rate} Hz wanted: {statistics.median(rates):.1f} frames/s, viewer "
+        f"{100 * statistics.median(shares):.0f} % of a core, step of the server {statistics.median(costs):.0f} us, "
+        f"with viewer / without {statistics.median(ratios):.3f}"
+    )
+
+
+if __name__ == "__main__":
+    given = [int(word) for word in sys.argv[1:]]
+    if given:
+        run(given[0], given[1] if len(given) > 1 else 30, given[0] <= 50)
+    else:
+        run(30, 30, True)
+        run(400, 10, False)

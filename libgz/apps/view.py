@@ -1,0 +1,164 @@
+"""libgz view: show a running world in a browser, as a process of its own."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import logging
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from libgz.apps.console import number_above_zero, whole_number
+from libgz.errors import GazeboError, LibraryError, ServerGoneError
+from libgz.transport.observer import Observer
+from libgz.transport.paths import server_directory
+
+__all__ = ["add_view_options", "configure", "make_viewer", "observed_server", "run", "running_servers", "view_process"]
+
+log = logging.getLogger("libgz.view")
+
+HOST, PORT = "127.0.0.1", 8080
+PATIENCE = 0.5  # [s] for the viewer of --view to end
+
+
+def add_view_options(parser: Any, optional: bool) -> None:
+    """Add the viewer's options; `optional`: with --view, for a server."""
+    add = parser.add_argument
+    if optional:
+        add("--view", action="store_true", help="show the world in a browser; needs the extra `view`")
+    add("--view-port", type=whole_number("port"), default=PORT, metavar="PORT", help="first port to try (default 8080)")
+    add(
+        "--view-host",
+        default=HOST,
+        metavar="ADDRESS",
+        help="address to bind (default 127.0.0.1: only this machine can connect)",
+    )
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument(
+        "-s",
+        dest="server_id",
+        metavar="ID",
+        type=whole_number("server id"),
+        help="server id (default: the running one)",
+    )
+    parser.add_argument(
+        "--timeout", type=number_above_zero("timeout"), default=10.0, metavar="S", help="time to wait for a server [s]"
+    )
+    parser.add_argument(
+        "--rate", type=number_above_zero("rate"), default=30.0, metavar="R", help="frames per second (default 30)"
+    )
+    parser.add_argument("--watch-only", action="store_true", help="nobody can control, whatever the address")
+    parser.add_argument("--parent", type=int, help=argparse.SUPPRESS)  # end with this process
+    add_view_options(parser, optional=False)
+
+
+def running_servers() -> list[int]:
+    """The ids of this user's servers whose worlds can be seen, lowest first."""
+    folder, prefix = Path(server_directory(0)).parent, Path(server_directory(0)).name[:-1]
+    ids = sorted(
+        int(path.name[len(prefix) :])
+        for path in folder.glob(f"{prefix}*")
+        if path.name[len(prefix) :].isdecimal() and (path / ".observer.tables").exists()
+    )
+    found = []
+    for server_id in ids:
+        try:
+            Observer(server_id).close()
+            found.append(server_id)
+        except GazeboError as error:
+            log.debug("server %d: %s", server_id, error)
+    return found
+
+
+def observed_server(info: Any) -> int | None:
+    """The id of the server on this machine that publishes a topic, by its TopicInfo; None if there is none."""
+    processes = {int(end.port) for end in info.publisher if end.host in ("", socket.gethostname())}
+    for server_id in running_servers():
+        with contextlib.suppress(GazeboError), Observer(server_id) as observer:
+            if observer.pid in processes:
+                return server_id
+    return None
+
+
+def _server_id(options: argparse.Namespace) -> int:
+    """The server that was meant.
+
+    Raises:
+        ServerGoneError: there is none, or more than one.
+    """
+    if options.server_id is not None:
+        return int(options.server_id)
+    end = time.monotonic() + options.timeout
+    while True:
+        found = running_servers()
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise ServerGoneError(f"servers {', '.join(map(str, found))} are running; choose one with -s ID")
+        if time.monotonic() >= end:
+            raise ServerGoneError(
+                "no server is running; start one with gazebo or gzserver, or with their option --view"
+            )
+        time.sleep(0.1)
+
+
+def make_viewer(source: Any, controls: Any, options: argparse.Namespace, **more: Any) -> Any:
+    """A viewer.
+
+    Raises:
+        LibraryError: the extra is not installed.
+    """
+    try:
+        from libgz.view.viewer import Viewer
+    except ImportError as error:
+        raise LibraryError(f"the viewer needs the extra `view`: pip install 'libgz[view]' ({error})") from None
+    return Viewer(source, controls, host=options.view_host, port=options.view_port, **more)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Show the world until Ctrl-C.
+
+    Raises:
+        ServerGoneError: no server runs.
+        LibraryError: the extra is not installed.
+    """
+    from libgz.view.server import ServerControls
+
+    server_id = _server_id(options)
+    with Observer(server_id, options.timeout) as observer:
+        controls = None if options.watch_only else ServerControls(server_id)
+        with make_viewer(observer, controls, options, rate=options.rate) as viewer:
+            viewer.frame()
+            print(f"open {viewer.url}", flush=True)
+            parent = options.parent
+            try:
+                viewer.run(lambda: parent is not None and os.getppid() != parent)
+            except KeyboardInterrupt:
+                print()
+    return 0
+
+
+@contextlib.contextmanager
+def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator[None]:
+    """With --view, run the viewer of a server in a process of its own, which prints its address, and end it."""
+    if not options.view or server_id is None:
+        yield
+        return
+    words = ["view", "-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
+    command = [sys.executable, "-m", "libgz", *words, "--parent", str(os.getpid())]
+    process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+    try:
+        yield
+    finally:
+        process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(PATIENCE)  # else it ends a little later than this process

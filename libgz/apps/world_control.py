@@ -1,0 +1,339 @@
+"""Shared by gazebo and gzserver: what other processes can ask of a running world, beside its states."""
+
+from __future__ import annotations
+
+import base64
+import io
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from libgz.errors import GazeboError, ParameterError
+from libgz.front import World
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
+from libgz.sdf.paths import model_directories
+from libgz.simulation.entity import Entity
+from libgz.transport.control import Request
+
+__all__ = ["WorldControl"]
+
+MOST_STEPS = 100_000  # of one request
+MOST_CONTACTS = 2000
+KEYS = "~/keyboard/keypress"
+
+
+class WorldControl:
+    """Does what requests ask for, between two steps. The content of a request is JSON; so is an answer.
+
+    Args:
+        world: it is initialized.
+
+    Attributes:
+        speed: simulated seconds per second of real time that was asked for; None before that.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.speed: float | None = None
+        self._steps = 0  # that the paused world is still to do
+        self._nodes: dict[str, Any] = {}
+        self._verbs: dict[str, Callable[[str, dict[str, Any]], Any]] = {
+            "pause": self._pause,
+            "step": self._step,
+            "reset": self._reset,
+            "speed": self._speed,
+            "move": self._move,
+            "delete": self._delete,
+            "insert": self._insert,
+            "catalogue": self._catalogue,
+            "write": self._write,
+            "keep": self._keep,
+            "describe": self._describe,
+            "inventory": self._inventory,
+            "contacts": self._contacts,
+            "publish": self._publish,
+            "readings": self._readings,
+        }
+
+    def obey(self, request: Request) -> bytes:
+        """Do what a request asks for; its answer.
+
+        Raises:
+            GazeboError: there is no such request, or it cannot be fulfilled.
+        """
+        verb = self._verbs.get(request.verb)
+        if verb is None:
+            raise GazeboError(f"there is no request {request.verb!r}; there are {', '.join(self._verbs)}")
+        try:
+            content = json.loads(request.content) if request.content else {}
+        except ValueError as error:
+            raise GazeboError(f"the content of request {request.verb!r} is no JSON: {error}") from None
+        if not isinstance(content, dict):
+            raise GazeboError(f"the content of request {request.verb!r} is no JSON object")
+        answer = verb(request.argument, content)
+        return b"" if answer is None else json.dumps(answer).encode()
+
+    def stepped(self) -> None:
+        """Pause again after the steps that were asked for; called after each step."""
+        if self._steps:
+            self._steps -= 1
+            if not self._steps:
+                self.world.paused = True
+
+    # The world -------------------------------------------------------------------------------------------------------
+
+    def _pause(self, argument: str, _content: dict[str, Any]) -> None:
+        if argument not in ("on", "off"):
+            raise ParameterError(f"pause is {argument!r}; allowed are on and off")
+        self._steps = 0
+        self.world.paused = argument == "on"
+
+    def _step(self, argument: str, _content: dict[str, Any]) -> None:
+        count = int(argument) if argument.isdecimal() else 0
+        if not 0 < count <= MOST_STEPS:
+            raise ParameterError(f"step is {argument!r}; allowed are 1 to {MOST_STEPS}")
+        if self.world.paused or self._steps:
+            self._steps += count
+            self.world.paused = False
+
+    def _reset(self, _argument: str, _content: dict[str, Any]) -> None:
+        paused = self.world.paused
+        self.world.Reset()
+        self.world.paused = paused  # a state has that, too
+
+    def _speed(self, argument: str, _content: dict[str, Any]) -> None:
+        speed = _number(argument, "speed")
+        if speed < 0.0:
+            raise ParameterError(f"speed is {speed:g}; it must not be negative")
+        self.speed = self.world.simSpeed = speed
+
+    def _keep(self, argument: str, _content: dict[str, Any]) -> None:
+        self.world.keep_rewind(_number(argument, "seconds to keep"))
+
+    def _write(self, argument: str, content: dict[str, Any]) -> str:
+        """Save the world: a legacy one to its file, an SDF one to a file of another name beside it."""
+        world = self.world
+        if world.sdf is None:
+            if world.Save() != 0:
+                raise GazeboError("the world could not be saved; the server's log says why")
+            return str(world.file.filename) if world.file is not None else ""
+        path = Path(content.get("file") or f"{world.name}_saved.world").absolute()
+        self._classic().Save(str(path))
+        return str(path)
+
+    # Entities --------------------------------------------------------------------------------------------------------
+
+    def _entity(self, content: dict[str, Any]) -> Entity:
+        entity: Entity = self.world.model(str(content.get("name", "")))
+        return entity
+
+    def _move(self, _argument: str, content: dict[str, Any]) -> None:
+        entity, pose = self._entity(content), _pose(content)
+        parent = entity.parentBody
+        self.world.SetModelPose(entity, GzCoordPoseSub(pose, parent.GetPose()) if parent is not None else pose)
+
+    def _delete(self, _argument: str, content: dict[str, Any]) -> None:
+        entity = self._entity(content)
+        if self.world.sdf is not None:
+            self._classic().RemoveModel(entity.GetId())
+        else:
+            self.world.DeleteModel(entity)
+
+    def _insert(self, _argument: str, content: dict[str, Any]) -> list[str]:
+        """Insert a text, or a model of the catalogue, at a pose; the names of what came."""
+        before = {entity.GetId() for entity in self.world.entities}
+        pose = _pose(content) if "pose" in content else None
+        if self.world.sdf is not None:
+            self._insert_sdf(content, pose)
+        else:
+            text = str(content.get("text") or self._example(str(content.get("model", "")), before))
+            added = self.world.InsertModel(text, "<inserted>")
+            top = [model for model in added if model.parentBody is None]
+            for model in top if pose is not None else ():
+                lift = GzPose(GzVector(0.0, 0.0, model.GetPose().pos.z))
+                self.world.SetModelPose(model, GzCoordPoseAdd(lift, pose) if pose is not None else model.GetPose())
+        return [entity.GetId() for entity in self.world.entities if entity.GetId() not in before]
+
+    def _insert_sdf(self, content: dict[str, Any], pose: GzPose | None) -> None:
+        view = self._classic()
+        text, uri = str(content.get("text", "")), str(content.get("model", ""))
+        if text:
+            view.InsertModelString(text)
+            return
+        from libgz.classic import msgs
+
+        place = pose or GzPose()
+        position = {"x": place.pos.x, "y": place.pos.y, "z": place.pos.z}
+        turn = {"w": place.rot.u, "x": place.rot.x, "y": place.rot.y, "z": place.rot.z}
+        where = {"position": position, "orientation": turn}
+        message = msgs.message_type("gazebo.msgs.Factory")()
+        shape = _SIMPLE.get(uri)
+        if shape is not None:
+            message.FromDict({"sdf": _simple(uri, shape), "pose": where, "allow_renaming": True})
+        else:
+            message.FromDict({"sdf_filename": uri, "pose": where, "allow_renaming": True})
+        self._commands().factory(message)
+
+    def _example(self, name: str, taken: set[str]) -> str:
+        from libgz.reference.catalogue import entry
+
+        found = entry(name)
+        number = next(i for i in range(1, len(taken) + 2) if f"{name.lower()}{i}" not in taken)
+        return f"<model:{found.name}>\n  <id>{name.lower()}{number}</id>\n</model:{found.name}>"
+
+    def _catalogue(self, _argument: str, _content: dict[str, Any]) -> list[str]:
+        """What `insert` knows by name."""
+        if self.world.sdf is None:
+            from libgz.reference.catalogue import entries
+
+            return [one.name for one in entries()]
+        found = {f"model://{path.parent.name}" for root in model_directories() for path in root.glob("*/model.config")}
+        return [*_SIMPLE, *sorted(found)]
+
+    # Knowledge -------------------------------------------------------------------------------------------------------
+
+    def _describe(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """What the tables and the scene do not say of an entity."""
+        entity = self._entity(content)
+        plugins = []
+        if self.world.sdf is not None:
+            element = getattr(entity, "GetSDF", lambda: None)()
+            if element is not None:
+                plugins = [[e.Get(str, "name"), e.Get(str, "filename")] for e in element.named("plugin")]
+        mass = sum(body.GetMass().mass for body in entity.bodies if not body.dummy)
+        return {"plugins": plugins, "mass": mass if math.isfinite(mass) else 0.0}
+
+    def _inventory(self, _argument: str, _content: dict[str, Any]) -> dict[str, Any]:
+        """What can be driven by topics, and whether somebody listens to keys."""
+        if self.world.sdf is None:
+            return {"drives": [], "keys": False}
+        from libgz.classic.plugins._drive import DrivePlugin
+        from libgz.classic.server import attach
+
+        server = attach(self.world)
+        drives = [
+            model.GetName()
+            for model in server.world.Models()
+            if any(isinstance(plugin.plugin, DrivePlugin) for plugin in server.model_plugins(model))
+        ]
+        from libgz.classic.transport import TopicManager
+
+        heard = TopicManager.Instance().TopicInfo(self._node().DecodeTopicName(KEYS)).subscriber
+        return {"drives": drives, "keys": bool(list(heard))}
+
+    def _contacts(self, _argument: str, _content: dict[str, Any]) -> list[list[float]]:
+        """Position, normal and depth of the last step's contacts, which are recorded from the first request on."""
+        engine = self.world.engine
+        engine.record_contacts = True
+        points = engine.contacts[:MOST_CONTACTS]
+        found = (
+            np.column_stack([points["position"], points["normal"], points["depth"]])
+            if len(points)
+            else np.zeros((0, 7))
+        )
+        rows: list[list[float]] = found[np.isfinite(found).all(axis=1)].tolist()
+        return rows
+
+    def _readings(self, _argument: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Of sensors named ``model::link::sensor``: last images, as JPEG in base64, and last ranges [m]."""
+        wanted = content.get("names")
+        images: dict[str, str] = {}
+        ranges: dict[str, list[float]] = {}
+        if self.world.sdf is not None and isinstance(wanted, list):
+            from libgz.classic.sensors import SensorManager
+
+            every: list[Any] = list(SensorManager.Instance().GetSensors())
+            for sensor in every:
+                name = f"{sensor.ParentName()}::{sensor.Name()}"
+                if name not in wanted:
+                    continue
+                sensor.SetActive(True)
+                if sensor.Type() == "camera":
+                    image = _jpeg(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
+                    images |= {name: image} if image else {}
+                elif sensor.Type() in ("ray", "gpu_ray"):
+                    ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]
+        return {"images": images, "ranges": ranges}
+
+    def _publish(self, argument: str, content: dict[str, Any]) -> None:
+        """Publish a message on a topic, as a client of classic would."""
+        if self.world.sdf is None:
+            raise GazeboError("this world has no topics")
+        from libgz.classic import msgs
+
+        message = msgs.message_type(str(content.get("type", "")))()
+        values = content.get("message")
+        message.FromDict(values if isinstance(values, dict) else {})
+        topic = self._node().DecodeTopicName(argument)
+        if topic not in self._nodes:
+            self._nodes[topic] = self._node().Advertise(type(message), topic)
+        self._nodes[topic].Publish(message)
+
+    # Classic ---------------------------------------------------------------------------------------------------------
+
+    def _classic(self) -> Any:
+        from libgz.classic.server import attach
+
+        return attach(self.world).world
+
+    def _commands(self) -> Any:
+        from libgz.classic.commands import Commands, PausedSteps
+
+        return Commands(self._classic(), lambda _answer: None, PausedSteps(self.world))
+
+    def _node(self) -> Any:
+        if "" not in self._nodes:
+            from libgz.classic.transport import Node
+
+            self._nodes[""] = Node()
+            self._nodes[""].Init(self._classic().Name())
+        return self._nodes[""]
+
+
+_SIMPLE = {
+    "box": "<box><size>1 1 1</size></box>",
+    "sphere": "<sphere><radius>0.5</radius></sphere>",
+    "cylinder": "<cylinder><radius>0.5</radius><length>1</length></cylinder>",
+}
+
+
+def _simple(name: str, shape: str) -> str:
+    parts = "".join(f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual"))
+    link = f"<link name='link'><pose>0 0 0.5 0 0 0</pose>{parts}</link>"
+    return f"<sdf version='1.6'><model name='{name}'>{link}</model></sdf>"
+
+
+def _jpeg(data: bytes | None, height: int, width: int) -> str:
+    """An image as JPEG in base64; empty if there is none yet, or it has no colours that a page can show."""
+    pixels = np.frombuffer(data or b"", np.uint8)
+    channels, rest = divmod(pixels.size, max(height * width, 1))
+    if channels not in (1, 3) or rest:
+        return ""
+    from PIL import Image
+
+    shape, file = (height, width) if channels == 1 else (height, width, 3), io.BytesIO()
+    Image.fromarray(pixels.reshape(shape)).convert("RGB").save(file, "JPEG", quality=80)
+    return base64.b64encode(file.getvalue()).decode()
+
+
+def _number(text: str, what: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not math.isfinite(number):
+        raise ParameterError(f"{what} is {text!r}; it must be a finite number")
+    return number
+
+
+def _pose(content: dict[str, Any]) -> GzPose:
+    values = content.get("pose")
+    numbers = [float(v) for v in values] if isinstance(values, list) and len(values) == 7 else []
+    if not numbers or not all(map(math.isfinite, numbers)) or not any(numbers[3:]):
+        raise ParameterError("a pose is seven finite numbers: x, y, z [m] and a quaternion u, x, y, z")
+    length = math.sqrt(sum(part * part for part in numbers[3:]))
+    return GzPose(GzVector(*numbers[:3]), GzQuatern(*(part / length for part in numbers[3:])))

@@ -1,0 +1,65 @@
+"""ServerControls: commands a running server by its control socket, and robots by their interfaces."""
+
+from __future__ import annotations
+
+import json
+import threading
+from typing import Any
+
+from libgz.interfaces.catalog import new_interface
+from libgz.interfaces.client import Client
+from libgz.transport.control import ask
+
+__all__ = ["ServerControls"]
+
+ABILITIES = frozenset(
+    {"pause", "step", "reset", "speed", "rewind", "move", "delete", "insert", "catalogue", "write", "publish"}
+    | {"describe", "contacts", "interfaces", "readings"}
+)
+
+
+class ServerControls:
+    """The controls of a server. Every call is safe in every thread.
+
+    Args:
+        server_id: of the server.
+    """
+
+    def __init__(self, server_id: int) -> None:
+        self.server_id = server_id
+        self._client: Client | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def abilities(self) -> frozenset[str]:
+        """All requests that servers answer."""
+        return ABILITIES
+
+    def ask(self, verb: str, argument: str = "-", **content: Any) -> Any:
+        """Send a request; the answer is what its JSON says, or None.
+
+        Raises:
+            ServerError: the server does not run, or refuses.
+        """
+        answer = ask(self.server_id, verb, argument, json.dumps(content).encode() if content else b"")
+        return json.loads(answer) if answer else None
+
+    def interface(self, kind: str, id: str) -> Any:
+        """An open interface of the server.
+
+        Raises:
+            GazeboError: there is none.
+        """
+        with self._lock:
+            if self._client is None:
+                self._client = Client(self.server_id, client_id=-1)
+            return self._client.open(new_interface(kind), id)
+
+    def reconnect(self) -> None:
+        """Close the connection; the next use opens another one."""
+        with self._lock:
+            client, self._client = self._client, None
+            if client is not None:
+                client.disconnect()
+
+    close = reconnect

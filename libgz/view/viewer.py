@@ -1,0 +1,699 @@
+"""Viewer: shows a running world in browsers, and passes on what their users do."""
+
+from __future__ import annotations
+
+import base64
+import contextlib
+import io
+import logging
+import math
+import queue
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+from PIL import Image
+
+from libgz.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
+from libgz.transport.observer import ObservedState
+from libgz.view.driving import Driver, Robot, robots_of
+from libgz.view.gate import Gate, may_control
+from libgz.view.marks import Marks, sensor_name
+from libgz.view.panel import Overlay, Panel
+from libgz.view.scene import Look, SceneView
+from libgz.view.source import Controls, Source
+
+__all__ = ["HOST", "PORT", "RATE", "Viewer"]
+
+log = logging.getLogger("libgz.view")
+
+HOST, PORT, RATE = "127.0.0.1", 8080, 30.0
+STATUS_PERIOD, IMAGE_PERIOD, ASK_PERIOD, RETRY = 0.25, 0.2, 0.2, 0.5  # [s]
+ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
+LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
+KEPT = 60.0  # [s] for the time line
+FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
+GRIPPER = {"Open": 1, "Close": 2, "Stop": 3, "Lift up": 4, "Lift down": 5, "Lift stop": 6}
+
+
+class Viewer:
+    """A page that shows a world, on a port of this machine.
+
+    Args:
+        source: of the scene and the states.
+        controls: what users can do; None: they only watch.
+        host: address to bind.
+        port: first one that is tried; a busy one moves to the next.
+        rate: largest number of frames per second [Hz].
+        overlays: the panels of GUI plugins, by name.
+
+    Raises:
+        GazeboError: no port is free.
+    """
+
+    def __init__(
+        self,
+        source: Source,
+        controls: Controls | None = None,
+        *,
+        host: str = HOST,
+        port: int = PORT,
+        rate: float = RATE,
+        overlays: Callable[[], Mapping[str, Overlay]] | None = None,
+    ) -> None:
+        self.source, self.controls, self.rate = source, controls, rate
+        self._overlays = overlays
+        self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
+        self._asking = ThreadPoolExecutor(1, "viewer")
+        self._pending: set[str] = set()
+        self.gate = Gate(host, "libgz", self._take_note)
+        with self.gate.guarding(), contextlib.redirect_stdout(io.StringIO()):
+            self.page = viser.ViserServer(host, port, verbose=False)
+        self.page.scene.world_axes.visible = False
+        self._root = self.page.scene.add_frame("/world", show_axes=False)
+        self.view = SceneView(self.page, source, lambda name, _client: self.do(lambda: self.select(name)))
+        self.marks = Marks(self.page, self.view, controls)
+        self.panel = Panel(self.page, controls.abilities if controls is not None else frozenset(), self.do, self)
+        self.driver = Driver(controls) if controls is not None else None
+        self._robots: dict[str, Robot] = {}
+        self._inventory: dict[str, Any] = {"drives": [], "keys": False}
+        self._state: ObservedState | None = None
+        self._revision = -1
+        self._selected = ""
+        self._pictures: dict[str, NDArray[np.uint8]] = {}  # of SDF cameras
+        self._details: dict[str, Any] = {}
+        self._follow = self._following = False
+        self._offset: NDArray[np.float64] = np.zeros(3)
+        self._handle: Any = None
+        self._held = False  # whether a user holds the handles
+        self._history: deque[tuple[float, float, int]] = deque(maxlen=12)
+        self._next = {"status": 0.0, "image": 0.0, "ask": 0.0, "move": 0.0}
+        self._due = self._shown = 0.0
+        self._gone = False
+        self._aimed = False
+        self._ended = threading.Event()
+        self.page.on_client_connect(self._welcome)
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def url(self) -> str:
+        """The address of the page that can control."""
+        return f"{self.watch_url}?token={self.gate.token}"
+
+    @property
+    def watch_url(self) -> str:
+        """The address of the page that only watches."""
+        host = {"0.0.0.0": "127.0.0.1", "::": "[::1]"}.get(self.gate.host, self.gate.host)
+        return f"http://{host}:{self.page.get_port()}/"
+
+    def close(self) -> None:
+        """End the page. Can be called twice."""
+        if self._ended.is_set():
+            return
+        self._ended.set()
+        if self.driver is not None:
+            with contextlib.suppress(GazeboError):
+                self.driver.choose(None)
+        self._asking.shutdown(wait=False, cancel_futures=True)
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.page.stop()
+
+    # The loop --------------------------------------------------------------------------------------------------------
+
+    def do(self, action: Callable[[], object]) -> None:
+        """Call an action between two frames; safe in every thread."""
+        self._actions.put(action)
+
+    def run(self, stopped: Callable[[], bool] = lambda: False) -> None:
+        """Show frames until `stopped` says so, or `close` is called."""
+        while not stopped() and not self._ended.is_set():
+            self.tick()
+            time.sleep(min(max(self._due - time.monotonic(), 0.0), 0.5))
+
+    def tick(self) -> None:
+        """Do what users did, and show a frame if it is time for one; for programs with a loop of their own."""
+        begin = time.monotonic()
+        self.act()
+        if begin < self._due:
+            return
+        if self.page.get_clients() or begin >= self._shown + ALONE_PERIOD or self._state is None:
+            self._shown = begin
+            self.frame()
+        now = time.monotonic()
+        self._due = max(self._due + 1.0 / self.rate, begin + (now - begin) / LARGEST_SHARE, now)
+
+    def act(self) -> None:
+        """Do what users did since the last frame; what is refused is shown to them."""
+        while True:
+            try:
+                action = self._actions.get_nowait()
+            except queue.Empty:
+                break
+            self._attempt(action)
+        if self.driver is not None:
+            self._attempt(self.driver.act)
+
+    def _attempt(self, action: Callable[[], object]) -> None:
+        try:
+            action()
+        except GazeboError as error:
+            self._report(str(error))
+
+    def _report(self, text: str) -> None:
+        log.warning("%s", text)
+        for client in self.page.get_clients().values():
+            with contextlib.suppress(Exception):  # a page that is being closed
+                client.add_notification("libgz", text[:500], color="red", auto_close_seconds=6.0)
+
+    def frame(self) -> None:
+        """Show the present state."""
+        now = time.monotonic()
+        try:
+            if self._gone:
+                self._come_back(now)
+                return
+            state = self.source.state()
+            if state.revision != self._revision:
+                state = self._show_scene(state)
+            changed = self._state is None or state.number != self._state.number
+            self._state = state
+        except ServerGoneError:
+            self._lose()
+            return
+        except InterfaceError as error:
+            self.panel.set_status({}, str(error))
+            return
+        if changed:
+            self.view.move(state)
+            self.marks.show(state)
+            self._follow_model(state)
+            self.marks.select(self.view.ids.get(self._selected), state)
+        self._move_handle(state)
+        self._show_rest(state, now)
+
+    def _show_scene(self, state: ObservedState) -> ObservedState:
+        """Show the scene that belongs to the present state, which is returned."""
+        for _ in range(100):
+            scene = self.source.scene
+            if scene["revision"] == state.revision:
+                break
+            state = self.source.state()
+        self.view.show(scene)
+        self._revision = state.revision
+        self.panel.set_options("model", [e["id"] for e in scene["entities"] if e["kind"] != "joints"], self._selected)
+        if not self._aimed:
+            self._aim(state)
+        self._ask_inventory()
+        self.gate.notify(driving=self._driving, title=f"{scene['world']} - libgz")
+        return state
+
+    def _aim(self, state: ObservedState) -> None:
+        """Place the pages' cameras where the world's file wants them, or so that its models fill the page."""
+        self._aimed = True
+        view = self.view.scene["view"]
+        camera = self.page.initial_camera
+        if view is not None:
+            position, (u, x, y, z) = np.array(view[:3]), view[3:]
+            ahead = np.array((1 - 2 * (y * y + z * z), 2 * (x * y + u * z), 2 * (x * z - u * y)))
+            reach = max(abs(float(position[2])) / max(-float(ahead[2]), 0.3), 2.0)
+            place, target = position, position + ahead * reach
+        else:
+            place, target = self._overview(state)
+        camera.up, camera.position, camera.look_at = (0.0, 0.0, 1.0), place, target
+        camera.near, camera.far = 0.02, 4000.0
+        for client in self.page.get_clients().values():
+            client.camera.position, client.camera.look_at = place, target
+
+    def _overview(self, state: ObservedState) -> tuple[NDArray[Any], NDArray[Any]]:
+        boxes = [
+            (entity, box)
+            for number, entity in self.view.entities.items()
+            if (box := self.view.bounds(number, state)) is not None and np.abs(box).max() < FAR_AWAY
+        ]
+        everything = _around([box for entity, box in boxes if not entity["static"]] or [box for _, box in boxes])
+        robots = _around([box for entity, box in boxes if entity["interfaces"] and not entity["static"]])
+        if everything is None:
+            return np.array((-4.0, -4.0, 3.0)), np.zeros(3)
+        middle, size = everything
+        if robots is not None:
+            middle, size = robots[0], min(size, 5.0 * robots[1])
+        return middle + max(size, 1.5) * np.array((-0.8, -0.95, 0.65)), middle
+
+    # Coming and going ------------------------------------------------------------------------------------------------
+
+    async def _welcome(self, client: viser.ClientHandle) -> None:
+        """Greet a page that was opened."""
+        if not may_control.get():
+            text = "This address has no token: you can look around, but not control."
+            client.add_notification("Watching", text, color="blue", auto_close_seconds=8.0)
+
+    def _lose(self) -> None:
+        """The server has ended."""
+        self._gone = True
+        self.panel.set_status({}, "The server has ended. Waiting for the next one ...")
+        self.gate.notify(driving=False)
+        if self.controls is not None:
+            self.controls.reconnect()
+
+    def _come_back(self, now: float) -> None:
+        if now < self._next["ask"]:
+            return
+        self._next["ask"] = now + RETRY
+        try:
+            self.source.reconnect()
+        except (ServerGoneError, InterfaceError):
+            return
+        self._gone, self._revision, self._state, self._aimed = False, -1, None, False
+        self._inventory, self._details = {"drives": [], "keys": False}, {}
+        self._history.clear()
+        self.view.clear()
+        self.marks.clear()
+        self._pending.clear()
+
+    # Requests --------------------------------------------------------------------------------------------------------
+
+    def ask(self, verb: str, argument: str = "-", then: Callable[[Any], object] | None = None, **content: Any) -> None:
+        """Send a request to the server, without waiting; `then` is called with the answer, between two frames."""
+        controls = self.controls
+        if controls is None:
+            return
+
+        def work() -> None:
+            try:
+                answer = controls.ask(verb, argument, **content)
+                if then is not None:
+                    self.do(lambda: then(answer))
+            except GazeboError as error:
+                text = str(error)
+                if not self._gone:
+                    self.do(lambda: self._report(text))
+            finally:
+                self._pending.discard(verb)
+
+        self._pending.add(verb)
+        with contextlib.suppress(RuntimeError):  # the viewer is closed
+            self._asking.submit(work)
+
+    def _ask_inventory(self) -> None:
+        def learn(answer: Any) -> None:
+            self._inventory = answer or self._inventory
+            self._list_robots()
+
+        self._list_robots()
+        if self.controls is not None and "publish" in self.controls.abilities:
+            self.ask("inventory", then=learn)
+            if len(getattr(self.panel, "catalogue", ()) and self.panel.catalogue.options) <= 1:
+                self.ask("catalogue", then=lambda names: self.panel.set_options("catalogue", names or []))
+
+    def _list_robots(self) -> None:
+        if self.driver is None:
+            return
+        robots = {robot.label: robot for robot in robots_of(self.view.scene, self._inventory["drives"])}
+        if robots != self._robots:
+            had = set(self._robots)
+            self._robots = robots
+            present = self.driver.robot
+            if (present is None and not had) or (present is not None and present.label not in robots):
+                self.choose_robot(next(iter(robots), ""))
+        self.panel.set_options("robot", robots, self.driver.robot.label if self.driver.robot is not None else "")
+
+    # What users do ---------------------------------------------------------------------------------------------------
+
+    @property
+    def _driving(self) -> bool:
+        return self.driver is not None and self.driver.robot is not None
+
+    def press(self, label: str) -> None:
+        """One of the buttons pause, run, step, reset."""
+        if label in ("pause", "run"):
+            self.ask("pause", "on" if label == "pause" else "off")
+        elif label == "step":
+            self.ask("step", "1")
+        else:
+            self.ask(label)
+
+    def press_overlay(self, overlay: Overlay, label: str) -> None:
+        """A button of a GUI plugin."""
+        overlay.Press(label)
+
+    def set_speed(self, speed: float) -> None:
+        """The slider of the speed."""
+        self.ask("speed", f"{speed:g}")
+
+    def choose_robot(self, label: str) -> None:
+        """Drive another robot, or none."""
+        if self.driver is None:
+            return
+        self.driver.choose(self._robots.get(label))
+        self.panel.set_options("robot", self._robots, label)
+        self._show_parts()
+        self.gate.notify(driving=self._driving, title=f"{self.view.scene.get('world', '')} - libgz")
+
+    def set_drive(self, speed: float | None = None, turn: float | None = None) -> None:
+        """Velocities at full deflection [m/s], [rad/s]."""
+        if self.driver is not None:
+            self.driver.speed = self.driver.speed if speed is None else speed
+            self.driver.turn = self.driver.turn if turn is None else turn
+
+    def select(self, name: str) -> None:
+        """Select a model by its id; an empty one selects none."""
+        number = self.view.ids.get(name)
+        while number is not None and self.view.entities[number]["id"] != name:
+            number = None
+        self._selected = name if number is not None else ""
+        self._details = {}
+        self.panel.set_options("model", list(self.panel.model.options[1:]), self._selected)
+        self._drop_handle()
+        if self._selected and self.controls is not None and "describe" in self.controls.abilities:
+            self.ask("describe", then=self._learn_details, name=name)
+        if self._state is not None:
+            self.marks.select(number, self._state)
+            self._show_info(self._state)
+
+    def _learn_details(self, answer: Any) -> None:
+        self._details = answer or {}
+
+    def set_follow(self, on: bool) -> None:
+        """Whether the view follows the selected model."""
+        self._follow, self._following = on, False
+        if not on:
+            offset, self._offset = self._offset, np.zeros(3)
+            self._root.position = np.zeros(3)
+            for client in self.page.get_clients().values():
+                place, target = client.camera.position + offset, client.camera.look_at + offset
+                client.camera.position, client.camera.look_at = place, target
+
+    def set_handles(self, on: bool) -> None:
+        """Whether the selected model has handles."""
+        if not on:
+            self._drop_handle()
+
+    def set_mark(self, name: str, on: bool) -> None:
+        """Show or hide marks."""
+        self.marks.switch(name, on)
+        if self._state is not None:
+            self.marks.show(self._state)
+
+    def set_look(self, name: str, on: bool) -> None:
+        """Wireframe, or collision shapes instead of visible ones."""
+        now = self.view.look
+        self.view.look = Look(**{"wireframe": now.wireframe, "collisions": now.collisions, name: on})
+        if self.view.scene and self._state is not None:
+            self.view.show(self.view.scene)
+            self.view.move(self._state)
+
+    def set_keep(self, on: bool) -> None:
+        """Whether the server keeps states for the time line."""
+        self.ask("keep", f"{KEPT if on else 0.0:g}")
+
+    def rewind(self, seconds: float) -> None:
+        """Go back [s]."""
+        self.ask("rewind", f"{seconds:g}")
+
+    def insert(self, name: str) -> None:
+        """Insert a model of the catalogue where the views look at the ground."""
+        place = [0.0, 0.0, 0.0]
+        for client in self.page.get_clients().values():
+            eye, target = np.array(client.camera.position), np.array(client.camera.look_at)
+            down = eye[2] - target[2]
+            place = (eye + (target - eye) * (eye[2] / down) if down > 1e-3 else target).tolist()
+            place = [min(max(part, -100.0), 100.0) for part in place[:2]] + [0.0]
+        self.ask("insert", model=name, pose=[*(np.array(place) + self._offset).tolist(), 1.0, 0.0, 0.0, 0.0])
+
+    def delete(self) -> None:
+        """Delete the selected model."""
+        if self._selected:
+            self.ask("delete", name=self._selected)
+            self.select("")
+
+    def save(self) -> None:
+        """Save the world."""
+
+        def done(path: Any) -> None:
+            for client in self.page.get_clients().values():
+                client.add_notification("Saved", str(path or "the world's file"), color="green", auto_close_seconds=5.0)
+
+        self.ask("write", then=done)
+
+    def _take_note(self, note: dict[str, Any], page: int) -> None:
+        """A note of a page's script; in the page's thread."""
+        driver = self.driver
+        if driver is None:
+            return
+        if note.get("closed"):
+            self.do(lambda: driver.leave(page))
+        elif "drive" in note:
+            self.do(lambda: driver.want(page, note["drive"]))
+        elif isinstance(note.get("key"), int):
+            key = note["key"]
+            self.do(lambda: self._press_key(key))
+
+    def _press_key(self, key: int) -> None:
+        if self._inventory["keys"]:
+            message = {"type": "INT32", "int_value": key}
+            self.ask("publish", "~/keyboard/keypress", type="gazebo.msgs.Any", message=message)
+
+    # Details ---------------------------------------------------------------------------------------------------------
+
+    def _follow_model(self, state: ObservedState) -> None:
+        number = self.view.ids.get(self._selected)
+        if not self._follow or number is None:
+            return
+        here = self.view.pose(number, state)[:3]
+        if not self._following:
+            self._following = True
+            for client in self.page.get_clients().values():
+                client.camera.position = client.camera.position - here + self._offset
+                client.camera.look_at = (0.0, 0.0, 0.0)
+        self._offset = here.copy()
+        self._root.position = -here
+
+    def _drop_handle(self) -> None:
+        if self._handle is not None:
+            self._handle.remove()
+            self._handle, self._held = None, False
+
+    def _move_handle(self, state: ObservedState) -> None:
+        """Show handles at the selected model, and keep them there while nobody holds them."""
+        number = self.view.ids.get(self._selected)
+        wanted = number is not None and hasattr(self.panel, "handles") and self.panel.handles.value
+        if not wanted or number is None:
+            self._drop_handle()
+            return
+        pose = self.view.pose(number, state)
+        if self._handle is None:
+            box = self.view.bounds(number, state)
+            size = 0.6 if box is None else max(float(np.linalg.norm(box[1] - box[0])) * 0.7, 0.3)
+            self._handle = self.page.scene.add_transform_controls(
+                "/world/handles", scale=min(size, 20.0), position=pose[:3], wxyz=pose[3:], depth_test=False
+            )
+
+            async def moved(event: Any) -> None:
+                place, turn = np.array(event.target.position), np.array(event.target.wxyz)
+                self.do(lambda: self._drag(event.phase, [*place.tolist(), *turn.tolist()]))
+
+            self._handle.on_update(moved)
+        elif not self._held:
+            if not np.allclose(self._handle.position, pose[:3], atol=1e-5):
+                self._handle.position = pose[:3]
+            if not np.allclose(self._handle.wxyz, pose[3:], atol=1e-5):
+                self._handle.wxyz = pose[3:]
+
+    def _drag(self, phase: str, pose: list[float]) -> None:
+        """A user moves the handles."""
+        self._held = phase != "end"
+        now = time.monotonic()
+        if self._selected and (phase == "end" or (now >= self._next["move"] and "move" not in self._pending)):
+            self._next["move"] = now + 0.05
+            self.ask("move", name=self._selected, pose=pose)
+
+    def _show_parts(self) -> None:
+        """Sliders for what the driven robot carries."""
+        parts: list[Any] = []
+        robot, controls = self.driver.robot if self.driver is not None else None, self.controls
+        if robot is None or controls is None or robot.entity not in self.view.ids:
+            self.panel.set_robot_parts([])
+            return
+        for number in self.view.family(self.view.ids[robot.entity]):
+            for served in self.view.entities[number]["interfaces"]:
+                with contextlib.suppress(GazeboError):
+                    parts += self._parts_of(served["type"], served["id"])
+        self.panel.set_robot_parts(parts)
+
+    def _parts_of(self, kind: str, id: str) -> list[Any]:
+        if kind not in ("ptz", "gripper", "actarray") or self.controls is None:
+            return []
+        interface = self.controls.interface(kind, id)
+        if kind == "ptz":
+            half = math.pi / 2.0
+            return [
+                ("slider", f"{id} pan [rad]", -half, half, interface.pan, lambda v: interface.command(pan=float(v))),
+                ("slider", f"{id} tilt [rad]", -1.0, 1.0, interface.tilt, lambda v: interface.command(tilt=float(v))),
+                ("slider", f"{id} zoom [rad]", 0.1, 2.0, interface.zoom, lambda v: interface.command(zoom=float(v))),
+            ]
+        if kind == "gripper":
+            return [
+                ("button", f"{id}: {label.lower()}", 0.0, 0.0, 0.0, lambda _, code=code: interface.command(code))
+                for label, code in GRIPPER.items()
+            ]
+
+        def set_joint(place: int, value: float) -> None:
+            with interface.locked() as data:
+                data.cmd_pos[place], data.joint_mode[place] = value, 0
+                data.new_cmd += 1
+
+        return [
+            (
+                "slider",
+                f"{id} joint {i}",
+                -math.pi,
+                math.pi,
+                float(actuator["position"]),
+                lambda value, i=i: set_joint(i, float(value)),
+            )
+            for i, actuator in enumerate(interface.actuators)
+        ]
+
+    def _show_rest(self, state: ObservedState, now: float) -> None:
+        """Texts, images and whatever else is slower than the scene."""
+        if now >= self._next["status"]:
+            self._next["status"] = now + STATUS_PERIOD
+            self._show_status(state, now)
+            self._show_info(state)
+            if self._overlays is not None:
+                self.panel.set_overlays(self._overlays())
+        if "contacts" in self.marks.on and now >= self._next["ask"] and "contacts" not in self._pending:
+            self._next["ask"] = now + ASK_PERIOD
+            self.ask("contacts", then=self._learn_contacts)
+        if now >= self._next["image"]:
+            self._next["image"] = now + IMAGE_PERIOD
+            self._ask_readings()
+            self._show_images()
+
+    def _ask_readings(self) -> None:
+        """Ask for images and ranges of SDF sensors, as far as they are shown."""
+        kinds = {
+            "camera": self.panel.live.value,
+            "ray": "lasers" in self.marks.on,
+            "gpu_ray": "lasers" in self.marks.on,
+        }
+        names = [
+            sensor_name(entity, sensor)
+            for entity in self.view.entities.values()
+            for sensor in entity["sensors"]
+            if kinds.get(sensor["kind"]) and "name" in sensor
+        ]
+        if names and self.controls is not None and "readings" in self.controls.abilities:
+            if "readings" not in self._pending:
+                self.ask("readings", then=self._learn_readings, names=names)
+        else:
+            self._pictures = {}
+
+    def _learn_readings(self, answer: Any) -> None:
+        self.marks.ranges = answer["ranges"]
+        self._pictures = {
+            name: np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for name, data in answer["images"].items()
+        }
+
+    def _learn_contacts(self, answer: Any) -> None:
+        self.marks.contacts = answer or []
+        if self._state is not None:
+            self.marks.show(self._state)
+
+    def _show_status(self, state: ObservedState, now: float) -> None:
+        self._history.append((now, state.sim_time, state.steps))
+        (begin, before, steps), span = self._history[0], now - self._history[0][0]
+        factor = max(state.sim_time - before, 0.0) / span if span > 0.0 else 0.0
+        rate = max(state.steps - steps, 0) / span if span > 0.0 else 0.0
+        del begin
+        self.panel.set_status(
+            {
+                "sim time": f"{state.sim_time:.2f} s",
+                "factor": f"{factor:.2f}",
+                "steps": f"{rate:.0f} Hz",
+                "state": "paused" if state.paused else "running",
+            }
+        )
+
+    def _show_info(self, state: ObservedState) -> None:
+        number = self.view.ids.get(self._selected)
+        if number is None:
+            self.panel.set_info([])
+            return
+        entity, pose = self.view.entities[number], self.view.pose(number, state)
+        roll, pitch, yaw = _angles(pose[3:])
+        rows = [
+            ("id", self._selected),
+            ("type", entity["type"] or entity["kind"]),
+            ("position", f"{pose[0]:.3f} {pose[1]:.3f} {pose[2]:.3f} m"),
+            ("rotation", f"{math.degrees(roll):.1f} {math.degrees(pitch):.1f} {math.degrees(yaw):.1f} deg"),
+        ]
+        row = self.view.rows.get(entity["body"], -1)
+        if 0 <= row < len(state.bodies):
+            linear, angular = state.bodies[row, 10:13], state.bodies[row, 13:16]
+            rows.append(("velocity", "{:.2f} {:.2f} {:.2f} m/s".format(*linear)))
+            rows.append(("turning", "{:.2f} {:.2f} {:.2f} rad/s".format(*angular)))
+        if self._details.get("mass"):
+            rows.append(("mass", f"{self._details['mass']:.4g} kg"))
+        if entity["interfaces"]:
+            rows.append(("interfaces", ", ".join(f"{i['type']}.{i['id']}" for i in entity["interfaces"])))
+        if self._details.get("plugins"):
+            rows.append(("plugins", ", ".join(f"{name} ({file})" for name, file in self._details["plugins"])))
+        if entity["sensors"]:
+            rows.append(("sensors", ", ".join(str(s.get("name") or s["kind"]) for s in entity["sensors"])))
+        rows.append(("bodies", ", ".join(body["name"] or "-" for body in entity["bodies"][:30])))
+        if entity["joints"]:
+            rows.append(("joints", ", ".join(joint["name"] or joint["kind"] for joint in entity["joints"][:30])))
+        if entity["parent"] in self.view.entities:
+            rows.append(("attached to", self.view.entities[entity["parent"]]["id"]))
+        below = [self.view.entities[n]["id"] for n in self.view.family(number)[1:]]
+        if below:
+            rows.append(("carries", ", ".join(below)))
+        self.panel.set_info(rows)
+
+    def _show_images(self) -> None:
+        images: dict[str, NDArray[np.uint8]] = {}
+        names = [
+            (one["type"], one["id"])
+            for entity in self.view.entities.values()
+            for one in entity["interfaces"]
+            if one["type"] in ("camera", "guicam")
+        ]
+        if self.panel.live.value and self.controls is not None:
+            for kind, name in names:
+                with contextlib.suppress(GazeboError, ClosedError):
+                    image = np.array(self.controls.interface(kind, name).image)
+                    if image.size:
+                        images[name] = image
+            images |= self._pictures
+        self.panel.set_images(images)
+
+
+def _around(boxes: list[NDArray[Any]]) -> tuple[NDArray[Any], float] | None:
+    """Middle and size [m] of the box around boxes; None if there are none."""
+    if not boxes:
+        return None
+    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 0.6)
+
+
+def _angles(q: NDArray[Any]) -> tuple[float, float, float]:
+    """Roll, pitch and yaw [rad] of a quaternion (u, x, y, z)."""
+    u, x, y, z = (float(part) for part in q)
+    roll = math.atan2(2.0 * (u * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = math.asin(min(max(2.0 * (u * y - z * x), -1.0), 1.0))
+    return roll, pitch, math.atan2(2.0 * (u * z + x * y), 1.0 - 2.0 * (y * y + z * z))

@@ -1,6 +1,7 @@
 """The live viewer as users have it: a server, the viewer's process, and a page in a browser."""
 
 import contextlib
+import os
 import re
 import subprocess
 import sys
@@ -25,7 +26,7 @@ def chromium():
 
 
 def test_a_page_shows_the_robot_and_controls_it(chromium):
-    server_id = free_server_id(300)
+    server_id = free_server_id(300 + os.getpid() % 500)
     with served("-s", server_id, "-d", 0, WORLD) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
         page = opened(chromium, url)
         assert "token=" in url
@@ -78,7 +79,7 @@ def click_robot(page):
 
 
 def test_without_the_token_a_page_only_watches(chromium):
-    server_id = free_server_id(300)
+    server_id = free_server_id(300 + os.getpid() % 500)
     with served("-s", server_id, "-d", 0, WORLD) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
         page = opened(chromium, url.split("?")[0])
         wait_for(lambda: (status(page)[0] or 0.0) > 0.0, "the time in the page")
@@ -92,7 +93,7 @@ def test_without_the_token_a_page_only_watches(chromium):
 
 
 def test_the_viewer_and_the_server_come_and_go(chromium):
-    server_id = free_server_id(300)
+    server_id = free_server_id(300 + os.getpid() % 500)
     with served("-s", server_id, "-d", 0, WORLD, viewer=False) as (server, _):
         with viewing(server_id) as (_, url):
             opened(chromium, url).close()

@@ -245,7 +245,7 @@ def test_doctor_reports_missing_extras(monkeypatch, capsys, name, package, words
         return real(asked) if asked in doctor.PACKAGES else "1.0"
 
     monkeypatch.setattr(importlib.metadata, "version", version)
-    assert doctor.run(argparse.Namespace()) == 0
+    assert doctor.run(argparse.Namespace(json=False)) == 0
     lines = {line[8:].split()[0]: line for line in capsys.readouterr().out.splitlines()}
     assert lines[name].startswith(f"absent  {name:14}{words}")
     assert lines[name].endswith(f"; pip install 'libgz[{name}]'")

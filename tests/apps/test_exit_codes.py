@@ -184,11 +184,12 @@ def test_a_video_on_a_full_disk(tmp_path):
     def fail(*_):
         raise EOFError("avcodec_send_frame()")
 
-    recorder = record.Recorder.__new__(record.Recorder)
-    recorder.path, recorder._file = tmp_path / "a.mp4", types.SimpleNamespace(close=fail)
+    video = record._Video(tmp_path / "a.mp4", 10.0)
+    video.close()
+    video._file = types.SimpleNamespace(close=fail)
     with pytest.raises(GazeboError, match=r"a\.mp4 cannot be written: avcodec_send_frame"):
-        recorder.close()
-    recorder.close()
+        video.close()
+    video.close()
 
 
 def test_a_model_to_add_that_is_no_text(tmp_path):

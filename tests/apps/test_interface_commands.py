@@ -282,7 +282,7 @@ def test_orphaned_semaphores_are_found(wire):
     for path in Path(server_directory(wire)).iterdir():
         path.unlink()
     Path(server_directory(wire)).rmdir()
-    clean.run(type("Options", (), {"server_id": wire}))
+    clean.run(type("Options", (), {"server_id": wire, "json": False}))
 
 
 def test_clean_never_touches_a_live_server(capsys, server):

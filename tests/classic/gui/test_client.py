@@ -180,7 +180,9 @@ def test_a_picture_shows_what_the_user_s_camera_sees(server, place):
     assert (code, out[-1]) == (0, f"{place / 'a.png'}: 80 x 60 px, of 'default'")
     pixels = np.array(Image.open(place / "a.png"))
     assert pixels.shape == (60, 80, 3)
-    assert tuple(pixels[30, 40]) == (255, 0, 0)
+    red, *others = map(int, pixels[30, 40])  # lit, as in all images for people
+    assert red > 200
+    assert others == [0, 0]
     assert tuple(pixels[0, 0]) == (0, 0, 255)
     code, _, _ = client("--picture", place / "b.png", "--size", "80x60", "--pose", "0 0 0.5 0 0 3.14159")
     assert code == 0

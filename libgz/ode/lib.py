@@ -116,13 +116,14 @@ class OdeLibrary:
         self._shared, self.origin = _load()
         self._declared = _parse(PROTOTYPES)
         self._threads = threading.local()
-        for set_handler, kind, level in (
-            (self.dSetErrorHandler, "error", logging.CRITICAL),
-            (self.dSetDebugHandler, "debug", logging.CRITICAL),
-            (self.dSetMessageHandler, "message", logging.DEBUG),
+        for get_handler, set_handler, kind, level in (
+            (self.dGetErrorHandler, self.dSetErrorHandler, "error", logging.CRITICAL),
+            (self.dGetDebugHandler, self.dSetDebugHandler, "debug", logging.CRITICAL),
+            (self.dGetMessageHandler, self.dSetMessageHandler, "message", logging.DEBUG),
         ):
-            _handlers.append(_message_handler(kind, level))
-            set_handler(ctypes.cast(_handlers[-1], ctypes.c_void_p))
+            if not get_handler():  # else they are set, and the native step may have set its own over them
+                _handlers.append(_message_handler(kind, level))
+                set_handler(ctypes.cast(_handlers[-1], ctypes.c_void_p))
         if not self.dInitODE2(0):
             raise LibraryError("dInitODE2 failed: ODE cannot be initialised")
         self.ensure_thread()

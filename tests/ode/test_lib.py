@@ -31,6 +31,14 @@ def test_a_missing_library_says_how_to_install_it(monkeypatch):
         lib.OdeLibrary()
 
 
+def test_a_second_library_keeps_the_handlers_of_the_first():
+    """The native step has one of its own, by which it survives failed assertions."""
+    before = lib.ode().dGetDebugHandler()
+    assert before
+    lib.OdeLibrary()
+    assert lib.ode().dGetDebugHandler() == before
+
+
 def system_library():
     """The file of the system's library."""
     _ = ode()

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from xml.sax.saxutils import escape
 
 import numpy as np
 
 from libgz.errors import ParameterError
+from libgz.files import xml_text
 from libgz.transport.interface import Interface, View
 from libgz.transport.layout import CLIENT, SERVER, Array, Data, byte, double, layout
 from libgz.transport.legacy import LegacyFunctions
@@ -67,7 +67,7 @@ class Factory(Interface[FactoryData]):
         Raises:
             ParameterError: the id is too long.
         """
-        self._send(f"<delete>{escape(id)}</delete>")
+        self._send(f"<delete>{xml_text(id)}</delete>")
 
     @property
     def busy(self) -> bool:

@@ -18,10 +18,18 @@ __all__ = [
     "is_folder",
     "read_limited",
     "write_whole",
+    "xml_attribute",
     "xml_parser",
+    "xml_text",
 ]
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes of a world
+
+# Not those of xml.sax.saxutils, which imports urllib.request, ssl and email: a tenth of the start of a command.
+_IN_TEXT = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"})
+_IN_ATTRIBUTE = _IN_TEXT | str.maketrans(
+    {'"': "&quot;", "'": "&apos;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"},
+)
 
 
 def exists(path: Path) -> bool:
@@ -65,6 +73,16 @@ def read_limited(path: Path) -> bytes:
     if path.stat().st_size > LARGEST_FILE:
         raise OSError(errno.EFBIG, f"it is larger than {LARGEST_FILE >> 20} MiB", str(path))
     return path.read_bytes()
+
+
+def xml_text(text: str) -> str:
+    """Text as it stands between the tags of XML."""
+    return text.translate(_IN_TEXT)
+
+
+def xml_attribute(text: str) -> str:
+    """The value of an attribute as it stands between its quotes, of either kind."""
+    return text.translate(_IN_ATTRIBUTE)
 
 
 def xml_parser(*, recover: bool = False) -> etree.XMLParser:

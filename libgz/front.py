@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.metadata
 import io
 import os
 from collections.abc import Callable
@@ -19,7 +18,6 @@ from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
-from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
@@ -147,6 +145,8 @@ class World(world.World):
         Raises:
             WorldFileError: it has errors; the message lists them all.
         """
+        from libgz.sdfworld.world import SdfWorld  # legacy worlds do without it
+
         self.extension(SdfWorld).load(file)
         if file.busy:
             self.attach_era()
@@ -164,6 +164,8 @@ class World(world.World):
     @property
     def sdf(self) -> SdfFile | None:
         """The SDF document; None in a legacy world."""
+        from libgz.sdfworld.world import SdfWorld
+
         return self.extension(SdfWorld).file
 
     # Legacy ----------------------------------------------------------------------------------------------------------
@@ -265,6 +267,8 @@ class World(world.World):
         Raises:
             LibraryError: no viewer is installed.
         """
+        import importlib.metadata  # slow to import
+
         for entry in importlib.metadata.entry_points(group="libgz.viewers"):
             return entry.load()(self, **options)
         raise LibraryError("there is no viewer here: pip install 'libgz[view]'; world.image() needs none")

@@ -25,7 +25,6 @@ from libgz.apps.console import (
 )
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
-from libgz.apps.record import Recorder, ViewRecorder, new_recorder
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
@@ -33,7 +32,7 @@ from libgz.errors import GazeboError, ParameterError, PluginError, StrictError, 
 from libgz.files import exists, is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.choice import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -41,6 +40,7 @@ from libgz.transport.server import on_free_server_id
 from libgz.worldfile.search import find_worldfile, why_missing
 
 if TYPE_CHECKING:
+    from libgz.apps.record import Recorder, ViewRecorder
     from libgz.recording.capture import Capture
 
 __all__ = ["main"]
@@ -274,7 +274,10 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             with watchdog.loading(), show_loading(path, world):
                 world.LoadFile(path)
             world.Initialize()
-            run.recorders += [new_recorder(world, request, shadows=options.shadows) for request in options.record]
+            if options.record:
+                from libgz.apps.record import new_recorder  # it needs OpenGL, which other runs may do without
+
+                run.recorders += [new_recorder(world, request, shadows=options.shadows) for request in options.record]
             if options.server_id is None:
                 print(f"server id {server_id}", flush=True)
             with (

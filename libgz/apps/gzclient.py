@@ -27,7 +27,7 @@ from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect
 from libgz.errors import GazeboError, LibraryError, ServerGoneError
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.choice import CHOICES, prefer
 from libgz.rendering.image import write_image
 from libgz.simulation.event import everywhere
 from libgz.simulation.watchdog import Watchdog

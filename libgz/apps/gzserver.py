@@ -37,7 +37,7 @@ from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, S
 from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.choice import CHOICES, prefer
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems

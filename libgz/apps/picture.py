@@ -11,7 +11,7 @@ from libgz.apps.view_options import GL_HELP, pose, size
 from libgz.errors import LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
 from libgz.images import FreeView, ImageSource, cameras_of
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.choice import CHOICES, prefer
 from libgz.rendering.image import write_image
 
 __all__ = ["configure", "run"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import logging
 import pkgutil
 from collections.abc import Callable, Mapping
-from importlib import metadata
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -117,6 +116,8 @@ class ModelFactory:
     def _offered(self) -> dict[str, metadata.EntryPoint]:
         """Models of installed packages; looked up only when a name is unknown otherwise."""
         if self._packages is None:
+            from importlib import metadata  # slow to import
+
             self._packages = {point.name: point for point in metadata.entry_points(group=ENTRY_POINTS)}
         return self._packages
 

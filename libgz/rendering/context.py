@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import logging
-import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from ctypes import c_char_p, c_int, c_uint, c_void_p
 from typing import ClassVar, ParamSpec, TypeVar
 
-from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
+from libgz.errors import ClosedError, LibraryError
 from libgz.rendering.chain import advice
+from libgz.rendering.choice import check_choice, chosen
 from libgz.rendering.gl import GL, Constant
 
-__all__ = ["CHOICES", "CONTEXTS", "Context", "EGLContext", "OSMesaContext", "chosen", "open_context", "prefer"]
+__all__ = ["CONTEXTS", "Context", "EGLContext", "OSMesaContext", "open_context"]
 
 log = logging.getLogger("libgz.rendering")
 
@@ -181,34 +181,6 @@ def _library(name: str, context: Context) -> ctypes.CDLL:
 
 
 CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext, EGLContext)}
-CHOICES = ("auto", *CONTEXTS, "none")
-
-_preferred: str | None = None
-
-
-def prefer(choice: str | None) -> None:
-    """Choose the context of all scenes made from now on, above LIBGZ_GL: one of `CHOICES`; None: no preference.
-
-    Raises:
-        ParameterError: it is none of them.
-    """
-    global _preferred
-    _preferred = None if choice is None else _checked(choice, "the choice of OpenGL")
-
-
-def chosen() -> str:
-    """The choice of `prefer`, else the environment's LIBGZ_GL, else ``"auto"``.
-
-    Raises:
-        ParameterError: LIBGZ_GL is none of `CHOICES`.
-    """
-    return _preferred or _checked(os.environ.get("LIBGZ_GL") or "auto", "LIBGZ_GL")
-
-
-def _checked(choice: str, what: str) -> str:
-    if choice not in CHOICES:
-        raise ParameterError(f"{what} is {choice!r}; allowed are {', '.join(CHOICES)}{nearest(choice, CHOICES)}")
-    return choice
 
 
 def open_context(choice: str | None = None) -> Context | None:
@@ -218,7 +190,7 @@ def open_context(choice: str | None = None) -> Context | None:
         LibraryError: it does not work here, or none does.
         ParameterError: the choice is unknown.
     """
-    choice = chosen() if choice is None else _checked(choice, "the choice of OpenGL")
+    choice = chosen() if choice is None else check_choice(choice, "the choice of OpenGL")
     if choice == "none":
         return None
     if choice != "auto":

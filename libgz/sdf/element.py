@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, TypeVar, overload
-from xml.sax.saxutils import escape, quoteattr
 
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.files import xml_attribute, xml_text
 from libgz.sdf.description import Description
 from libgz.sdf.value import format_value, parse
 
@@ -225,9 +225,9 @@ class Element:
 
     def ToString(self, prefix: str = "") -> str:
         """The element as XML, each line after `prefix`; attributes that the file does not give are left out."""
-        words = [f" {k}={quoteattr(p.GetAsString())}" for k, p in self.attributes.items() if p.given]
+        words = [f' {k}="{xml_attribute(p.GetAsString())}"' for k, p in self.attributes.items() if p.given]
         start = f"{prefix}<{self.name}{''.join(words)}"
-        text = escape(self.value.GetAsString())
+        text = xml_text(self.value.GetAsString())
         if self.children:
             inside = "".join(child.ToString(prefix + "  ") for child in self.children)
             return f"{start}>{text}\n{inside}{prefix}</{self.name}>\n"

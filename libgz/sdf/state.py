@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from xml.sax.saxutils import escape, quoteattr
 
 from lxml import etree
 
 from libgz.errors import ParameterError
+from libgz.files import xml_attribute, xml_text
 from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
 __all__ = ["SdfState"]
@@ -88,14 +88,14 @@ class SdfState:
     def text(self, version: str) -> str:
         """Return an SDF document with the `<state>`."""
         words = [
-            f"<sdf version='{version}'>\n<state world_name={quoteattr(self.world)}>\n",
+            f"<sdf version='{version}'>\n<state world_name=\"{xml_attribute(self.world)}\">\n",
             f"<sim_time>{_time_text(self.sim_time)}</sim_time>\n<real_time>{_time_text(self.real_time)}</real_time>\n",
             f"<wall_time>{_time_text(self.wall_time)}</wall_time>\n<iterations>{self.iterations}</iterations>\n",
         ]
         if self.insertions:
             words += ["<insertions>\n", *self.insertions, "</insertions>\n"]
         if self.deletions:
-            names = (f"<name>{escape(name)}</name>" for name in self.deletions)
+            names = (f"<name>{xml_text(name)}</name>" for name in self.deletions)
             words += ["<deletions>", *names, "</deletions>\n"]
         by_model: dict[str, list[str]] = {}
         for name in self.poses:
@@ -104,18 +104,19 @@ class SdfState:
         for model, links in by_model.items():
             if not model:
                 words += [
-                    f"<light name={quoteattr(n)}><pose>{_pose_text(self.poses[n])}</pose></light>\n" for n in links
+                    f'<light name="{xml_attribute(n)}"><pose>{_pose_text(self.poses[n])}</pose></light>\n'
+                    for n in links
                 ]
                 continue
             scopes = model.split("::")
-            words += [f"<model name={quoteattr(scope)}>\n" for scope in scopes]
+            words += [f'<model name="{xml_attribute(scope)}">\n' for scope in scopes]
             words += [self._link_text(model, link) for link in links]
             words += ["</model>\n"] * len(scopes)
         return "".join([*words, "</state>\n</sdf>\n"])
 
     def _link_text(self, model: str, link: str) -> str:
         name = f"{model}::{link}"
-        text = f"<link name={quoteattr(link)}><pose>{_pose_text(self.poses[name])}</pose>"
+        text = f'<link name="{xml_attribute(link)}"><pose>{_pose_text(self.poses[name])}</pose>'
         if name in self.velocities:
             linear, angular = self.velocities[name]
             text += f"<velocity>{' '.join(map(repr, map(float, (*linear, *angular))))}</velocity>"

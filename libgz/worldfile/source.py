@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 from xml.parsers import expat
-from xml.sax.saxutils import escape
 
 from libgz.errors import WorldFileError
+from libgz.files import xml_attribute, xml_text
 
 __all__ = [
     "Edit",
@@ -146,11 +146,11 @@ def splice(
     edits: list[Edit] = []
     for (number, name), value in attributes.items():
         place = attribute_spans(source, spans[number])[name.encode(encoding)]
-        edits.append((*place, escape(value, {'"': "&quot;", "'": "&apos;"}).encode(encoding)))
+        edits.append((*place, xml_attribute(value).encode(encoding)))
     for number, text in texts.items():
-        edits.append(fill(source, spans[number], escape(text).encode(encoding)))
+        edits.append(fill(source, spans[number], xml_text(text).encode(encoding)))
     for number, added in children.items():
         indent = indent_of(source, spans[number])
-        lines = b"".join(indent + f"<{tag}>{escape(text)}</{tag}>".encode(encoding) for tag, text in added)
+        lines = b"".join(indent + f"<{tag}>{xml_text(text)}</{tag}>".encode(encoding) for tag, text in added)
         edits.append(put_first(source, spans[number], lines))
     return apply_edits(source, sorted(edits))

@@ -21,7 +21,7 @@ from pathlib import Path
 from readers import KINDS, problem, seeds
 from trials.table import commit
 
-from libgz.rendering.context import prefer
+from libgz.rendering.choice import prefer
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / ".fuzz"

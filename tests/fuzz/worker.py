@@ -24,7 +24,7 @@ from mutants import mutant
 with atheris.instrument_imports(include=["libgz", "PIL"]):
     from readers import TEXT, problem, warm
 
-    from libgz.rendering.context import prefer
+    from libgz.rendering.choice import prefer
 
     prefer("none")
     warm()

@@ -14,7 +14,7 @@ from trials.table import trial
 
 from libgz import World
 from libgz.ode.native_step import NativeStep
-from libgz.rendering.context import prefer
+from libgz.rendering.choice import prefer
 
 pytestmark = pytest.mark.trial
 

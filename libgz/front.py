@@ -19,7 +19,6 @@ from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation import world
-from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.search import find_worldfile, why_missing
@@ -72,20 +71,12 @@ class World(world.World):
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    def __init__(
-        self,
-        server_id: int | None = None,
-        force: bool = False,
-        *,
-        seed: int = 0,
-        solver: str = "world",
-        wire_version: int = LIBGAZEBO_VERSION,
-        strict: bool = False,
-    ) -> None:
-        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, strict=strict)
+    legacy: LegacyWorld
+
+    def _first_era(self) -> LegacyWorld:
         self.legacy = self.extension(LegacyWorld)
         self.legacy.apply(GlobalAttributes(), False)
-        self.era = self.legacy
+        return self.legacy
 
     @classmethod
     def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Unpack[WorldOptions]) -> W:
@@ -205,9 +196,9 @@ class World(world.World):
 
     def start_pose(self, width: int = 640, height: int = 480) -> GzPose:
         """Where a user's view begins: the pose of ObserverCam or `<gui><camera>`, or one that shows all models."""
-        from libgz.rendering.overview import overview
+        from libgz.rendering.framing import overview
 
-        return self.era.start_view(self) or overview(self, width / height)
+        return self.era.start_view(self) or overview(self, (width, height))
 
     def image(self, width: int = 640, height: int = 480, pose: GzPose | None = None) -> NDArray[np.uint8]:
         """An image of the world as it is now, shape (height, width, 3), red, green, blue, top row first.
@@ -220,16 +211,12 @@ class World(world.World):
             LibraryError: rendering is disabled, or OpenGL does not work here.
             ParameterError: the size is out of range.
         """
-        from libgz.rendering.camera import Camera
-        from libgz.rendering.overview import FIELD_OF_VIEW
+        from libgz.rendering.framing import free_camera
 
         pose = self.start_pose(width, height) if pose is None else pose
-        far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
-        with Camera(self, width, height, FIELD_OF_VIEW, 0.05, far) as camera:
+        with free_camera(self, pose, (width, height), shadows=True) as camera:
             if camera.blind:
                 raise LibraryError("rendering is disabled (--gl none or LIBGZ_GL), so there is no image of the world")
-            camera.SetPose(pose)
-            camera.options.shadows = True
             return camera.Update().copy()
 
     def plot(self, *names: str) -> Any:

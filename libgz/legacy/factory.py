@@ -6,12 +6,15 @@ import logging
 import pkgutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from libgz.errors import ParameterError
 from libgz.legacy.model import Model
 from libgz.simulation.plugins import Plugin, collect
 from libgz.simulation.world import World
+
+if TYPE_CHECKING:
+    from importlib import metadata
 
 __all__ = ["GZ_REGISTER_PLUGIN", "GZ_REGISTER_STATIC", "ModelFactory", "builtin_folder", "register_builtin"]
 

@@ -9,12 +9,12 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.closing import Closing
 from libgz.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
 from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_server_id, server_directory
@@ -208,7 +208,7 @@ def _joint(data: dict[str, Any], entity: str) -> ObservedJoint:
     return ObservedJoint(data["name"], data["kind"], entity, data["row"], (one, two), data["frame"], anchor, axes)
 
 
-class Observer:
+class Observer(Closing):
     """A view on a world that a server runs, in any process of this user; it neither locks nor slows the server.
 
     Args:
@@ -230,13 +230,11 @@ class Observer:
         self._scene: _Scene | None = None
         self.reconnect(timeout)
 
-    def __enter__(self) -> Observer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
+    def __repr__(self) -> str:
+        head = self._read_head() if self._descriptor is not None else None
+        state = "closed" if self._descriptor is None else "ended" if not self.alive else "running"
+        now = "" if head is None else f", sim time {head['sim_time']:.3f} s"
+        return f"<{type(self).__name__} of server {self.server_id}, {state}{now}>"
 
     def close(self) -> None:
         """End the observation. Can be called twice."""

@@ -13,7 +13,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ import viser
 from numpy.typing import NDArray
 from PIL import Image
 
+from libgz.closing import Closing
 from libgz.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.driving import Driver, Robot, robots_of
@@ -43,7 +43,7 @@ FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
 GRIPPER = {"Open": 1, "Close": 2, "Stop": 3, "Lift up": 4, "Lift down": 5, "Lift stop": 6}
 
 
-class Viewer:
+class Viewer(Closing):
     """A page that shows a world, on a port of this machine.
 
     Args:
@@ -100,14 +100,6 @@ class Viewer:
         self._aimed = False
         self._ended = threading.Event()
         self.page.on_client_connect(self._welcome)
-
-    def __enter__(self) -> Viewer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def url(self) -> str:

@@ -285,14 +285,22 @@ class PythonStep:
             starts.append([p + o for p, o in zip(rotate(rotation, ray[:3]), position, strict=True)])
             directions.append(list(rotate(rotation, ray[3:6])))
         start, direction = np.array(starts), np.array(directions)
-        end = start + rays[:, 6:7] * direction
+        with np.errstate(over="ignore", invalid="ignore"):
+            end = start + rays[:, 6:7] * direction
+        finite = np.isfinite(start).all(axis=1) & np.isfinite(end).all(axis=1)  # else ODE's assertions fail
+        if not finite.any():
+            return
+        start, end = start[finite], end[finite]
         low, high = np.minimum(start, end).min(axis=0), np.maximum(start, end).max(axis=0)
-        ode_.dGeomBoxSetLengths(context.probe, *(high - low + 1e-6).tolist())
-        ode_.dGeomSetPosition(context.probe, *(0.5 * (low + high)).tolist())
+        with np.errstate(over="ignore"):
+            ode_.dGeomBoxSetLengths(context.probe, *(high - low + 1e-6).tolist())
+            ode_.dGeomSetPosition(context.probe, *(0.5 * (low + high)).tolist())
         hit = ContactGeom()
         hit_address, hit_size = ctypes.addressof(hit), ctypes.sizeof(hit)
         seen = self._gather(owner)
         for i, (first, along, length) in enumerate(zip(starts, directions, lengths, strict=True)):
+            if not finite[i]:
+                continue
             ode_.dGeomRaySetLength(context.ray, length)
             ode_.dGeomRaySet(context.ray, *first, *along)
             for geom, row, box in seen:

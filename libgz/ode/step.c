@@ -1456,24 +1456,31 @@ static void scan(context *c, const double *frame, const double *rays, int64_t co
         return;
     }
     for (i = 0; i < count; i++) {
-        double *start = world_rays + 6 * i, *dir = start + 3;
+        double *start = world_rays + 6 * i, *dir = start + 3, from[3], to[3];
+        int finite = 1;
         rotate(frame + 3, rays + 7 * i, start);
         rotate(frame + 3, rays + 7 * i + 3, dir);
         for (k = 0; k < 3; k++) {
-            double a, b;
             start[k] += frame[k];
-            a = start[k];
-            b = a + rays[7 * i + 6] * dir[k];
-            if (a > b) {
-                double swap = a;
-                a = b;
-                b = swap;
-            }
+            from[k] = start[k];
+            to[k] = start[k] + rays[7 * i + 6] * dir[k];
+            finite &= isfinite(from[k]) && isfinite(to[k]);
+        }
+        if (!finite) { /* ODE's assertions fail on such numbers */
+            start[0] = NAN;
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            double a = from[k] < to[k] ? from[k] : to[k], b = from[k] < to[k] ? to[k] : from[k];
             if (a < low[k])
                 low[k] = a;
             if (b > high[k])
                 high[k] = b;
         }
+    }
+    if (low[0] > high[0]) { /* no ray is finite */
+        free(world_rays);
+        return;
     }
     dGeomBoxSetLengths(c->probe, high[0] - low[0] + 1e-6, high[1] - low[1] + 1e-6, high[2] - low[2] + 1e-6);
     dGeomSetPosition(c->probe, 0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2]));
@@ -1483,6 +1490,8 @@ static void scan(context *c, const double *frame, const double *rays, int64_t co
         const double *start = world_rays + 6 * i, *dir = start + 3;
         double length = rays[7 * i + 6];
         int set = 0;
+        if (isnan(start[0]))
+            continue;
         for (j = 0; j < g.count; j++) {
             contact_geom hit;
             if (!may_hit(start, dir, length, g.list[j].box))

@@ -331,3 +331,16 @@ def test_bodies_closed_between_contacts_and_motion(monkeypatch):
 
     native, python = in_both_forms(run, monkeypatch)
     assert native == python
+
+
+@pytest.mark.parametrize("start", [0.0, 1.7e308, -1.7e308, math.nan])
+def test_a_ray_that_is_not_finite_hits_nothing(form, start):
+    engine = Engine()
+    libgz.BoxGeom(libgz.Body(engine, dummy=True), Space(engine), 1.0, 1.0, 1.0)
+    rays = np.tile([-3.0, 0.0, 0.0, 1.0, 0.0, 0.0, 10.0], (6, 1))
+    rays[1:4, 3], rays[4, 6], rays[5, 6] = (math.nan, math.inf, 1e308), math.inf, 1e308
+    ranges, rows = np.empty(6), np.empty(6, dtype=np.int64)
+    engine.scan(np.array([start, 0, 0, 1, 0, 0, 0]), rays, 0, ranges, rows)
+    assert list(rows >= 0) == [start == 0.0, False, False, False, False, start == 0.0]
+    if start == 0.0:
+        assert ranges[0] == ranges[5] == pytest.approx(2.5)

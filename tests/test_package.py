@@ -48,3 +48,17 @@ def test_a_world_without_cameras_never_loads_opengl():
     assert "libgz.front" in loaded
     assert not [name for name in loaded if name.startswith(("OpenGL", "libgz.rendering", "PIL"))]
     assert not [name for name in loaded if "libOSMesa" in name or "libEGL" in name or "libGL" in name]
+
+
+def test_a_command_loads_only_what_its_world_needs(tmp_path, monkeypatch):
+    monkeypatch.setenv("TMP", str(tmp_path))
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+    loaded = loaded_after(
+        "from libgz.apps.gazebo import main\nimport os\n"
+        "assert main(['-s', '31', '--steps', '1', 'pioneer2at']) == 0\n"
+        "print('threads=' + os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    assert "libgz.front" in loaded
+    assert "threads=1" in loaded
+    slow = ("OpenGL", "PIL", "libgz.sdfworld", "libgz.classic", "urllib.request", "importlib.metadata", "http", "ssl")
+    assert not [name for name in loaded if name.startswith(slow)]

@@ -42,6 +42,7 @@ class WorldControl:
         self._steps = 0  # that the paused world is still to do
         self._nodes: dict[str, Any] = {}
         self._verbs: dict[str, Callable[[str, dict[str, Any]], Any]] = {
+            "abilities": self._abilities,
             "pause": self._pause,
             "step": self._step,
             "reset": self._reset,
@@ -83,6 +84,10 @@ class WorldControl:
             self._steps -= 1
             if not self._steps:
                 self.world.paused = True
+
+    def _abilities(self, _argument: str, _content: dict[str, Any]) -> list[str]:
+        """What a viewer can offer: the requests that are answered, and whether robots obey their interfaces."""
+        return [*self._verbs, "rewind", "interfaces"]
 
     # The world -------------------------------------------------------------------------------------------------------
 

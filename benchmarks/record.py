@@ -15,21 +15,13 @@ import tempfile
 import time
 from pathlib import Path
 
+from laser_robots import drive, fastest, ratio_text, world_text
+
 import libgz
 from libgz.recording.capture import Capture
 
 ROBOTS, STEPS, ROUNDS = 10, 20, 150  # twenty steps are several periods of all sensors
 PAUSE = 0.02  # [s] after a block, in which the writer keeps up
-
-
-def world_text() -> str:
-    """Ten robots with lasers on a plane."""
-    robots = "".join(
-        f"<model:Pioneer2AT><id>r{i}</id><xyz>{2 * (i % 5)} {2 * (i // 5)} 0</xyz>"
-        f"<model:SickLMS200><id>l{i}</id><xyz>0.15 0 0.2</xyz></model:SickLMS200></model:Pioneer2AT>"
-        for i in range(ROBOTS)
-    )
-    return f"<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>{robots}</gz:world>"
 
 
 def block(world: libgz.World, log: Capture | None) -> float:
@@ -50,10 +42,8 @@ def writer_time(log: Capture) -> float:
 
 def main() -> None:
     """Print a table."""
-    with tempfile.TemporaryDirectory() as folder, libgz.World.from_string(world_text()) as world:
-        for i in range(ROBOTS):
-            world.interface("position", f"r{i}").command(vx=0.2, vyaw=0.02 * (i % 7 - 3))
-        world.step(100)
+    with tempfile.TemporaryDirectory() as folder, libgz.World.from_string(world_text(ROBOTS, in_row=5)) as world:
+        drive(world, ROBOTS)
         path = Path(folder, "run.mcap")
         with Capture(world, path) as log:
             time.sleep(2.0)  # the writer has started
@@ -69,13 +59,11 @@ def main() -> None:
             time.sleep(1.0)
             written = (writer_time(log) - before) / steps * 1e6
         size = path.stat().st_size / steps
-    ratios = sorted(after / plain for plain, after in rounds)
-    error = 0.93 * (ratios[3 * len(ratios) // 4] - ratios[len(ratios) // 4]) / len(ratios) ** 0.5
-    fastest = [statistics.quantiles(times, n=10)[0] for times in zip(*rounds, strict=True)]
-    step = statistics.median(plain for plain, _ in rounds)
-    print(f"a step of {ROBOTS} robots with lasers: {step:.0f} us, the fastest {fastest[0]:.0f} us")
-    print(f"recorded: {100 * (statistics.median(ratios) - 1):+.2f} % +- {100 * error:.2f}", end="")
-    print(f"; of the fastest {100 * (fastest[1] / fastest[0] - 1):+.2f} %")
+    plain = [before for before, _ in rounds]
+    print(
+        f"a step of {ROBOTS} robots with lasers: {statistics.median(plain):.0f} us, the fastest {fastest(plain):.0f} us"
+    )
+    print(f"recorded: {ratio_text(rounds)}")
     print(f"the writing process: {written:.0f} us a step; the log: {size / 1000:.1f} kB a step")
 
 

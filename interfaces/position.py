@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from libgz.geometry import pose_text
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.physics.check import finite
 from libgz.transport.interface import View
@@ -56,6 +57,9 @@ class Position(SampleInterface[PositionData]):
         """x [m], y [m] and yaw [rad], read together under the lock."""
         with self.locked() as data:
             return data.pos[0], data.pos[1], data.rot[2]
+
+    def _place(self) -> str:
+        return pose_text(self.data.pos, self.data.rot)
 
     def command(self, vx: float = 0.0, vyaw: float = 0.0, *, vy: float = 0.0, vz: float = 0.0) -> None:
         """Command a velocity; it holds until the next command.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector
+from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzQuaternToEuler, GzVector, pose_text
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.physics.check import finite_tuple, rotation_tuple
 from libgz.transport.interface import View
@@ -69,6 +69,9 @@ class Truth(SampleInterface[TruthData]):
         """The global pose [m], read under the lock."""
         with self.locked() as data:
             return GzPose(GzVector(*data.pos), _quaternion(data.rot))
+
+    def _place(self) -> str:
+        return pose_text(self.data.pos, GzQuaternToEuler(_quaternion(self.data.rot)))
 
     def move(self, pose: GzPose) -> None:
         """Request that the server moves the model to a global pose [m], at rest.

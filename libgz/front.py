@@ -203,9 +203,9 @@ class World(world.World):
 
     def start_pose(self, width: int = 640, height: int = 480) -> GzPose:
         """Where a user's view begins: the pose of ObserverCam or `<gui><camera>`, or one that shows all models."""
-        from libgz.rendering.overview import overview
+        from libgz.rendering.framing import overview
 
-        return self.era.start_view(self) or overview(self, width / height)
+        return self.era.start_view(self) or overview(self, (width, height))
 
     def image(self, width: int = 640, height: int = 480, pose: GzPose | None = None) -> NDArray[np.uint8]:
         """An image of the world as it is now, shape (height, width, 3), red, green, blue, top row first.
@@ -218,16 +218,12 @@ class World(world.World):
             LibraryError: rendering is disabled, or OpenGL does not work here.
             ParameterError: the size is out of range.
         """
-        from libgz.rendering.camera import Camera
-        from libgz.rendering.overview import FIELD_OF_VIEW
+        from libgz.rendering.framing import free_camera
 
         pose = self.start_pose(width, height) if pose is None else pose
-        far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
-        with Camera(self, width, height, FIELD_OF_VIEW, 0.05, far) as camera:
+        with free_camera(self, pose, (width, height), shadows=True) as camera:
             if camera.blind:
                 raise LibraryError("rendering is disabled (--gl none or LIBGZ_GL), so there is no image of the world")
-            camera.SetPose(pose)
-            camera.options.shadows = True
             return camera.Update().copy()
 
     def plot(self, *names: str) -> Any:

@@ -11,7 +11,7 @@ The structs are mutable and iterate like tuples; every function takes any sequen
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
@@ -68,6 +68,7 @@ __all__ = [
     "GzVectorZero",
     "VectorLike",
     "place_of",
+    "pose_text",
     "rotate",
 ]
 
@@ -455,20 +456,21 @@ def GzCoordPoseSolve(ba: GzPose, b: GzPose) -> GzPose:
     return GzPose(GzVectorSub(b.pos, rotate(rot, ba.pos)), rot)
 
 
+_READERS = ("WorldPose", "world_pose", "GetPose")  # methods that return a global pose
+
+
 def place_of(thing: Any) -> str:
-    """Pose of an object for its `repr`, such as `` at (1, 2, 0.5) m, rpy (0, 0, 90) deg``; empty where it has none."""
-    read = getattr(thing, "WorldPose", None) or getattr(thing, "GetPose", None)
+    """Global pose of an object for its `repr`, as `pose_text` writes it; empty where it has none."""
+    read = next((read for name in _READERS if (read := getattr(thing, name, None)) is not None), None)
     try:
         pose = read() if read is not None else None
-    except (GazeboError, AttributeError, TypeError):
+    except (GazeboError, AttributeError, NotImplementedError, TypeError):
         return ""  # it is closed, not whole yet, or means something else by that name
-    if isinstance(pose, GzPose):
-        place, angles = tuple(pose.pos), GzQuaternToEuler(pose.rot)
-    elif pose is not None:
-        place, turn = (pose.Pos().X(), pose.Pos().Y(), pose.Pos().Z()), pose.Rot().Euler()
-        angles = GzVector(turn.X(), turn.Y(), turn.Z())
-    else:
-        return ""
-    numbers = ", ".join(f"{part + 0.0:.4g}" for part in place)
+    return pose_text(pose.pos, GzQuaternToEuler(pose.rot)) if isinstance(pose, GzPose) else ""
+
+
+def pose_text(position: Iterable[float], angles: Iterable[float]) -> str:
+    """A position [m] and roll, pitch, yaw [rad] for a `repr`: `` at (1, 2, 0.5) m, rpy (0, 0, 90) deg``."""
+    numbers = ", ".join(f"{part + 0.0:.4g}" for part in position)
     degrees = ", ".join(f"{math.degrees(part) + 0.0:.4g}" for part in angles)
     return f" at ({numbers}) m, rpy ({degrees}) deg"

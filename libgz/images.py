@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Protocol, TypeAlias
 
 import numpy as np
@@ -11,19 +10,17 @@ from numpy.typing import NDArray
 from libgz.classic.sensors import CameraSensor
 from libgz.classic.server import attach
 from libgz.front import World
-from libgz.geometry import GzPose, GzPosePointAt, GzVector
+from libgz.geometry import GzPose
 from libgz.interfaces.camera import Camera
 from libgz.interfaces.guicam import Guicam
 from libgz.interfaces.stereo import Stereo
 from libgz.models.camera import eye_of
-from libgz.physics.geoms import DomeGeom, LightGeom, PlaneGeom
-from libgz.rendering.camera import Camera as FreeCamera
+from libgz.rendering.framing import free_camera
 
-__all__ = ["FreeView", "ImageSource", "cameras_of", "overview"]
+__all__ = ["FreeView", "ImageSource", "cameras_of"]
 
 Image: TypeAlias = NDArray[np.uint8]
 _EMPTY: Image = np.zeros((0, 0, 3), np.uint8)
-_FAR = 100.0  # [m] from the origin; what lies beyond is not looked at by the overview
 
 
 class ImageSource(Protocol):
@@ -48,9 +45,7 @@ class FreeView:
     label = "a free camera"
 
     def __init__(self, world: World, pose: GzPose, size: tuple[int, int] = (640, 480), shadows: bool = False) -> None:
-        self._camera = FreeCamera(world, *size, near=0.05, far=200.0)
-        self._camera.SetPose(pose)
-        self._camera.options.shadows = shadows
+        self._camera = free_camera(world, pose, size, shadows)
         self._camera.options.displayGrid = world.sdf is not None  # as in classic's window
 
     def image(self) -> Image:
@@ -99,25 +94,3 @@ def cameras_of(world: World, shadows: bool = False) -> dict[str, ImageSource]:
     manager = attach(world).sensors
     sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
     return {sensor.ScopedName(): _SensorCamera(sensor, shadows) for sensor in sensors}
-
-
-def overview(world: World, size: tuple[int, int] = (640, 480)) -> FreeView:
-    """A camera that looks down, from the side, on what can move in a world, or on all of it if nothing can.
-
-    Args:
-        world: the world.
-        size: of its images: width, height [px].
-    """
-    visible = [
-        (model, body)
-        for model in world.models
-        for body in model.bodies
-        if any(not isinstance(geom, LightGeom | DomeGeom | PlaneGeom) for geom in body.geoms)
-    ]
-    bodies = [body for model, body in visible if not model.fixed] or [body for _, body in visible]
-    places = [tuple(body.GetPose().pos) for body in bodies]
-    near = [place for place in places if math.dist(place, (0.0, 0.0, 0.0)) < _FAR] or [(0.0, 0.0, 0.0)]
-    centre = np.mean([np.min(near, axis=0), np.max(near, axis=0)], axis=0)
-    distance = 2.0 + 1.3 * max(math.dist(place, centre) for place in near)
-    eye = GzVector(*(centre + distance * np.array((-0.8, 0.6, 0.7))))
-    return FreeView(world, GzPosePointAt(eye, centre, (0.0, 0.0, 1.0)), size)

@@ -1,6 +1,7 @@
 """The example notebooks run, and show images, plots and text; what objects show of themselves."""
 
 import json
+import math
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,8 @@ import pytest
 from PIL import Image
 
 import libgz
-from libgz.errors import LibraryError, NotFoundError
+from libgz.classic.server import attach
+from libgz.errors import LibraryError, NotFoundError, ParameterError
 from libgz.files import installed_worlds
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples" / "notebooks").glob("*.ipynb"))
@@ -19,6 +21,14 @@ notebook = nbformat.read(sys.argv[1], 4)
 nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute(cwd=sys.argv[2])
 print(json.dumps([list(out.get("data", {"error": 0})) for c in notebook.cells for out in c.get("outputs", [])
                   if out.output_type != "stream"]))
+"""
+
+SENSORS = """
+<sdf version='1.6'><world name='d'><gravity>0 0 0</gravity><model name='m'><pose>1 2 3 0 0 1.5707963</pose>
+  <link name='a'><sensor name='imu' type='imu'><pose>0.1 0 0 0 0 0</pose></sensor></link><link name='b'/>
+  <joint name='j' type='fixed'><parent>a</parent><child>b</child>
+    <sensor name='felt' type='force_torque'><pose>0 0 0.2 0 0 0</pose></sensor></joint>
+</model></world></sdf>
 """
 
 
@@ -57,6 +67,33 @@ def test_what_objects_show(tmp_path):
         robot = world.body("robot1")
     assert "closed" in repr(world)
     assert repr(robot) == "<Body canonical>"
+
+
+def test_what_interfaces_geoms_and_sensors_show():
+    with libgz.World.from_file(installed_worlds() / "pioneer2at.world") as world:
+        position, (geom, *_) = world.interface("position", "robot1"), world.body("robot1").geoms
+        position.data.pos[:], position.data.rot[2] = (1.5, -2.0, 0.0), math.inf  # a client can write anything
+        assert repr(position) == "<Position position.robot1 at (1.5, -2, 0) m, rpy (0, 0, inf) deg>"
+        assert repr(geom).startswith("<BoxGeom of robot1::canonical at (")
+        assert " m, rpy (" in repr(geom)
+    assert repr(position) == "<Position position.robot1, closed>"
+    assert repr(geom) == "<BoxGeom of robot1::canonical>"
+    with libgz.World.from_string(SENSORS) as world:
+        imu, felt = attach(world).sensors.sensors.values()
+        assert repr(imu) == "<ImuSensor 'd::m::a::imu' at (1, 2.1, 3) m, rpy (0, 0, 90) deg>"
+        assert repr(felt) == "<ForceTorqueSensor 'd::m::j::felt' at (1, 2, 3.2) m, rpy (0, 0, 90) deg>"
+    assert repr(felt) == "<ForceTorqueSensor 'd::m::j::felt'>"
+
+
+def test_errors_name_objects_without_their_poses():
+    with libgz.World.from_file(installed_worlds() / "pioneer2at.world") as world:
+        body, joint = world.body("robot1"), world.joint("robot1", "left_front")
+        with pytest.raises(ParameterError, match=r"^HingeJoint 'left_front' cannot join body 'robot1::canonical' with"):
+            joint.Attach(body, body)
+        with pytest.raises(ParameterError, match=r"^body 'robot1::canonical' was added to a model already; a body"):
+            world.model("robot1").AddBody(body)
+        with pytest.raises(ParameterError, match=r"^SliderJoint 'unnamed' must be attached to a body first"):
+            libgz.SliderJoint(world).SetAxis(0.0, 0.0, 1.0)
 
 
 def test_a_view_without_a_viewer_names_the_extra(monkeypatch):

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError, nearest
 from libgz.front import World
 from libgz.models.camera import eye_of
-from libgz.rendering.camera import Camera
-from libgz.rendering.overview import FIELD_OF_VIEW
+from libgz.rendering.framing import free_camera
 from libgz.simulation.rate import TIME_SLACK
 
 __all__ = ["Recorder", "ViewRecorder", "new_recorder"]
@@ -53,14 +52,11 @@ class ViewRecorder:
 
     def __init__(self, world: World, path: Path, shadows: bool = True) -> None:
         pose = world.start_pose(*VIEW_SIZE)
-        far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
         self._world, self._video = world, _Video(path, VIEW_RATE)
-        self._camera = Camera(world, *VIEW_SIZE, FIELD_OF_VIEW, 0.05, far)
+        self._camera = free_camera(world, pose, VIEW_SIZE, shadows)
         if self._camera.blind:
             self.close()
             raise LibraryError("--record view=... needs rendering, which is disabled (--gl none or LIBGZ_GL)")
-        self._camera.SetPose(pose)
-        self._camera.options.shadows = shadows
         self._due = -1.0
 
     def take(self) -> None:

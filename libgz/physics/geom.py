@@ -19,6 +19,7 @@ from libgz.geometry import (
     GzVector,
     QuaternLike,
     VectorLike,
+    place_of,
 )
 from libgz.ode.lib import ode
 from libgz.ode.types import ContactRule, Surface
@@ -105,7 +106,7 @@ class Geom:
             self._id = None
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} of {self.body!r}>"
+        return f"<{self.label}{place_of(self)}>"
 
     @property
     def label(self) -> str:

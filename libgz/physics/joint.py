@@ -119,6 +119,11 @@ class Joint:
         return f"<{type(self).__name__} {self.name or 'unnamed'}{_value_of(self)}>"
 
     @property
+    def label(self) -> str:
+        """Its kind and name, for messages."""
+        return f"{type(self).__name__} {self.name or 'unnamed'!r}"
+
+    @property
     def closed(self) -> bool:
         """Whether it was destroyed, as joints are with a body that they hold."""
         return self._id is None
@@ -131,7 +136,7 @@ class Joint:
             ClosedError: the joint was closed.
         """
         if self._id is None:
-            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
+            raise ClosedError(f"{self.label} was closed")
         return self._id
 
     @exclusive
@@ -153,7 +158,7 @@ class Joint:
         needed = self.bodies_needed
         if needed and sum(body is not None and not body.dummy for body in self.bodies) < needed:
             bodies = "two bodies" if needed == 2 else "a body"
-            raise ParameterError(f"{self!r} must be attached to {bodies} first; dummies and the world do not count")
+            raise ParameterError(f"{self.label} must be attached to {bodies} first; dummies and the world do not count")
 
     def _forget_bodies(self) -> None:
         for body in self.bodies:
@@ -193,7 +198,7 @@ class Joint:
     def _value(self, column: int) -> float:
         """One of angle 1, angle 2, rate 1, rate 2 from the table; 0 for a joint without bodies."""
         if self._id is None:  # its row may belong to another one
-            raise ClosedError(f"{type(self).__name__} {self.name or 'unnamed'!r} was closed")
+            raise ClosedError(f"{self.label} was closed")
         table, row = self._table, self.row
         if not table.fresh[row]:
             table.read(row)
@@ -207,8 +212,8 @@ class Joint:
         ids = tuple(0 if body is None else body.id for body in (one, two))
         if not any(ids):
             return
-        if ids[0] == ids[1]:
-            raise ParameterError(f"{self!r} cannot join {one!r} with itself")
+        if one is not None and ids[0] == ids[1]:
+            raise ParameterError(f"{self.label} cannot join body {one.label!r} with itself")
         self._join(one, two)
 
     def _join(self, one: Body | None, two: Body | None) -> None:
@@ -277,7 +282,7 @@ class Joint:
             ParameterError: it is another kind of joint, or a number is not finite.
         """
         if self.kind not in (JointType.HINGE, JointType.SLIDER):
-            raise ParameterError(f"{self!r} has no spring; hinges and sliders have")
+            raise ParameterError(f"{self.label} has no spring; hinges and sliders have")
         self._table.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
 
     # Parameters --------------------------------------------------------------------------------------------------

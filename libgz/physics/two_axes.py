@@ -76,7 +76,7 @@ class TwoAxisJoint(Joint):
         self.engine.tables.joint_moved(self.row)
 
     def _refuse(self) -> None:
-        raise ParameterError(f"the axes of {self!r} must not be parallel; SetAxes sets both at once")
+        raise ParameterError(f"the axes of {self.label} must not be parallel; SetAxes sets both at once")
 
     def GetAxis1(self) -> GzVector:
         """The axis fixed to the first body; global."""
@@ -118,7 +118,7 @@ class Hinge2Joint(TwoAxisJoint):
     def Attach(self, one: Body | None, two: Body | None) -> None:
         """Join the chassis, first, and the wheel, second; neither may be the world or a dummy."""
         if one is None or two is None or one.dummy or two.dummy:
-            raise ParameterError(f"{self!r} joins two bodies; neither may be the world or a dummy")
+            raise ParameterError(f"{self.label} joins two bodies; neither may be the world or a dummy")
         super().Attach(one, two)
 
     def _put_axes(self, axis1: VectorLike | None, axis2: VectorLike | None) -> None:

@@ -1,4 +1,4 @@
-"""Framing: where a camera stands so that bodies fill its image."""
+"""Framing: where a camera stands so that bodies, or all of a world, fill its image."""
 
 from __future__ import annotations
 
@@ -13,13 +13,20 @@ from libgz.geometry import GzPose, GzQuaternFromEuler, GzVector
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom
+from libgz.rendering.camera import Camera
 from libgz.rendering.geom_meshes import meshes_of
+from libgz.rendering.scene import SceneWorld
 from libgz.rendering.shot import pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["framed", "visible_points"]
+__all__ = ["framed", "free_camera", "overview", "visible_points"]
 
 SEGMENTS = 16
+FIELD_OF_VIEW = math.radians(60.0)  # horizontal
+AZIMUTH, ELEVATION = math.radians(215.0), math.radians(30.0)  # of the side from which an overview looks
+LARGE, REACH = 5.0, 20.0  # times the median distance, at least this [m]; an overview leaves out what lies farther
+SHARE = 0.7  # of the image, that an overview fills; the rest shows what stands around
+NOTHING = np.array([[-1.0, -1.0, 0.0], [1.0, 1.0, 1.0]])  # what an overview of an empty world looks at [m]
 UNBOUNDED = (DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom)
 
 
@@ -49,7 +56,7 @@ def framed(
     azimuth: float,
     elevation: float,
     size: tuple[int, int],
-    hfov: float = math.radians(60.0),
+    hfov: float = FIELD_OF_VIEW,
     share: float = 0.9,
 ) -> GzPose:
     """The pose of a camera that looks at points from a side, so that they fill its image.
@@ -78,3 +85,47 @@ def framed(
         offsets.append((above - below) / 2.0)
         back = max(back, (above + below) / (2.0 * slope))
     return GzPose(GzVector(*(axes @ (-back, *offsets)).tolist()), turn)
+
+
+def overview(world: SceneWorld, size: tuple[int, int] = (640, 480), hfov: float = FIELD_OF_VIEW) -> GzPose:
+    """The pose of a camera that sees all that moves in a world, or all of it if nothing can, from the side and above.
+
+    What is far from all else is left out.
+
+    Args:
+        world: the world.
+        size: width and height of the image [px].
+        hfov: horizontal field of view [rad].
+    """
+    bodies = list(dict.fromkeys(geom.body for geom in world.engine.geoms.values()))
+    seen = [(body, points) for body in bodies if len(points := _finite(visible_points([body])))]
+    chosen = [points for body, points in seen if not body.dummy] or [points for _, points in seen] or [NOTHING]
+    centres = np.array([(points.min(axis=0) + points.max(axis=0)) / 2.0 for points in chosen])
+    distances = np.linalg.norm(centres - np.median(centres, axis=0), axis=1)
+    limit = max(LARGE * float(np.median(distances)), REACH)
+    near = [points for points, distance in zip(chosen, distances, strict=True) if distance <= limit or len(chosen) < 3]
+    return framed(np.concatenate(near), AZIMUTH, ELEVATION, size, hfov, SHARE)
+
+
+def _finite(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def free_camera(world: SceneWorld, pose: GzPose, size: tuple[int, int] = (640, 480), shadows: bool = False) -> Camera:
+    """A camera at any pose, with the field of view of an overview, which reaches as far as that looks.
+
+    Args:
+        world: the world.
+        pose: of the camera, which looks along x [m].
+        size: width and height of its images [px].
+        shadows: whether they are rendered with shadows, unless an SDF scene forbids them.
+
+    Raises:
+        LibraryError: OpenGL does not work here.
+        ParameterError: the size is out of range.
+    """
+    far = max(200.0, 4.0 * abs(pose.pos.z), 2.0 * max(map(abs, pose.pos)))
+    camera = Camera(world, *size, FIELD_OF_VIEW, 0.05, far)
+    camera.SetPose(pose)
+    camera.options.shadows = shadows
+    return camera

@@ -162,7 +162,7 @@ class Entity:
             ParameterError: the body belongs to an entity already, or there is a canonical body.
         """
         if body.model is not None:
-            raise ParameterError(f"{body!r} was added to a model already, {body.model!r}; a body belongs to one, once")
+            raise ParameterError(f"body {body.label!r} was added to a model already; a body belongs to one, once")
         if canonical:
             if self._canonical is not None:
                 raise ParameterError(f"model {self._id or self._name!r} has a canonical body already")

@@ -10,7 +10,8 @@ from pathlib import Path
 from libgz.errors import GazeboError
 from libgz.front import World
 from libgz.geometry import GzQuaternToEuler
-from libgz.images import ImageSource, cameras_of, overview
+from libgz.images import FreeView, ImageSource, cameras_of
+from libgz.rendering.framing import overview
 from libgz.rendering.image import write_image
 
 __all__ = ["Record"]
@@ -90,7 +91,7 @@ def _save_images(world: World, place: Path, prefix: str) -> list[str]:
     """Save the images of a world; what could not be saved, as lines for the log."""
     lost = []
     try:
-        sources: dict[str, ImageSource] = {**cameras_of(world), "overview": overview(world)}
+        sources: dict[str, ImageSource] = {**cameras_of(world), "overview": FreeView(world, overview(world))}
     except GazeboError as error:
         return [f"  no images: {error}"]
     for name, source in sources.items():

@@ -32,6 +32,10 @@ class Client:
         self.opened: list[Interface[Any]] = []
         self._semaphores: SemaphoreSet | None = None
 
+    def __repr__(self) -> str:
+        names = ", ".join(f"{interface.type}.{interface.id}" for interface in self.opened)
+        return f"<{type(self).__name__} of server {self.server_id}{': ' if names else ''}{names}>"
+
     @staticmethod
     def query(server_id: int) -> bool:
         """Whether a server with this id is present.

@@ -139,7 +139,11 @@ class Interface(Generic[D]):
         self._tally = Tally()
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.type}.{self.id}>"
+        return f"<{type(self).__name__} {self.type}.{self.id}{', closed' if self._data is None else self._place()}>"
+
+    def _place(self) -> str:
+        """What its `repr` shows of the pose in it, read without the lock; empty for kinds that have none."""
+        return ""
 
     @property
     def model_id(self) -> int:

@@ -230,6 +230,12 @@ class Observer:
         self._scene: _Scene | None = None
         self.reconnect(timeout)
 
+    def __repr__(self) -> str:
+        head = self._read_head() if self._descriptor is not None else None
+        state = "closed" if self._descriptor is None else "ended" if not self.alive else "running"
+        now = "" if head is None else f", sim time {head['sim_time']:.3f} s"
+        return f"<{type(self).__name__} of server {self.server_id}, {state}{now}>"
+
     def __enter__(self) -> Observer:
         return self
 

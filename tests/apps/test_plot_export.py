@@ -14,7 +14,7 @@ from PIL import Image
 import libgz
 from libgz.geometry import GzQuaternToEuler
 from libgz.recording.capture import Capture
-from libgz.rendering.overview import overview
+from libgz.rendering.framing import overview
 
 SERVER_ID = 960_000 + os.getpid()
 LIGHT = WORLD.replace(

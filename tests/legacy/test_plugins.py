@@ -411,7 +411,7 @@ def test_joints_to_the_world_go_where_the_worldfile_puts_their_model(tmp_path, k
 
 def test_a_body_is_added_once(tmp_path):
     write(tmp_path, "Twice", load="self.AddBody(self.GetBody())")
-    with pytest.raises(WorldFileError, match=r"<Body canonical dummy .*> was added to a model already, <Twice 'm1' "):
+    with pytest.raises(WorldFileError, match=r"body 'm1::canonical' was added to a model already; a body belongs"):
         run(tmp_path, "Twice", "Twice.py")
 
 

@@ -4,14 +4,13 @@ To write new golden images, then check them:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pyte
 """
 
 import math
-import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_images import assert_golden
 from PIL import Image
 from sample_files import model_3ds
 
@@ -26,7 +25,6 @@ from libgz.rendering.context import CONTEXTS, open_context
 from libgz.rendering.geom_meshes import GEOM_MESHES, meshes_of
 from libgz.rendering.skin import read_skin
 
-GOLDEN = Path(__file__).parent / "golden"
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'><param:Global><gravity>0 0 0</gravity>{}</param:Global>"
 LIGHT = "<model:LightSource><xyz>-4 3 6</xyz><ambientColor>.6 .6 .6</ambientColor></model:LightSource>"
 
@@ -109,19 +107,7 @@ def test_golden_images(case, context, monkeypatch):
     with build() as world:
         world.step()
         actual = look(world, place, at)
-    path = GOLDEN / f"{case}.png"
-    if os.environ.get("LIBGZ_NEW_GOLDENS"):
-        Image.fromarray(actual).save(path, optimize=True)
-    with Image.open(path) as golden:
-        expected = np.asarray(golden.convert("RGB"))
-    difference = np.abs(actual.astype(int) - expected).max(axis=2)
-    if difference.mean() > 0.5 or (difference > 16).mean() > 0.01:
-        folder = Path(__file__).parents[2] / "build" / "golden"
-        folder.mkdir(parents=True, exist_ok=True)
-        amplified = np.minimum(4 * difference, 255).astype(np.uint8)
-        for name, pixels in (("expected", expected), ("actual", actual), ("difference", amplified)):
-            Image.fromarray(pixels).save(folder / f"{case}-{context}-{name}.png")
-        raise AssertionError(f"mean difference {difference.mean():.2f}; see {folder}/{case}-{context}-*.png")
+    assert_golden(actual, case, context)
 
 
 SIDE_BY_SIDE = """

@@ -5,12 +5,10 @@ To write new golden images, then check them:  LIBGZ_NEW_GOLDENS=1 .venv/bin/pyte
 
 import logging
 import math
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
+from golden_images import assert_golden
 
 import libgz
 from libgz.errors import LibraryError, ParameterError
@@ -21,7 +19,6 @@ from libgz.rendering.camera import Camera
 from libgz.rendering.context import CONTEXTS
 from libgz.rendering.framing import framed, visible_points
 
-GOLDEN = Path(__file__).parent / "golden"
 SUN = (
     "<light name='sun' type='directional'><cast_shadows>{}</cast_shadows><diffuse>.8 .8 .8 1</diffuse>"
     "<specular>.2 .2 .2 1</specular><direction>1 0 -1</direction></light>"
@@ -199,14 +196,7 @@ def test_golden_images(case, context, monkeypatch):
             camera.options.shadows = True
             camera.SetPose(GzPosePointAt(GzVector(*place), GzVector(*at), GzVector(0, 0, 1)))
             actual = camera.Update().copy()
-    path = GOLDEN / f"shadows_{case}.png"
-    if os.environ.get("LIBGZ_NEW_GOLDENS"):
-        Image.fromarray(actual).save(path, optimize=True)
-    with Image.open(path) as golden:
-        expected = np.asarray(golden.convert("RGB"))
-    difference = np.abs(actual.astype(int) - expected).max(axis=2)
-    assert difference.mean() <= 1.0
-    assert (difference > 24).mean() <= 0.01
+    assert_golden(actual, f"shadows_{case}", context, mean=1.0, limit=24)
 
 
 # Framing ---------------------------------------------------------------------------------------------------------

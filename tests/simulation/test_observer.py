@@ -129,6 +129,17 @@ def test_a_served_world_moves_like_another(wire):
         assert (one == other).all()
 
 
+def test_what_observers_show(wire):
+    with libgz.World(wire) as world:
+        world.Initialize()
+        world.step(5)
+        observer = libgz.Observer(wire)
+        assert repr(observer) == f"<Observer of server {wire}, running, sim time {world.GetSimTime():.3f} s>"
+    assert repr(observer) == f"<Observer of server {wire}, ended, sim time {world.GetSimTime():.3f} s>"
+    observer.close()
+    assert repr(observer) == f"<Observer of server {wire}, closed>"
+
+
 def test_setters_are_seen_after_a_paused_step(wire):
     with legacy(SPHERE.format("a", "0 0 1"), server_id=wire) as world, libgz.Observer(wire) as observer:
         world.paused = True

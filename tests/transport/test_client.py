@@ -52,6 +52,7 @@ def test_the_pythonic_client(server):
         assert robot.data.cmd_vel_pos[0] == 9.0
         kept = view.pos
         assert client.interfaces() == [("position", "robot1"), ("sim", "default")]
+        assert repr(client) == f"<Client of server {server.server_id}: position.robot1>"
     with pytest.raises(libgz.ClosedError):
         _ = view.data
     assert kept[0] == 1.5  # memory lives as long as a view of it does

@@ -19,7 +19,16 @@ from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, 
 from libgz.classic.rendering.mount import Mount
 from libgz.classic.rendering.visual import Visual
 from libgz.errors import GazeboError, ParameterError
-from libgz.geometry import GzCoordPositionAdd, GzCoordPositionSub, GzPose, GzVector, QuaternLike, VectorLike, rotate
+from libgz.geometry import (
+    GzCoordPositionAdd,
+    GzCoordPositionSub,
+    GzPose,
+    GzVector,
+    QuaternLike,
+    VectorLike,
+    place_of,
+    rotate,
+)
 from libgz.rendering.camera import LEAST_NEAR, Camera as CoreCamera
 from libgz.rendering.image import write_image
 from libgz.simulation.event import Connection, Event
@@ -102,7 +111,7 @@ class Camera:
         self._scene.add_camera(self)
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self._name!r}>"
+        return f"<{type(self).__name__} {self._name!r}{place_of(self)}>"
 
     def close(self) -> None:
         """Close the camera. Can be called twice."""

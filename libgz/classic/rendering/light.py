@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from libgz.classic.math import Color, Pose3d, Quaterniond, Vector3d
 from libgz.errors import ParameterError, nearest
-from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike
+from libgz.geometry import GzColor, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geoms import LightGeom
 from libgz.sdfworld.visual import KINDS
 
@@ -24,7 +24,7 @@ class Light:
         self.geom: LightGeom = core.light
 
     def __repr__(self) -> str:
-        return f"<Light {self.Name()!r}>"
+        return f"<Light {self.Name()!r}{place_of(self)}>"
 
     def Name(self) -> str:
         """Its name."""

@@ -13,7 +13,7 @@ from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vecto
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
 from libgz.errors import NotFoundError, nearest
-from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geom import Geom
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
@@ -92,7 +92,7 @@ class Visual:
         return made
 
     def __repr__(self) -> str:
-        return f"<Visual {self._name!r}>"
+        return f"<Visual {self._name!r}{place_of(self)}>"
 
     def Name(self) -> str:
         """Its full name: ``model::link::visual``."""

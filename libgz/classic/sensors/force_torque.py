@@ -10,7 +10,7 @@ from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Joint as JointView
 from libgz.classic.sensors.read import choice, wrong
 from libgz.classic.sensors.sensor import Sensor, SensorOwner
-from libgz.geometry import GzQuaternIdent, GzQuaternInverse, GzQuaternMul, GzVector, rotate
+from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuaternIdent, GzQuaternInverse, GzQuaternMul, GzVector, rotate
 from libgz.simulation.event import Connection
 
 if TYPE_CHECKING:
@@ -49,10 +49,17 @@ class ForceTorqueSensor(Sensor):
     def Init(self) -> None:
         """Switch the joint's force feedback on."""
         self._joint.SetProvideFeedback(True)
+        self._in_child = self._pose_in_child().rot
+
+    def _pose_in_child(self) -> GzPose:
         element = self._joint.GetSDF()
-        in_child = element.Get(Pose3d, "pose").rot if element is not None else GzQuaternIdent()
-        # SDF's rotations go from the inner frame to the outer one: child <- joint <- sensor.
-        self._in_child = GzQuaternMul(in_child, self._pose.rot)
+        joint = element.Get(Pose3d, "pose") if element is not None else GzPose()
+        return GzCoordPoseAdd(self._pose, joint)
+
+    def world_pose(self) -> GzPose:
+        """Global pose [m]."""
+        child = self._joint.core.child
+        return GzCoordPoseAdd(self._pose_in_child(), child.GetPose() if child is not None else GzPose())
 
     def ConnectUpdate(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` with a msgs.WrenchStamped after each measurement, as long as the connection is kept."""

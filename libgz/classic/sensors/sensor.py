@@ -13,7 +13,7 @@ from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.sensors.noise import Noise as NoiseModel, SensorNoiseType, new_noise
 from libgz.classic.sensors.read import custom_topic, first, number
 from libgz.errors import NotFoundError, ParameterError
-from libgz.geometry import GzCoordPoseAdd, GzPose
+from libgz.geometry import GzCoordPoseAdd, GzPose, place_of
 from libgz.simulation.event import Connection, Event
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ class Sensor:
         self.source = ""  # the text of its element, if that is not in the element of its parent
 
     def __repr__(self) -> str:
-        return f"<{type(self).__name__} {self.ScopedName()!r}>"
+        return f"<{type(self).__name__} {self.ScopedName()!r}{place_of(self)}>"
 
     # Names -------------------------------------------------------------------------------------------------------
 
@@ -166,6 +166,10 @@ class Sensor:
         self._pose = Pose3d(pose)
 
     GetPose = Pose
+
+    def world_pose(self) -> GzPose:
+        """Global pose [m]."""
+        raise NotImplementedError
 
     # Activity and rate -------------------------------------------------------------------------------------------
 

@@ -111,9 +111,7 @@ class Control:
             self.waiting.popleft().answer(error="the server is ending")
 
 
-def ask(
-    server_id: int, verb: str, argument: str = "-", content: bytes = b"", timeout: float | None = None
-) -> bytes:
+def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", timeout: float | None = None) -> bytes:
     """Send a request to a running server of this user, and return the result; it is waited for until the timeout [s].
 
     Raises:

@@ -6,6 +6,7 @@ import functools
 import html
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from libgz.view.marks import SWITCHES
 
-__all__ = ["Overlay", "Panel"]
+__all__ = ["Overlay", "Panel", "Part"]
 
 NONE = "(none)"
 CAMERA = "(none: keys move the view)"
@@ -31,6 +32,26 @@ class Overlay(Protocol):
 
     def Press(self, label: str) -> None:
         """Press a button."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """A control for a part of a robot or model.
+
+    Attributes:
+        kind: slider, color or button.
+        label: for the user.
+        action: called with the value.
+        value, limits: of a slider.
+        color: 0 to 255.
+    """
+
+    kind: str
+    label: str
+    action: Callable[[Any], object]
+    value: float = 0.0
+    limits: tuple[float, float] = (0.0, 1.0)
+    color: tuple[int, int, int] = (255, 255, 255)
 
 
 class Panel:
@@ -54,7 +75,7 @@ class Panel:
         self._setting = False  # whether this program changes a control, not a user
         self._overlays: dict[str, tuple[Any, Any, list[str]]] = {}
         self._overlay_signature: dict[str, list[str]] = {}
-        self._robot_parts: list[Any] = []
+        self._parts: dict[str, list[Any]] = {}
         self._images: dict[str, Any] = {}
         gui = page.gui
         gui.configure_theme(control_width="small", show_logo=False, show_share_button=False)
@@ -99,7 +120,7 @@ class Panel:
             if verb in can
         ]
         if labels:
-            group = gui.add_button_group("", labels)
+            group = gui.add_button_group("World", labels)
 
             async def clicked(event: Any) -> None:
                 label = str(event.target.value).lower()
@@ -109,6 +130,9 @@ class Panel:
         if "speed" in can:
             self.speed = gui.add_slider("Speed", min=0.1, max=5.0, step=0.1, initial_value=1.0)
             self._on(self.speed, handler.set_speed)
+        if "seek" in can:
+            self.log_time = gui.add_slider("Log [s]", min=0.0, max=1.0, step=0.01, initial_value=0.0)
+            self._on(self.log_time, handler.seek)
 
     def _drive_tab(self) -> None:
         gui, handler = self.page.gui, self._handler
@@ -125,12 +149,13 @@ class Panel:
         gui, handler, can = self.page.gui, self._handler, self._can
         self.model = gui.add_dropdown("Model", [NONE])
         self._on(self.model, lambda label: handler.select("" if label == NONE else label))
-        self.info = gui.add_html(_small("Click a model in the scene."))
-        self.follow = gui.add_checkbox("Follow it", False)
+        self.follow = gui.add_checkbox("Follow", False, hint="the view moves with the model")
         self._on(self.follow, handler.set_follow)
         if "move" in can:
-            self.handles = gui.add_checkbox("Move it by handles", False)
+            self.handles = gui.add_checkbox("Handles", False, hint="move and turn the model by its handles")
             self._on(self.handles, handler.set_handles)
+        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
+        self.info = gui.add_html(_small("Click a model in the scene."))
         if "delete" in can:
             self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
 
@@ -142,6 +167,8 @@ class Panel:
                 continue
             box = self.page.gui.add_checkbox(label, False)
             self._on(box, functools.partial(self._handler.set_mark, name))
+        self.shadows = self.page.gui.add_checkbox("Shadows", True, hint="faster without, where there is no GPU")
+        self._on(self.shadows, lambda _on: self._handler.choose_shadows())
         for name, label in (("wireframe", "Wireframe"), ("collisions", "Collision shapes")):
             box = self.page.gui.add_checkbox(label, False)
             self._on(box, functools.partial(self._handler.set_look, name))
@@ -149,7 +176,7 @@ class Panel:
     def _world_tab(self) -> None:
         gui, handler, can = self.page.gui, self._handler, self._can
         if "rewind" in can:
-            self.keep = gui.add_checkbox("Keep the last 60 s", False, hint="for the time line; costs some speed")
+            self.keep = gui.add_checkbox("Keep 60 s", False, hint="for the time line; costs some speed")
             self._on(self.keep, handler.set_keep)
             self.back = gui.add_slider("Time line [s]", min=-60.0, max=0.0, step=0.5, initial_value=0.0)
             self._button(
@@ -228,24 +255,42 @@ class Panel:
             if known[1].content != content:
                 known[1].content = content
 
-    def set_robot_parts(self, parts: Iterable[tuple[str, str, float, float, float, Callable[[Any], object]]]) -> None:
-        """Sliders and buttons of the driven robot: kind, label, least, most, value, action."""
-        for handle in self._robot_parts:
+    def set_parts(self, place: str, parts: Iterable[Part]) -> None:
+        """Fill a folder, "robot" of the driven one or "model" of the selected one, with sliders and buttons."""
+        for handle in self._parts.pop(place, []):
             handle.remove()
-        self._robot_parts = []
-        if not hasattr(self, "robot_folder"):
+        folder = getattr(self, f"{place}_folder", None)
+        if folder is None:
             return
-        with self.robot_folder:
-            for kind, label, least, most, value, action in parts:
-                if kind == "slider":
-                    step = max((most - least) / 200.0, 1e-4)
-                    start = min(max(value, least), most) if math.isfinite(value) else least
-                    slider = self.page.gui.add_slider(label, min=least, max=most, step=step, initial_value=start)
-                    self._on(slider, action)
-                    self._robot_parts.append(slider)
-                else:
-                    self._robot_parts.append(self._button(label, functools.partial(action, None)))
-        self.robot_folder.visible = bool(self._robot_parts)
+        with folder:
+            made = self._parts[place] = [self._part(part) for part in parts]
+        folder.visible = bool(made)
+
+    def _part(self, part: Part) -> Any:
+        gui = self.page.gui
+        if part.kind == "button":
+            return self._button(part.label, functools.partial(part.action, None))
+        if part.kind == "color":
+            handle: Any = gui.add_rgb(part.label, part.color)
+        else:
+            least, most = part.limits
+            start = min(max(part.value, least), most) if math.isfinite(part.value) else least
+            step = max((most - least) / 200.0, 1e-4)
+            handle = gui.add_slider(part.label, min=least, max=most, step=step, initial_value=start)
+        self._on(handle, part.action)
+        return handle
+
+    def set_log(self, status: Mapping[str, Any]) -> None:
+        """Show where a log that is played is: its `begin`, `end` and `time` [s]."""
+        slider = getattr(self, "log_time", None)
+        if slider is None:
+            return
+        begin, end = float(status["begin"]), max(float(status["end"]), float(status["begin"]) + 0.01)
+        if (slider.min, slider.max) != (begin, end):
+            slider.min, slider.max = begin, end
+        here = round(min(max(float(status["time"]), begin), end), 2)
+        if slider.value != here:
+            slider.value = here
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the cameras' images."""

@@ -16,8 +16,8 @@ from libgz.apps.joint_servos import JointServos
 from libgz.errors import GazeboError, NotFoundError, ParameterError
 from libgz.front import World
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
-from libgz.physics.geoms import LightGeom
 from libgz.legacy.model import Model
+from libgz.physics.geoms import LightGeom
 from libgz.sdf.paths import model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request

@@ -22,12 +22,13 @@ class ServerControls:
 
     Args:
         server_id: of the server.
+        abilities: what is offered to users; None for all that the server answers. Interfaces can be read in any case.
     """
 
-    def __init__(self, server_id: int) -> None:
+    def __init__(self, server_id: int, abilities: frozenset[str] | None = None) -> None:
         self.server_id = server_id
         self._client: Client | None = None
-        self._abilities: frozenset[str] | None = None
+        self._offered = self._abilities = abilities
         self._lock = threading.Lock()
 
     @property
@@ -64,7 +65,7 @@ class ServerControls:
         """Close the connection; the next use opens another one."""
         with self._lock:
             client, self._client = self._client, None
-            self._abilities = None
+            self._abilities = self._offered
             if client is not None:
                 client.disconnect()
 

@@ -89,7 +89,7 @@ class Panel:
             self._model_tab()
         with self._tabs.add_tab("Show"):
             self._show_tab()
-        if abilities & {"rewind", "insert", "write"}:
+        if abilities & {"keep", "insert", "write"}:
             with self._tabs.add_tab("World"):
                 self._world_tab()
 
@@ -120,7 +120,7 @@ class Panel:
             if verb in can
         ]
         if labels:
-            group = gui.add_button_group("World", labels)
+            group = gui.add_button_group("Time", labels)
 
             async def clicked(event: Any) -> None:
                 label = str(event.target.value).lower()
@@ -175,7 +175,7 @@ class Panel:
 
     def _world_tab(self) -> None:
         gui, handler, can = self.page.gui, self._handler, self._can
-        if "rewind" in can:
+        if "keep" in can:
             self.keep = gui.add_checkbox("Keep 60 s", False, hint="for the time line; costs some speed")
             self._on(self.keep, handler.set_keep)
             self.back = gui.add_slider("Time line [s]", min=-60.0, max=0.0, step=0.5, initial_value=0.0)

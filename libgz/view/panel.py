@@ -18,7 +18,9 @@ from libgz.view.marks import SWITCHES
 __all__ = ["Overlay", "Panel", "Part"]
 
 NONE = "(none)"
-CAMERA = "(none: keys move the view)"
+PLUGINS = 1e6  # order of their panels: below all else
+LINES = ("#1c7ed6", "#e8590c", "#2f9e44", "#9c36b5", "#c92a2a", "#0b7285")  # colours of plots
+CAMERA = "(the view)"
 
 
 class Overlay(Protocol):
@@ -26,6 +28,8 @@ class Overlay(Protocol):
 
     text: str
     visible: bool
+    images: dict[str, NDArray[np.uint8]]
+    plots: dict[str, tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]]
 
     def Buttons(self) -> list[str]:
         """The labels of its buttons."""
@@ -73,8 +77,7 @@ class Panel:
     ) -> None:
         self.page, self._do, self._handler, self._can = page, do, handler, abilities
         self._setting = False  # whether this program changes a control, not a user
-        self._overlays: dict[str, tuple[Any, Any, list[str]]] = {}
-        self._overlay_signature: dict[str, list[str]] = {}
+        self._overlays: dict[str, _OverlayPanel] = {}
         self._parts: dict[str, list[Any]] = {}
         self._images: dict[str, Any] = {}
         gui = page.gui
@@ -238,22 +241,18 @@ class Panel:
         """Show the panels of GUI plugins."""
         shown = {name: overlay for name, overlay in overlays.items() if overlay.visible}
         for name in set(self._overlays) - set(shown):
-            self._overlays.pop(name)[0].remove()
+            self._overlays.pop(name).folder.remove()
         for name, overlay in shown.items():
-            buttons = overlay.Buttons()
             known = self._overlays.get(name)
-            if known is not None and known[2] != buttons:
-                known[0].remove()
+            if known is not None and known.buttons != overlay.Buttons():
+                known.folder.remove()
                 known = None
             if known is None:
-                with self.page.gui.add_folder(name, order=0.5) as folder:
-                    text = self.page.gui.add_html("")
-                    for label in buttons:
+                known = self._overlays[name] = _OverlayPanel(self.page.gui, name, overlay.Buttons())
+                with known.folder:
+                    for label in known.buttons:
                         self._button(label, functools.partial(self._handler.press_overlay, overlay, label))
-                known = self._overlays[name] = folder, text, buttons
-            content = _small(overlay.text) if overlay.text else ""
-            if known[1].content != content:
-                known[1].content = content
+            known.show(overlay)
 
     def set_parts(self, place: str, parts: Iterable[Part]) -> None:
         """Fill a folder, "robot" of the driven one or "model" of the selected one, with sliders and buttons."""
@@ -304,6 +303,59 @@ class Panel:
                     self._images[name] = self.page.gui.add_image(image, label=name, format="jpeg", jpeg_quality=80)
         if self._image_folder.visible != bool(images):
             self._image_folder.visible = bool(images)
+
+
+class _OverlayPanel:
+    """The panel of a GUI plugin."""
+
+    def __init__(self, gui: viser.GuiApi, name: str, buttons: list[str]) -> None:
+        self._gui, self.buttons = gui, buttons
+        self._images: dict[str, Any] = {}
+        self._plots: dict[str, Any] = {}
+        self._shown: dict[str, Any] = {}  # what the handles show
+        self.folder = gui.add_folder(name, order=PLUGINS)
+        with self.folder:
+            self._text = gui.add_html("")
+
+    def show(self, overlay: Overlay) -> None:
+        """Bring text, images and plots up to date."""
+        content = _small(overlay.text) if overlay.text else ""
+        if self._text.content != content:
+            self._text.content = content
+        images, plots = dict(overlay.images), dict(overlay.plots)
+        for handles, wanted in ((self._images, images), (self._plots, plots)):
+            for name in [name for name in handles if name not in wanted]:
+                handles.pop(name).remove()
+        for name, image in images.items():
+            if name not in self._images:
+                with self.folder:
+                    self._images[name] = self._gui.add_image(image, label=name, format="jpeg", jpeg_quality=85)
+            elif self._shown.get(name) is not image:
+                self._images[name].image = image
+            self._shown[name] = image
+        for name, plot in plots.items():
+            self._show_plot(name, *plot)
+
+    def _show_plot(self, name: str, x: NDArray[Any], lines: dict[str, NDArray[Any]]) -> None:
+        data, labels = (x, *lines.values()), list(lines)
+        known = self._plots.get(name)
+        if known is not None and self._shown.get(f"lines of {name}") != labels:
+            known.remove()
+            known = None
+        if known is None:
+            series = ({}, *({"label": one, "stroke": LINES[i % len(LINES)]} for i, one in enumerate(labels)))
+            with self.folder:
+                self._plots[name] = self._gui.add_uplot(
+                    data,
+                    series,  # type: ignore[arg-type] - plain dictionaries
+                    title=name,
+                    scales={"x": {"time": False, "auto": True}, "y": {"auto": True}},
+                    aspect=1.4,
+                )
+            self._shown[f"lines of {name}"] = labels
+        elif self._shown.get(f"data of {name}") is not x:
+            known.data = data
+        self._shown[f"data of {name}"] = x
 
 
 def _small(text: str) -> str:

@@ -243,7 +243,7 @@ class SceneView:
             handle = self._light(i, shape, share, shadow)
             self._lights.append((handle, body["row"], tuple(shape["pose"])))
             self._sun = handle if shadow else self._sun
-        if not strong:
+        if not found:
             handle = self.page.scene.add_light_directional(
                 "/light/sun", intensity=0.6 * FULL, cast_shadow=True, position=_opposite((0.4, 0.3, -0.9))
             )

@@ -21,7 +21,6 @@ from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
-from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.search import find_worldfile, why_missing
@@ -74,20 +73,12 @@ class World(world.World):
         ParameterError: there is no such solver or version, or the seed is negative.
     """
 
-    def __init__(
-        self,
-        server_id: int | None = None,
-        force: bool = False,
-        *,
-        seed: int = 0,
-        solver: str = "world",
-        wire_version: int = LIBGAZEBO_VERSION,
-        strict: bool = False,
-    ) -> None:
-        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, strict=strict)
+    legacy: LegacyWorld
+
+    def _first_era(self) -> LegacyWorld:
         self.legacy = self.extension(LegacyWorld)
         self.legacy.apply(GlobalAttributes(), False)
-        self.era = self.legacy
+        return self.legacy
 
     @classmethod
     def from_file(cls: type[W], filename: str | os.PathLike[str], **options: Unpack[WorldOptions]) -> W:

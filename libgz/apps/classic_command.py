@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
 import os
 import sys
@@ -16,16 +17,16 @@ from libgz.classic.common import ConsoleHandler, LogFormatter
 from libgz.classic.loading import new_plugin
 from libgz.classic.server import system_plugins
 from libgz.classic.transport import Link, publicized_address
+from libgz.closing import Closing
+from libgz.rendering.context import prefer
 
 __all__ = [
-    "BANNER",
     "FAILED",
     "Parser",
     "SystemPlugins",
     "log_link",
     "open_log",
-    "parse_known",
-    "set_up_console",
+    "read_command_line",
 ]
 
 log = logging.getLogger("libgz.classic")
@@ -64,7 +65,28 @@ class Parser(Hints):
         self.exit(FAILED, f"Error. Invalid arguments\n{self.prog}: {message}; {self.prog} -h lists what is allowed\n")
 
 
-def parse_known(parser: Parser, words: Sequence[str], *, plugins: str) -> argparse.Namespace:
+def read_command_line(
+    parser: Parser, arguments: Sequence[str] | None, *, plugins: str
+) -> tuple[list[str], argparse.Namespace]:
+    """Set up console and OpenGL as the command line wants them; its words, and the options as `_parse` returns them.
+
+    Args:
+        parser: its options, --gl among them; it has no positional arguments.
+        arguments: the command line; None for that of the process.
+        plugins: the option by which System plugins are loaded.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    _set_up_console(verbose="--verbose" in words)
+    options = _parse(parser, words, plugins)
+    if options.gl is not None:
+        prefer(options.gl)
+    if options.verbose:
+        with contextlib.suppress(OSError):
+            sys.stderr.write(BANNER + "\n")
+    return words, options
+
+
+def _parse(parser: Parser, words: Sequence[str], plugins: str) -> argparse.Namespace:
     """Parse the command line; unknown words are for System plugins, which get the whole command line.
 
     Args:
@@ -108,7 +130,7 @@ def _split(words: Sequence[str]) -> tuple[list[str], list[str]]:
     return free, others
 
 
-def set_up_console(*, verbose: bool) -> None:
+def _set_up_console(*, verbose: bool) -> None:
     """Send errors and warnings to stderr, and with `verbose` messages to stdout, in Gazebo classic's format."""
     root = logging.getLogger("libgz")
     root.setLevel(logging.DEBUG)
@@ -135,7 +157,7 @@ def log_link(link: Link) -> None:
     log.info("Publicized address: %s", publicized_address())
 
 
-class SystemPlugins:
+class SystemPlugins(Closing):
     """The System plugins of this process, from `with` to its end.
 
     Args:
@@ -163,9 +185,3 @@ class SystemPlugins:
         for plugin in system_plugins:
             plugin.drop()
         system_plugins.clear()
-
-    def __enter__(self) -> SystemPlugins:
-        return self
-
-    def __exit__(self, *_exception: object) -> None:
-        self.close()

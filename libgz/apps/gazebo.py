@@ -26,6 +26,7 @@ from libgz.apps.console import (
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
 from libgz.apps.record import Recorder, ViewRecorder, new_recorder
+from libgz.apps.server_option import add_server_options
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view import add_view_options, view_process
 from libgz.apps.view_options import GL_HELP
@@ -50,14 +51,6 @@ log = logging.getLogger("libgz.gazebo")
 STATUS_PERIOD = 0.2  # [s] of real time
 
 
-def _server_id(text: str) -> int | None:
-    """A server id; None for `auto`."""
-    return None if text == "auto" else whole_number("server id")(text)
-
-
-_server_id.__name__ = "server id"
-
-
 def _seconds(text: str) -> float | None:
     number = float(text)
     if not abs(number) < float("inf"):
@@ -77,15 +70,7 @@ def make_parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("worldfile", help="the worldfile to run, or the name of a world of libgz, which `libgz worlds` lists")
-    add(
-        "-s",
-        dest="server_id",
-        metavar="ID",
-        type=_server_id,
-        default=0,
-        help="server id, different for each running server; `auto` selects a free id and prints it (default 0)",
-    )
-    add("-f", dest="force", action="store_true", help="take over a stale server id")
+    add_server_options(parser)
     add(
         "-d",
         dest="level",

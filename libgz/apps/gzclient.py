@@ -10,16 +10,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from libgz.apps.classic_command import (
-    BANNER,
-    FAILED,
-    Parser,
-    SystemPlugins,
-    log_link,
-    open_log,
-    parse_known,
-    set_up_console,
-)
+from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, open_log, read_command_line
 from libgz.apps.console import as_command, number_above_zero
 from libgz.apps.view import add_view_options, make_viewer, observed_server
 from libgz.apps.view_options import GL_HELP, pose, size
@@ -27,7 +18,7 @@ from libgz.classic.gui.client import Client
 from libgz.classic.math import Pose3d
 from libgz.classic.transport import TopicManager, connect
 from libgz.errors import GazeboError, LibraryError, ServerGoneError
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.context import CHOICES
 from libgz.rendering.image import write_image
 from libgz.simulation.event import everywhere
 from libgz.simulation.watchdog import Watchdog
@@ -77,8 +68,6 @@ class Run:
     def run(self) -> int:
         """Run the client, with classic's order of events; return the exit code."""
         options = self.options
-        if options.gl is not None:
-            prefer(options.gl)
         if options.gui_plugin:
             log.warning("%s", DEPRECATED)
         with Watchdog(self._interrupted), SystemPlugins(options.gui_plugin) as plugins:
@@ -149,14 +138,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Exit codes: 0 done, also after SIGINT or SIGTERM; 130 or 143 after a second one, when a plugin kept it from ending;
     255 failed, or the server ended.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = make_parser()
-    set_up_console(verbose="--verbose" in words)
-    options = parse_known(parser, words, plugins="gui_plugin")
+    words, options = read_command_line(make_parser(), arguments, plugins="gui_plugin")
     if options.rest:
         log.warning("%s has no effect: the server runs the world", " ".join(options.rest))
-    if options.verbose:
-        sys.stderr.write(BANNER + "\n")
     try:
         return Run(options, words).run()
     except _Interrupted:

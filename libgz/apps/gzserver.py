@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import logging
 import os
 import re
@@ -12,16 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from libgz.apps.classic_command import (
-    BANNER,
-    FAILED,
-    Parser,
-    SystemPlugins,
-    log_link,
-    open_log,
-    parse_known,
-    set_up_console,
-)
+from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, open_log, read_command_line
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
@@ -39,7 +29,7 @@ from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, S
 from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
-from libgz.rendering.context import CHOICES, prefer
+from libgz.rendering.context import CHOICES
 from libgz.sdf.paths import find_world
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems
@@ -273,18 +263,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    parser = make_parser()
-    set_up_console(verbose="--verbose" in words)
-    words, videos = split_videos(words)
-    options = parse_known(parser, words, plugins="server_plugin")
+    given, videos = split_videos(list(sys.argv[1:] if arguments is None else arguments))
+    words, options = read_command_line(make_parser(), given, plugins="server_plugin")
     options.videos = videos
-    if options.gl is not None:
-        prefer(options.gl)
     warn_without_effect(options)
-    if options.verbose:
-        with contextlib.suppress(OSError):
-            sys.stderr.write(BANNER + "\n")
     try:
         return Server(options, words).run()
     except GazeboError as error:

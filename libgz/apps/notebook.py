@@ -10,10 +10,10 @@ import logging
 import threading
 import time
 import weakref
-from types import TracebackType
 from typing import Any
 
 from libgz.apps.world_control import WorldControl
+from libgz.closing import Closing
 from libgz.errors import GazeboError, LibraryError
 from libgz.front import World
 from libgz.simulation.pacing import Pacer
@@ -95,7 +95,7 @@ class _Controls:
                 pass
 
 
-class WorldView:
+class WorldView(Closing):
     """The live view of a world, until it or the world is closed. As the result of a cell it is an embedded page.
 
     Args:
@@ -168,14 +168,6 @@ class WorldView:
         atexit.unregister(self.close)
         if threading.current_thread() is not self._thread:
             self._thread.join(10.0)
-
-    def __enter__(self) -> WorldView:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 _views: weakref.WeakKeyDictionary[World, WorldView] = weakref.WeakKeyDictionary()

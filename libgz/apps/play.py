@@ -16,6 +16,7 @@ from types import TracebackType
 from typing import Any
 
 from libgz.apps.console import number_above_zero, number_from_zero, whole_number
+from libgz.apps.server_option import add_server_options
 from libgz.apps.view import add_view_options, make_viewer, view_process
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, ParameterError, ServerError
@@ -44,26 +45,11 @@ KEYS = {
 }
 
 
-def _server_id(text: str) -> int | None:
-    return None if text == "auto" else whole_number("server id")(text)
-
-
-_server_id.__name__ = "server id"
-
-
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     seconds, add = number_from_zero("number of seconds"), parser.add_argument
     add("log", nargs="?", metavar="LOG", help="a log that gazebo --mcap or gzserver --mcap recorded")
-    add(
-        "-s",
-        dest="server_id",
-        metavar="ID",
-        type=_server_id,
-        default=0,
-        help="server id; `auto` selects a free id and prints it (default 0)",
-    )
-    add("-f", dest="force", action="store_true", help="take over a stale server id")
+    add_server_options(parser)
     add("--speed", type=number_from_zero("speed"), metavar="X", help="times real time; 0: as fast as possible")
     add("--from", dest="begin", type=seconds, metavar="SEC", help="begin at this time of the log [s]")
     add("--to", dest="end", type=seconds, metavar="SEC", help="end at this time of the log [s]")

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz._version import __version__
+from libgz.closing import Closing
 from libgz.errors import GazeboError, LibraryError, NotFoundError, ParameterError
 from libgz.recording.changes import Changes, Piece
 from libgz.recording.frames import Kind, channel_frame, frame, tick_frame
@@ -73,7 +74,7 @@ def keys_of(layout: type[Data]) -> tuple[tuple[int, int], ...]:
     return (0, BEGINNING), *((part.start, part.stop - part.start) for part, _ in commands_of(layout))
 
 
-class Capture:
+class Capture(Closing):
     """A recording of a world.
 
     Call `take` after each step. If the log cannot be written any more, that is logged, and the world runs on.
@@ -128,12 +129,6 @@ class Capture:
         ):
             self._frames.append(channel_frame(number, kind="own", topic=topic, schema=schema, text=text))
         self.take(advance=False)
-
-    def __enter__(self) -> Capture:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _start(self) -> subprocess.Popen[bytes]:
         """Open the file and start the process that writes it."""

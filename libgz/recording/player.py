@@ -15,9 +15,9 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Protocol
 
+from libgz.closing import Closing
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
@@ -58,7 +58,7 @@ class Topics(Protocol):
         """End the publications."""
 
 
-class Player:
+class Player(Closing):
     """Plays a log under a server id.
 
     Args:
@@ -126,14 +126,6 @@ class Player:
         except BaseException:
             self.close()
             raise
-
-    def __enter__(self) -> Player:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the server. Can be called twice."""

@@ -18,6 +18,7 @@ from mcap.reader import SeekingReader
 from mcap.records import Channel, Chunk, Message, Metadata, Schema
 from mcap.stream_reader import breakup_chunk
 
+from libgz.closing import Closing
 from libgz.errors import NotFoundError, ParameterError, nearest
 
 __all__ = ["LogChannel", "LogMessage", "LogReader"]
@@ -68,7 +69,7 @@ class _Part:
     channels: frozenset[int] = field(default_factory=frozenset)
 
 
-class LogReader:
+class LogReader(Closing):
     """A log, by libgz or another program.
 
     Args:
@@ -103,12 +104,6 @@ class LogReader:
         self._parts.sort(key=lambda part: (part.begin, part.offset))
         self.begin = min((part.begin for part in self._parts), default=0) * 1e-9
         self.end = max((part.end for part in self._parts), default=0) * 1e-9
-
-    def __enter__(self) -> LogReader:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def __repr__(self) -> str:
         state = "" if self.complete else ", without an end"

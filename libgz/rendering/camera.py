@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import Future
-from types import TracebackType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.closing import Closing
 from libgz.errors import LibraryError, ParameterError
 from libgz.geometry import GzPose
 from libgz.rendering.scene import Scene, SceneWorld
@@ -22,7 +22,7 @@ LONGEST_SIDE = 16384  # [px], as OpenGL has it at most
 MOST_PIXELS = 8192 * 8192
 
 
-class Camera:
+class Camera(Closing):
     """A camera that looks along +x of its pose, z up.
 
         with Camera(world, 320, 240) as camera:
@@ -180,14 +180,6 @@ class Camera:
         if self._shot is None:
             raise LibraryError("this camera has no image yet; call Update() first")
         return self._shot
-
-    def __enter__(self) -> Camera:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Close the camera. Can be called twice."""

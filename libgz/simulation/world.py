@@ -8,11 +8,11 @@ import sys
 import time
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeVar, overload
 
 import numpy as np
 
+from libgz.closing import Closing
 from libgz.errors import (
     USER_ERRORS,
     ClosedError,
@@ -87,20 +87,11 @@ _clones = itertools.count(1)
 NAMED = 5  # bodies in one such message
 
 
-class World:
-    """A simulated world: what both eras share. `libgz.World` loads files into it.
+class World(Closing):
+    """A simulated world: what both eras share. `libgz.World` loads files into it, and describes its arguments.
 
     Every call is safe in every thread: while one thread steps the world, a call of another one that changes it waits
     for the end of that step. Worlds do not wait for each other's calls.
-
-    Args:
-        server_id: serve the models' interfaces to other programs under this id; None keeps them in this process.
-        force: take over a server id whose owner may still be alive.
-        seed: of everything random in this world.
-        solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
-        wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
-        strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
-            of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
     Attributes:
         engine: the ODE world.
@@ -117,10 +108,6 @@ class World:
         followers: the entities that are moved along with their parents after each step.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
-
-    Raises:
-        LibraryError: ODE is absent or unfit.
-        ParameterError: there is no such solver or version, or the seed is negative.
     """
 
     STATE: ClassVar[tuple[str, ...]] = (
@@ -164,7 +151,6 @@ class World:
         self.problems = Problems(self.lock.owned, strict)
         self.agenda = Agenda(self.lock)
         self.events = WorldEvents(everywhere)
-        self.era = Era()
         self.journal = Journal()
         self.companions: list[Companion] = []
         self.entities: list[Entity] = []
@@ -196,14 +182,11 @@ class World:
         self.skyColor = GzColor(0.7, 0.7, 0.9)
         self.fogEnable, self.fogDensity = False, 0.25
         self.backdrop = Backdrop()
+        self.era = self._first_era()
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
+    def _first_era(self) -> Era:
+        """The era of a world into which nothing was loaded yet."""
+        return Era()
 
     def __repr__(self) -> str:
         state = "closed" if self._closed else f"sim time {self.clock.sim_time:.3f} s"

@@ -9,12 +9,12 @@ import time
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.closing import Closing
 from libgz.errors import ClosedError, InterfaceError, NotFoundError, ServerGoneError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzVector
 from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_server_id, server_directory
@@ -246,7 +246,7 @@ def arrays_of(content: bytes, reference: dict[str, Any]) -> dict[str, NDArray[An
     return found
 
 
-class Observer:
+class Observer(Closing):
     """A view on a world that a server runs, in any process of this user; it neither locks nor slows the server.
 
     Args:
@@ -273,14 +273,6 @@ class Observer:
         state = "closed" if self._descriptor is None else "ended" if not self.alive else "running"
         now = "" if head is None else f", sim time {head['sim_time']:.3f} s"
         return f"<{type(self).__name__} of server {self.server_id}, {state}{now}>"
-
-    def __enter__(self) -> Observer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the observation. Can be called twice."""

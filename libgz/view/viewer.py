@@ -13,7 +13,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -21,6 +20,7 @@ import viser
 from numpy.typing import NDArray
 from PIL import Image
 
+from libgz.closing import Closing
 from libgz.errors import ClosedError, GazeboError, InterfaceError, ServerGoneError
 from libgz.transport.observer import ObservedState
 from libgz.view.driving import Driver, Robot, robots_of
@@ -49,7 +49,7 @@ MOST_SLIDERS = 24
 GRIPPER = {"Open": 1, "Close": 2, "Stop": 3, "Lift up": 4, "Lift down": 5, "Lift stop": 6}
 
 
-class Viewer:
+class Viewer(Closing):
     """A page that shows a world, on a port of this machine.
 
     Args:
@@ -108,14 +108,6 @@ class Viewer:
         self._aimed = False
         self._ended = threading.Event()
         self.page.on_client_connect(self._welcome)
-
-    def __enter__(self) -> Viewer:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def _new_driver(self) -> Driver | None:
         return Driver(self.controls) if self.controls is not None and self._can & {"interfaces", "publish"} else None

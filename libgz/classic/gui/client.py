@@ -8,7 +8,6 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from libgz.classic.gui import Events, MainWindow, set_main_window
 from libgz.classic.gui.scene_link import SceneLink
@@ -16,6 +15,7 @@ from libgz.classic.loading import LoadedPlugin, new_plugin
 from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
+from libgz.closing import Closing
 from libgz.geometry import GzPose
 from libgz.sdf.element import Element
 
@@ -40,7 +40,7 @@ def ini_plugins() -> list[str]:
     return [name.strip() for name in names.split(":") if name.strip()]
 
 
-class Client:
+class Client(Closing):
     """A client without a window: its main window is an object, its user camera renders into memory.
 
     Args:
@@ -135,11 +135,3 @@ class Client:
             window.camera.close()
         set_main_window(None)
         self.link.close()
-
-    def __enter__(self) -> Client:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()

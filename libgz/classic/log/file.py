@@ -14,12 +14,12 @@ import re
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import TracebackType
 from typing import NamedTuple
 
 from lxml import etree
 
 from libgz._version import __version__
+from libgz.closing import Closing
 from libgz.errors import ParameterError, WorldFileError, nearest
 
 __all__ = ["ENCODINGS", "LogHeader", "LogReader", "LogWriter"]
@@ -60,7 +60,7 @@ class LogHeader(NamedTuple):
     rand_seed: int
 
 
-class LogWriter:
+class LogWriter(Closing):
     """Writes a log file; a context manager.
 
     Args:
@@ -138,14 +138,6 @@ class LogWriter:
                 self._write("</gazebo_log>\n")
         finally:
             self._file.close()
-
-    def __enter__(self) -> LogWriter:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 class LogReader:

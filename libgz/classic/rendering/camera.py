@@ -7,7 +7,6 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from types import TracebackType
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -18,6 +17,7 @@ from libgz.classic.math import Angle, Pose3d, Quaterniond, Vector2i, Vector3d
 from libgz.classic.rendering.image_format import bytes_per_pixel, check_format, pack
 from libgz.classic.rendering.mount import Mount
 from libgz.classic.rendering.visual import Visual
+from libgz.closing import Closing
 from libgz.errors import GazeboError, ParameterError
 from libgz.geometry import (
     GzCoordPositionAdd,
@@ -56,7 +56,7 @@ def render_frame(world: World, cameras: Iterable[Camera]) -> None:
     events["PreRenderEnded"]()
 
 
-class Camera:
+class Camera(Closing):
     """A camera that looks along +x of its pose, z up: a view on a `libgz.rendering.camera.Camera`.
 
         camera = Camera(world, "eye", 320, 240)
@@ -120,14 +120,6 @@ class Camera:
         self.core.close()
 
     Fini = close
-
-    def __enter__(self) -> Camera:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def Name(self) -> str:
         """Its name."""

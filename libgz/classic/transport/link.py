@@ -11,12 +11,12 @@ import errno
 import os
 import socket
 import time as clock
-from types import TracebackType
 from typing import TYPE_CHECKING, ClassVar
 
 from libgz.classic.transport.manager import TopicManager
 from libgz.classic.transport.master import Address, get_master_uri
 from libgz.classic.transport.topic import log
+from libgz.closing import Closing
 from libgz.errors import LibraryError, ServerError
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ EXTRA = "pip install 'libgz[net]'"
 RETRY = 0.1  # [s] between attempts to connect
 
 
-class Link:
+class Link(Closing):
     """An open link; a process has at most one. Closed at the end of the process, or of a `with`."""
 
     current: ClassVar[Link | None] = None
@@ -63,12 +63,6 @@ class Link:
         if self._claim is not None:
             self._claim.close()
             self._claim = None
-
-    def __enter__(self) -> Link:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self.close()
 
 
 def serve(uri: str | None = None) -> Link:

@@ -67,10 +67,10 @@ class JointServos:
 
     def _effort(self, model: str, joint: SdfJoint, axis: int) -> float:
         """What the motor may apply [N m] or [N]."""
-        limit = joint.axis_at(axis).effort
+        limit: float = joint.axis_at(axis).effort
         if 0.0 < limit < math.inf:
             return limit
-        mass = sum(body.GetMass().mass for body in self._world.model(model).bodies if not body.dummy)
+        mass: float = sum(body.GetMass().mass for body in self._world.model(model).bodies if not body.dummy)
         return STRENGTH * 9.81 * max(mass, 0.1)
 
     def _joint(self, model: str, name: str) -> SdfJoint:

@@ -190,8 +190,9 @@ class WorldControl:
             text = str(content.get("text") or self._example(str(content.get("model", "")), before))
             added = self.world.InsertModel(text, "<inserted>")
             top = [model for model in added if model.parentBody is None]
-            for model in top if pose is not None else ():
-                self._put(model, added, pose)
+            if pose is not None:
+                for model in top:
+                    self._put(model, added, pose)
         return [entity.GetId() for entity in self.world.entities if entity.GetId() not in before]
 
     def _put(self, model: Model, added: list[Model], pose: GzPose) -> None:

@@ -6,7 +6,6 @@ import functools
 import html
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -14,8 +13,9 @@ import viser
 from numpy.typing import NDArray
 
 from libgz.view.marks import SWITCHES
+from libgz.view.parts import Part
 
-__all__ = ["Overlay", "Panel", "Part"]
+__all__ = ["Overlay", "Panel"]
 
 NONE = "(none)"
 PLUGINS = 1e6  # order of their panels: below all else
@@ -36,26 +36,6 @@ class Overlay(Protocol):
 
     def Press(self, label: str) -> None:
         """Press a button."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """A control for a part of a robot or model.
-
-    Attributes:
-        kind: slider, color or button.
-        label: for the user.
-        action: called with the value.
-        value, limits: of a slider.
-        color: 0 to 255.
-    """
-
-    kind: str
-    label: str
-    action: Callable[[Any], object]
-    value: float = 0.0
-    limits: tuple[float, float] = (0.0, 1.0)
-    color: tuple[int, int, int] = (255, 255, 255)
 
 
 class Panel:
@@ -343,11 +323,14 @@ class _OverlayPanel:
             known.remove()
             known = None
         if known is None:
-            series = ({}, *({"label": one, "stroke": LINES[i % len(LINES)]} for i, one in enumerate(labels)))
+            series = (
+                viser.uplot.Series(label="x"),
+                *(viser.uplot.Series(label=one, stroke=LINES[i % len(LINES)]) for i, one in enumerate(labels)),
+            )
             with self.folder:
                 self._plots[name] = self._gui.add_uplot(
                     data,
-                    series,  # type: ignore[arg-type] - plain dictionaries
+                    series,
                     title=name,
                     scales={"x": {"time": False, "auto": True}, "y": {"auto": True}},
                     aspect=1.4,

@@ -26,7 +26,8 @@ from libgz.transport.observer import ObservedState
 from libgz.view.driving import Driver, Robot, robots_of
 from libgz.view.gate import Gate, may_control
 from libgz.view.marks import Marks, sensor_name
-from libgz.view.panel import Overlay, Panel, Part
+from libgz.view.panel import Overlay, Panel
+from libgz.view.parts import STEERED, Part, interface_parts, joint_parts, light_parts
 from libgz.view.scene import Look, SceneView
 from libgz.view.source import Controls, Source
 
@@ -43,10 +44,6 @@ FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
 CLEAR, TALL = 0.7, 3.0  # [m] around a model that is inserted, and above it
 SHADOW_DELAY = 2.5  # [s]
 HANDLES = 110.0  # [px]
-FREE = 100.0  # [rad] or [m] limits beyond are none
-TURNING, SLIDING = ("revolute", "universal", "revolute2"), ("prismatic",)  # kinds of joints that sliders move
-MOST_SLIDERS = 24
-GRIPPER = {"Open": 1, "Close": 2, "Stop": 3, "Lift up": 4, "Lift down": 5, "Lift stop": 6}
 
 
 class Viewer(Closing):
@@ -577,101 +574,21 @@ class Viewer(Closing):
         for number in self.view.family(self.view.ids[robot.entity]):
             for served in self.view.entities[number]["interfaces"]:
                 with contextlib.suppress(GazeboError):
-                    parts += self._parts_of(served["type"], served["id"])
+                    if served["type"] in STEERED:
+                        parts += interface_parts(controls.interface(served["type"], served["id"]))
         self.panel.set_parts("robot", parts)
-
-    def _parts_of(self, kind: str, id: str) -> list[Part]:
-        if kind not in ("ptz", "gripper", "actarray") or self.controls is None:
-            return []
-        interface = self.controls.interface(kind, id)
-        if kind == "ptz":
-            limits = {"pan": (-math.pi / 2.0, math.pi / 2.0), "tilt": (-1.0, 1.0), "zoom": (0.1, 2.0)}
-            return [
-                Part(
-                    "slider",
-                    f"{id} {name} [rad]",
-                    lambda value, name=name: interface.command(**{name: float(value)}),
-                    getattr(interface, name),
-                    limits[name],
-                )
-                for name in limits
-            ]
-        if kind == "gripper":
-            return [
-                Part("button", f"{id}: {label.lower()}", lambda _, code=code: interface.command(code))
-                for label, code in GRIPPER.items()
-            ]
-
-        def set_joint(place: int, value: float) -> None:
-            with interface.locked() as data:
-                data.cmd_pos[place], data.joint_mode[place] = value, 0
-                data.new_cmd += 1
-
-        return [
-            Part(
-                "slider",
-                f"{id} joint {i}",
-                lambda value, i=i: set_joint(i, float(value)),
-                float(actuator["position"]),
-                (-math.pi, math.pi),
-            )
-            for i, actuator in enumerate(interface.actuators)
-        ]
 
     def _show_model_parts(self) -> None:
         """Sliders for the joints and lights of the selected model."""
         number, state = self.view.ids.get(self._selected), self._state
-        if number is None or state is None:
-            self.panel.set_parts("model", [])
-            return
-        entity, name = self.view.entities[number], self._selected
         parts: list[Part] = []
-        if "light" in self._can:
-            shapes = [shape for body in entity["bodies"] for shape in body["shapes"] if shape["kind"] == "light"]
-            parts += self._light_parts(name, shapes[0]["material"]["diffuse"]) if shapes else []
-        if "joint" in self._can and self.view.scene["era"] == "classic":
-            parts += self._joint_parts(name, entity["joints"], state)
+        if number is not None and state is not None:
+            entity = self.view.entities[number]
+            if "light" in self._can:
+                parts += light_parts(entity, self.ask)
+            if "joint" in self._can and self.view.scene["era"] == "classic":
+                parts += joint_parts(entity, state, self.ask)
         self.panel.set_parts("model", parts)
-
-    def _light_parts(self, name: str, diffuse: list[float]) -> list[Part]:
-        most = max(*diffuse[:3], 1e-6)
-        wanted = {"strength": min(most, 1.0), "tint": [min(max(c / most, 0.0), 1.0) for c in diffuse[:3]]}
-
-        def light(**more: Any) -> None:
-            wanted.update(more)
-            self.ask("light", name=name, color=[wanted["strength"] * part for part in wanted["tint"]])
-
-        color = tuple(round(255 * part) for part in wanted["tint"])
-        return [
-            Part("slider", "Brightness", lambda value: light(strength=float(value)), wanted["strength"]),
-            Part("color", "Colour", lambda value: light(tint=[part / 255.0 for part in value]), color=color),
-        ]
-
-    def _joint_parts(self, model: str, joints: list[dict[str, Any]], state: ObservedState) -> list[Part]:
-        parts: list[Part] = []
-        for joint in joints:
-            kinds = TURNING if joint["kind"] in TURNING else SLIDING
-            if joint["kind"] not in kinds or len(parts) >= MOST_SLIDERS:
-                continue
-            unit, reach = ("rad", math.pi) if kinds is TURNING else ("m", 1.0)
-            for axis, limits in enumerate(joint["limits"]):
-                low, high = (side if side is not None and abs(side) < FREE else None for side in limits)
-                values = state.joints[joint["row"], axis] if 0 <= joint["row"] < len(state.joints) else 0.0
-                parts.append(
-                    Part(
-                        "slider",
-                        f"{joint['name']}{f' {axis + 1}' if len(joint['limits']) > 1 else ''} [{unit}]",
-                        lambda value, name=joint["name"], axis=axis: self.ask(
-                            "joint", name=model, joint=name, axis=axis, position=float(value)
-                        ),
-                        float(values),
-                        (-reach if low is None else float(low), reach if high is None else float(high)),
-                    )
-                )
-        parts = [part for part in parts if part.limits[0] < part.limits[1]]
-        if parts:
-            parts.append(Part("button", "Release the joints", lambda _: self.ask("release", name=model)))
-        return parts
 
     def _show_rest(self, state: ObservedState, now: float) -> None:
         """Texts, images and whatever else is slower than the scene."""

@@ -57,9 +57,9 @@ class LocalSource:
         with self.world.lock:
             if not self.world.running:
                 raise ServerGoneError("the world is closed")
-            state = state_of(bytes(self._tables.memory))
-        now = time.monotonic()
-        if self._last is not None and state.number != self._last.number:
+            state = state_of(bytes(self.world.publish().memory))  # what was set since the last step is in it
+        now, last = time.monotonic(), self._last
+        if last is not None and (state.steps, state.pause_time) != (last.steps, last.pause_time):
             self._stepped = now
         self._last = state
         return dataclasses.replace(state, paused=state.paused or now > self._stepped + IDLE)

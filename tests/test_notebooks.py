@@ -21,6 +21,7 @@ RUN = """
 import json, sys, nbformat, nbclient
 notebook = nbformat.read(sys.argv[1], 4)
 nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute(cwd=sys.argv[2])
+print([out.get("data", {}).get("text/html") for c in notebook.cells for out in c.get("outputs", [])])
 print(json.dumps([list(out.get("data", {"error": 0})) for c in notebook.cells for out in c.get("outputs", [])
                   if out.output_type != "stream"]))
 """
@@ -41,6 +42,7 @@ def test_a_notebook_runs(notebook, tmp_path):
     shown = json.loads(done.stdout.splitlines()[-1])
     assert sum("image/png" in kinds for kinds in shown) >= 3
     assert sum(kinds == ["text/plain"] for kinds in shown) >= 2
+    assert done.stdout.count("<iframe src=") == 1  # the live view
 
 
 def test_a_notebook_stores_no_output():

@@ -75,7 +75,7 @@ def test_images_and_plots_that_cannot_be_shown_are_refused():
         overlay.SetImage("camera", np.zeros((4, 6, 2)))
     with pytest.raises(ParameterError, match=r"'z' \(2,\)"):
         overlay.SetPlot("height", [0, 1, 2], {"z": [3, 4]})
-    with pytest.raises(ParameterError, match="not none"):
+    with pytest.raises(ParameterError, match="it got none"):
         overlay.SetPlot("height", [0, 1, 2])
 
 

@@ -146,3 +146,15 @@ def test_new_models_stand_on_the_ground():
             world.step(100)
             assert world.model(new).GetPose().rot.u == pytest.approx(1.0, abs=1e-3)
             send(control, "delete", name=new)
+
+
+def test_names_and_texts_of_worlds_are_never_markup(page):
+    panel = Panel(page, frozenset(), lambda action: action(), Mock())
+    markup, overlay = "<img src=x onerror=alert(1)>", GUI("<b>")
+    overlay.SetText(markup)
+    panel.set_overlays({"<b>": overlay})
+    panel.set_info([(markup, markup)])
+    panel.set_status({markup: markup}, markup)
+    for shown in (panel.info.content, panel.status.content, panel._overlays["<b>"]._text.content):
+        assert "<img" not in shown
+        assert "&lt;img src=x" in shown

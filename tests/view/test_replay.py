@@ -42,7 +42,7 @@ def test_a_replay_is_one_file_that_a_browser_plays(chromium, recorded, tmp_path)
     text = page_file.read_text()
     assert "default-src 'none'" in text
     assert "<title>default - replay</title>" in text
-    page = chromium.new_page(viewport={"width": 800, "height": 600})
+    page = chromium.new_page(viewport={"width": 640, "height": 420})
     fetched = []
     page.on("request", lambda request: fetched.append(request.url))
     page.goto(page_file.as_uri())

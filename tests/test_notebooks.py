@@ -4,6 +4,8 @@ import json
 import math
 import subprocess
 import sys
+import time
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ from PIL import Image
 
 import libgz
 from libgz.classic.server import attach
-from libgz.errors import LibraryError, NotFoundError, ParameterError
+from libgz.errors import ClosedError, LibraryError, NotFoundError, ParameterError
 from libgz.files import installed_worlds
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples" / "notebooks").glob("*.ipynb"))
@@ -19,6 +21,7 @@ RUN = """
 import json, sys, nbformat, nbclient
 notebook = nbformat.read(sys.argv[1], 4)
 nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute(cwd=sys.argv[2])
+print([out.get("data", {}).get("text/html") for c in notebook.cells for out in c.get("outputs", [])])
 print(json.dumps([list(out.get("data", {"error": 0})) for c in notebook.cells for out in c.get("outputs", [])
                   if out.output_type != "stream"]))
 """
@@ -39,6 +42,7 @@ def test_a_notebook_runs(notebook, tmp_path):
     shown = json.loads(done.stdout.splitlines()[-1])
     assert sum("image/png" in kinds for kinds in shown) >= 3
     assert sum(kinds == ["text/plain"] for kinds in shown) >= 2
+    assert done.stdout.count("<iframe src=") == 1  # the live view
 
 
 def test_a_notebook_stores_no_output():
@@ -99,4 +103,32 @@ def test_errors_name_objects_without_their_poses():
 def test_a_view_without_a_viewer_names_the_extra(monkeypatch):
     monkeypatch.setattr("importlib.metadata.entry_points", lambda group: ())
     with libgz.World() as world, pytest.raises(LibraryError, match=r"libgz\[view\]"):
+        world.view()
+
+
+def test_a_view_is_embedded_and_runs_the_world():
+    with libgz.World.from_file("pioneer2at") as world:
+        shown = world.view(port=18990)
+        assert world.view() is shown
+        assert f'<iframe src="{shown.url}" ' in shown._repr_html_()
+        with urllib.request.urlopen(shown.url, timeout=20.0) as answer:
+            assert b"libgzControl=true" in answer.read()
+        controls, source = shown.viewer.controls, shown.viewer.source
+        assert "keep" not in controls.abilities
+        world.step(10)
+        assert source.state().sim_time == pytest.approx(0.2)
+        controls.ask("pause", "off")
+        while world.GetSimTime() < 0.4:
+            time.sleep(0.01)
+        assert not source.state().paused
+        controls.ask("pause", "on")
+        time.sleep(0.1)
+        stopped = world.GetSimTime()
+        controls.ask("step", "3")
+        assert world.GetSimTime() == pytest.approx(stopped + 0.06)
+        controls.ask("reset")
+        assert source.state().sim_time <= stopped
+        shown.close()
+        assert "closed" in repr(shown)
+    with pytest.raises(ClosedError):
         world.view()

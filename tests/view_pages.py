@@ -36,7 +36,7 @@ def wait_for(condition, what, patience=PATIENCE):
 @contextlib.contextmanager
 def served(*words, program="gazebo", viewer=True):
     """A server with --view: (process, address)."""
-    command = [sys.executable, "-m", f"libgz.apps.{program}", *map(str, words)]
+    command = [sys.executable, "-m", f"libgz.apps.{program}" if program != "libgz" else "libgz", *map(str, words)]
     if viewer:
         command += ["--view", "--view-port", "18080"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=ROOT) as process:

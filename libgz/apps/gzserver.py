@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import logging
 import os
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +15,7 @@ from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, 
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
+from libgz.apps.record import Recorder, ViewRecorder, record_videos
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view import add_view_options, view_process
@@ -53,6 +55,7 @@ WITHOUT_EFFECT = {
     "--gui-plugin": "the server runs no GUI plugins; use gzclient",
     "--gui-client-plugin": "the server runs no GUI plugins; use gzclient",
 }
+VIDEO = re.compile(r"[^=/]+=.+")  # ID=FILE
 FLAGS = ("--lockstep", "--record_resources", "--minimal_comms")
 SHORT = {"--gui-plugin": "-g"}
 
@@ -84,6 +87,21 @@ def make_parser() -> Parser:
         else:
             add(*names, action="append", help=f"accepted without effect: {why}")
     return parser
+
+
+def split_videos(words: Sequence[str]) -> tuple[list[str], list[str]]:
+    """(the words without videos, the videos): those of ``--record ID=FILE``, which without one is classic's option."""
+    rest: list[str] = []
+    videos: list[str] = []
+    for word in words:
+        if word.startswith("--record=") and VIDEO.fullmatch(word.removeprefix("--record=")):
+            videos.append(word.removeprefix("--record="))
+        elif rest and rest[-1] == "--record" and VIDEO.fullmatch(word):
+            rest.pop()
+            videos.append(word)
+        else:
+            rest.append(word)
+    return rest, videos
 
 
 def warn_without_effect(options: argparse.Namespace) -> None:
@@ -185,11 +203,12 @@ class Server:
         """Step until a signal, World.Stop, or the number of iterations ends the run."""
         server = next((c for c in core.companions if isinstance(c, WorldServer)), None)
         with (
+            record_videos(core, self.options.videos) as recorders,
             record_mcap(core, self.options) as capture,
             SnapshotControl(core, self.options.rewind) as snapshots,
             view_process(self.options, core.server_id),
         ):
-            self._steps(core, control, server, snapshots, capture)
+            self._steps(core, control, server, snapshots, [*recorders, *([capture] if capture is not None else [])])
         core.events["Stop"]()
         if self._stopped:
             core.events["SigInt"]()
@@ -200,13 +219,13 @@ class Server:
         control: PlaybackControl | None,
         server: WorldServer | None,
         snapshots: SnapshotControl,
-        capture: Capture | None,
+        recorders: Sequence[Capture | Recorder | ViewRecorder],
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):
             done += self._step(core, control)
-            if capture is not None:
-                capture.take()
+            for recorder in recorders:
+                recorder.take()
             snapshots.act()
             if pacer.speed != core.simSpeed:
                 pacer = Pacer(core.simSpeed)
@@ -244,7 +263,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
     """
-    words, options = read_command_line(make_parser(), arguments, plugins="server_plugin")
+    given, videos = split_videos(list(sys.argv[1:] if arguments is None else arguments))
+    words, options = read_command_line(make_parser(), given, plugins="server_plugin")
+    options.videos = videos
     warn_without_effect(options)
     try:
         return Server(options, words).run()

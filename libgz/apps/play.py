@@ -11,17 +11,21 @@ import sys
 import termios
 import tty
 from collections.abc import Iterator
+from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from libgz.apps.console import number_from_zero, whole_number
+from libgz.apps.console import number_above_zero, number_from_zero, whole_number
 from libgz.apps.server_option import add_server_options
+from libgz.apps.view import add_view_options, make_viewer, view_process
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, ParameterError, ServerError
+from libgz.files import write_whole
 from libgz.recording.capture import check_packages
 from libgz.recording.player import Player
 from libgz.recording.reader import LogReader
 from libgz.transport.control import ask
+from libgz.transport.observer import Observer
 from libgz.transport.server import free_server_id
 
 __all__ = ["configure", "run"]
@@ -53,6 +57,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--hold", action="store_true", help="stay at the end, paused, until interrupted")
     add("--pause", action="store_true", help="begin paused")
     add("--info", action="store_true", help="print what is in the log, and play nothing")
+    add_view_options(parser, optional=True)
+    page = parser.add_argument_group("a page instead of a server")
+    page.add_argument("--html", metavar="FILE", help="write the replay as one file that any browser shows, and exit")
+    page.add_argument(
+        "--frames", type=number_above_zero("rate"), default=20.0, metavar="R", help="its frames per second (default 20)"
+    )
+    page.add_argument(
+        "--show",
+        action="append",
+        default=[],
+        choices=("lasers", "sonars", "frusta", "joints", "masses", "boxes", "trails"),
+        help="show these, too; may be repeated",
+    )
     group = parser.add_argument_group("control of a log that another process plays, without LOG")
     group.add_argument("--seek", type=seconds, metavar="SEC", help="go to this time of the log [s]")
     group.add_argument("--resume", action="store_true", help="continue")
@@ -74,6 +91,8 @@ def run(options: argparse.Namespace) -> int:
     check_packages()
     if options.info:
         return _print_info(options.log)
+    if options.html is not None:
+        return _write_page(options)
     server_id = free_server_id() if options.server_id is None else options.server_id
     speed = 1.0 if options.speed is None else options.speed
     with contextlib.ExitStack() as stack:
@@ -89,6 +108,7 @@ def run(options: argparse.Namespace) -> int:
         player.paused = options.pause
         if options.begin is not None:
             player.seek(options.begin)
+        stack.enter_context(view_process(options, server_id))
         with contextlib.suppress(KeyboardInterrupt), _Keys(player) as keys:
             for _ in player.moments(options.end, options.hold, options.loop):
                 if keys.act():
@@ -106,6 +126,46 @@ def _topics(path: str, stack: contextlib.ExitStack) -> Any:
 
     stack.enter_context(serve())
     return TopicPlayer(world)
+
+
+def _write_page(options: argparse.Namespace) -> int:
+    """Show the log to a viewer, and write what that one shows."""
+    speed = options.speed or 1.0
+    server_id, out = free_server_id(), Path(options.html)
+    with contextlib.ExitStack() as stack:
+        player = stack.enter_context(Player(options.log, server_id))
+        observer = stack.enter_context(Observer(server_id))
+        from libgz.view.server import ServerControls  # loads what only pages need
+
+        controls = ServerControls(server_id, frozenset())
+        stack.callback(controls.close)
+        viewer = stack.enter_context(make_viewer(observer, controls, options))
+        from libgz.view.replay import replay_page  # the extra is there
+
+        for name in options.show:
+            viewer.set_mark(name, True)
+        text = replay_page(viewer, _moments(player, options, speed), f"{player.reader.about['world']} - {out.stem}")
+    try:
+        write_whole(out, text.encode())
+    except OSError as error:
+        raise ParameterError(f"{options.html!r} cannot be written: {error.strerror}") from None
+    print(f"{out}: {len(text) / 1e6:.1f} MB")
+    return 0
+
+
+def _moments(player: Player, options: argparse.Namespace, speed: float) -> Iterator[float]:
+    """Play the log in frames; the real time of each in the page [s]."""
+    begin = player.reader.begin if options.begin is None else options.begin
+    end = player.reader.end if options.end is None else min(options.end, player.reader.end)
+    player.seek(begin)
+    begin, count = player.time, 0
+    yield 0.0
+    while player.time < end - 1e-9 and not player.at_end:
+        count += 1
+        target = min(begin + count * speed / options.frames, end)
+        while player.time < target - 1e-9 and player.step():
+            pass
+        yield (player.time - begin) / speed
 
 
 # Control ------------------------------------------------------------------------------------------------------------

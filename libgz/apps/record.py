@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +37,23 @@ def new_recorder(world: World, request: str, shadows: bool = True) -> Recorder |
     if name == VIEW and file and not any((kind, name) in world.gz_server.interfaces for kind in KINDS):
         return ViewRecorder(world, Path(file), shadows)
     return Recorder(world, request, shadows=shadows)
+
+
+@contextlib.contextmanager
+def record_videos(
+    world: World, requests: Iterable[str], shadows: bool = True
+) -> Iterator[list[Recorder | ViewRecorder]]:
+    """The recorders of requests, closed at the end.
+
+    Raises:
+        GazeboError: as `new_recorder`.
+    """
+    with contextlib.ExitStack() as stack:
+        recorders = []
+        for request in requests:
+            recorders.append(new_recorder(world, request, shadows))
+            stack.callback(recorders[-1].close)
+        yield recorders
 
 
 class ViewRecorder:
@@ -105,7 +124,8 @@ class Recorder:
         if kind is None:
             ids = [known for type_, known in interfaces if type_ in KINDS]
             raise NotFoundError(
-                f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}"
+                f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}; "
+                "view=FILE records the whole world"
             )
         self._interface, self._field = interfaces[kind, name], KINDS[kind]
         self._eye = eye_of(world.model(name)) if shadows else None

@@ -22,7 +22,13 @@ def add_log_options(parser: argparse.ArgumentParser) -> None:
     """Add classic's options."""
     add = parser.add_argument
     add("-p", "--play", metavar="LOG", help="play a log file instead of a world")
-    add("-r", "--record", action="store_true", help="record a log file; implied by the next four options")
+    add(
+        "-r",
+        "--record",
+        action="store_true",
+        help="record a log file; implied by the next four options. With view=FILE or ID=FILE behind it: a video of the "
+        "whole world, or of a legacy camera; may be repeated",
+    )
     add("--record_path", metavar="FOLDER", help="directory of state.log (default ~/.gazebo/log/<time>/gzserver)")
     add(
         "--record_period",

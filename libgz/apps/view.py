@@ -135,7 +135,7 @@ def run(options: argparse.Namespace) -> int:
 
     server_id = _server_id(options)
     with Observer(server_id, options.timeout) as observer:
-        controls = None if options.watch_only else ServerControls(server_id)
+        controls = ServerControls(server_id, frozenset() if options.watch_only else None)
         with make_viewer(observer, controls, options, rate=options.rate) as viewer:
             viewer.frame()
             print(f"open {viewer.url}", flush=True)

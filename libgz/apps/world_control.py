@@ -12,9 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from libgz.errors import GazeboError, ParameterError
+from libgz.apps.joint_servos import JointServos
+from libgz.errors import GazeboError, NotFoundError, ParameterError
 from libgz.front import World
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
+from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
+from libgz.legacy.model import Model
+from libgz.physics.geoms import LightGeom
 from libgz.sdf.paths import model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
@@ -41,7 +44,9 @@ class WorldControl:
         self.speed: float | None = None
         self._steps = 0  # that the paused world is still to do
         self._nodes: dict[str, Any] = {}
+        self._servos = JointServos(world)
         self._verbs: dict[str, Callable[[str, dict[str, Any]], Any]] = {
+            "abilities": self._abilities,
             "pause": self._pause,
             "step": self._step,
             "reset": self._reset,
@@ -55,6 +60,9 @@ class WorldControl:
             "describe": self._describe,
             "inventory": self._inventory,
             "contacts": self._contacts,
+            "light": self._light,
+            "joint": self._joint,
+            "release": self._release,
             "publish": self._publish,
             "readings": self._readings,
         }
@@ -78,11 +86,16 @@ class WorldControl:
         return b"" if answer is None else json.dumps(answer).encode()
 
     def stepped(self) -> None:
-        """Pause again after the steps that were asked for; called after each step."""
+        """Pause again after the steps that were asked for, and set joints' motors; called after each step."""
+        self._servos.act()
         if self._steps:
             self._steps -= 1
             if not self._steps:
                 self.world.paused = True
+
+    def _abilities(self, _argument: str, _content: dict[str, Any]) -> list[str]:
+        """What a viewer can offer: the requests that are answered, and whether robots obey their interfaces."""
+        return [*self._verbs, "rewind", "interfaces"]
 
     # The world -------------------------------------------------------------------------------------------------------
 
@@ -103,6 +116,7 @@ class WorldControl:
     def _reset(self, _argument: str, _content: dict[str, Any]) -> None:
         paused = self.world.paused
         self.world.Reset()
+        self._servos.clear()
         self.world.paused = paused  # a state has that, too
 
     def _speed(self, argument: str, _content: dict[str, Any]) -> None:
@@ -136,6 +150,29 @@ class WorldControl:
         parent = entity.parentBody
         self.world.SetModelPose(entity, GzCoordPoseSub(pose, parent.GetPose()) if parent is not None else pose)
 
+    def _light(self, _argument: str, content: dict[str, Any]) -> None:
+        """Set the colour of an entity's lights."""
+        entity, color = self._entity(content), content.get("color")
+        parts = [float(part) for part in color] if isinstance(color, list) and len(color) == 3 else []
+        if not parts or not all(0.0 <= part <= 1.0 for part in parts):
+            raise ParameterError(f"the colour is {color}; it must be three numbers from 0 to 1")
+        lights = [geom for body in entity.bodies for geom in body.geoms if isinstance(geom, LightGeom)]
+        if not lights:
+            raise NotFoundError(f"{entity.GetId()!r} has no light")
+        for light in lights:
+            light.SetDiffuseColor(GzColor(*parts))
+
+    def _joint(self, _argument: str, content: dict[str, Any]) -> None:
+        """Move an axis of a joint of an SDF model to a position, and hold it there."""
+        axis, position = content.get("axis", 0), content.get("position")
+        if not isinstance(axis, int) or not isinstance(position, int | float):
+            raise ParameterError(f"axis {axis!r} must be a whole number, position {position!r} a number")
+        self._servos.hold(str(content.get("name", "")), str(content.get("joint", "")), axis, float(position))
+
+    def _release(self, _argument: str, content: dict[str, Any]) -> None:
+        """Let the joints of a model move freely again."""
+        self._servos.release(str(content.get("name", "")))
+
     def _delete(self, _argument: str, content: dict[str, Any]) -> None:
         entity = self._entity(content)
         if self.world.sdf is not None:
@@ -153,10 +190,22 @@ class WorldControl:
             text = str(content.get("text") or self._example(str(content.get("model", "")), before))
             added = self.world.InsertModel(text, "<inserted>")
             top = [model for model in added if model.parentBody is None]
-            for model in top if pose is not None else ():
-                lift = GzPose(GzVector(0.0, 0.0, model.GetPose().pos.z))
-                self.world.SetModelPose(model, GzCoordPoseAdd(lift, pose) if pose is not None else model.GetPose())
+            if pose is not None:
+                for model in top:
+                    self._put(model, added, pose)
         return [entity.GetId() for entity in self.world.entities if entity.GetId() not in before]
+
+    def _put(self, model: Model, added: list[Model], pose: GzPose) -> None:
+        """Place a new model, with its lowest point not below the pose."""
+        lift = GzPose(GzVector(0.0, 0.0, model.GetPose().pos.z))
+        place = GzCoordPoseAdd(lift, pose)
+        self.world.SetModelPose(model, place)
+        boxes = [geom.bounds() for one in added for body in one.bodies for geom in body.geoms]
+        lows = [low[2] for low, high in boxes if all(map(math.isfinite, (*low, *high))) and tuple(low) != tuple(high)]
+        missing = pose.pos.z - min(lows, default=pose.pos.z)
+        if missing > 0.0:
+            x, y, z = place.pos
+            self.world.SetModelPose(model, GzPose(GzVector(x, y, z + missing), place.rot))
 
     def _insert_sdf(self, content: dict[str, Any], pose: GzPose | None) -> None:
         view = self._classic()

@@ -35,6 +35,7 @@ __all__ = ["Player"]
 
 log = logging.getLogger("libgz.recording")
 
+ABILITIES = ("pause", "resume", "reset", "seek", "rewind", "speed", "step", "status")  # requests that are answered
 PLAYED = ("interface", "topic", "own")
 IDLE_PERIOD = 0.02  # [s] between two publications while it is paused
 LONGEST_SLEEP = 0.05  # [s]
@@ -258,6 +259,9 @@ class Player(Closing):
         while self._control is not None and self._control.waiting:
             request = self._control.waiting.popleft()
             try:
+                if request.verb == "abilities":
+                    request.answer(json.dumps(ABILITIES).encode())
+                    continue
                 self._act(request.verb, request.argument)
                 request.answer(json.dumps(self.status).encode())
             except GazeboError as error:
@@ -286,11 +290,12 @@ class Player(Closing):
             for _ in range(max(0, int(number))):
                 self.step()
         elif verb in ("pause", "resume"):
-            self.paused = verb == "pause"
+            self.paused = verb == "pause" and argument != "off"
+        elif verb == "reset":
+            self.seek(self.reader.begin)
         elif verb != "status":
             raise ParameterError(
-                f"a log that is played knows no request {verb} {argument}; there are pause, resume, seek, speed, step, "
-                "rewind, status"
+                f"a log that is played knows no request {verb} {argument}; there are {', '.join(ABILITIES)}"
             )
 
     # What is shown ---------------------------------------------------------------------------------------------------

@@ -473,7 +473,7 @@ class World(Closing):
 
     @exclusive
     def publish(self) -> LocalTables:
-        """The tables and the scene that each step of the running world publishes; from now on, if it did not before.
+        """Publish the states as they are now; the tables and the scene, which each step publishes from now on.
 
         Raises:
             ClosedError: the world is closed, or `Initialize` was not called.
@@ -483,7 +483,7 @@ class World(Closing):
             self.gz_server.shared = LocalTables()
         if self._publication is None:
             self._publication = Publication(self, self.gz_server.shared)
-            self._publication.publish(self._paused)
+        self._publication.publish(self._paused)
         return self.gz_server.shared
 
     @exclusive

@@ -111,8 +111,8 @@ class Control:
             self.waiting.popleft().answer(error="the server is ending")
 
 
-def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"") -> bytes:
-    """Send a request to a running server of this user, and return the result.
+def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"", timeout: float | None = None) -> bytes:
+    """Send a request to a running server of this user, and return the result; it is waited for until the timeout [s].
 
     Raises:
         ServerError: there is no such server, it takes no requests, or it answers with an error.
@@ -120,6 +120,7 @@ def ask(server_id: int, verb: str, argument: str = "-", content: bytes = b"") ->
     directory = server_directory(server_id)
     with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as connection:
         try:
+            connection.settimeout(timeout)
             with _short(directory) as folder:
                 connection.connect(f"{folder}/{SOCKET}")
             _send(connection, f"{verb} {argument}", content)

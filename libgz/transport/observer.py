@@ -21,7 +21,16 @@ from libgz.transport.paths import SCENE_FILE, TABLES_FILE, check_server_id, serv
 from libgz.transport.server import alive
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, JOINT_COLUMNS, MAGIC, Status, start_time
 
-__all__ = ["ObservedBody", "ObservedEntity", "ObservedJoint", "ObservedShape", "ObservedState", "Observer"]
+__all__ = [
+    "ObservedBody",
+    "ObservedEntity",
+    "ObservedJoint",
+    "ObservedShape",
+    "ObservedState",
+    "Observer",
+    "arrays_of",
+    "state_of",
+]
 
 T = TypeVar("T")
 
@@ -208,6 +217,35 @@ def _joint(data: dict[str, Any], entity: str) -> ObservedJoint:
     return ObservedJoint(data["name"], data["kind"], entity, data["row"], (one, two), data["frame"], anchor, axes)
 
 
+def state_of(memory: bytes) -> ObservedState:
+    """The states in a copy of header and tables."""
+    return _state(np.frombuffer(memory, dtype=HEADER, count=1)[0], np.frombuffer(memory, offset=HEADER.itemsize))
+
+
+def _state(head: Any, values: NDArray[np.float64]) -> ObservedState:
+    bodies, joints = int(head["bodies"]) * BODY_COLUMNS, int(head["joints"]) * JOINT_COLUMNS
+    return ObservedState(
+        number=int(head["sequence"]) // 2,
+        revision=int(head["revision"]),
+        steps=int(head["steps"]),
+        paused=bool(head["paused"]),
+        sim_time=float(head["sim_time"]),
+        pause_time=float(head["pause_time"]),
+        real_time=float(head["real_time"]),
+        bodies=values[:bodies].reshape(-1, BODY_COLUMNS),
+        joints=values[bodies : bodies + joints].reshape(-1, JOINT_COLUMNS),
+    )
+
+
+def arrays_of(content: bytes, reference: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """The arrays in the data that a scene refers to."""
+    found = {}
+    for name, part in reference["arrays"].items():
+        count = int(np.prod(part["shape"]))
+        found[name] = np.frombuffer(content, part["type"], count, part["offset"]).reshape(part["shape"])
+    return found
+
+
 class Observer(Closing):
     """A view on a world that a server runs, in any process of this user; it neither locks nor slows the server.
 
@@ -372,19 +410,7 @@ class Observer(Closing):
         sequence = os.pread(descriptor, 8, _SEQUENCE)
         if len(raw) < size - HEADER.itemsize or sequence != head["sequence"].tobytes():
             return None
-        values = np.frombuffer(raw)
-        bodies, joints = int(head["bodies"]) * BODY_COLUMNS, int(head["joints"]) * JOINT_COLUMNS
-        return ObservedState(
-            number=int(head["sequence"]) // 2,
-            revision=int(head["revision"]),
-            steps=int(head["steps"]),
-            paused=bool(head["paused"]),
-            sim_time=float(head["sim_time"]),
-            pause_time=float(head["pause_time"]),
-            real_time=float(head["real_time"]),
-            bodies=values[:bodies].reshape(-1, BODY_COLUMNS),
-            joints=values[bodies : bodies + joints].reshape(-1, JOINT_COLUMNS),
-        )
+        return _state(head, np.frombuffer(raw))
 
     def wait(self, newer_than: ObservedState | None = None, timeout: float | None = None) -> ObservedState:
         """The first state that is newer than another one, as soon as there is one.
@@ -503,8 +529,4 @@ class Observer(Closing):
             content = Path(self.path, reference["file"]).read_bytes()
         except FileNotFoundError:
             raise NotFoundError(f"{reference['file']} was removed: the scene has changed since") from None
-        found = {}
-        for name, part in reference["arrays"].items():
-            count = int(np.prod(part["shape"]))
-            found[name] = np.frombuffer(content, part["type"], count, part["offset"]).reshape(part["shape"])
-        return found
+        return arrays_of(content, reference)

@@ -10,6 +10,7 @@ import gzip
 import http
 import ipaddress
 import json
+import logging
 import secrets
 import threading
 from collections.abc import Callable, Iterator
@@ -39,6 +40,10 @@ SAFE_HEADERS = {"Referrer-Policy": "no-referrer", "X-Content-Type-Options": "nos
 LARGEST_NOTE = 4096  # [byte]
 
 may_control: contextvars.ContextVar[bool] = contextvars.ContextVar("may_control", default=False)
+
+# Browsers open connections in advance, and close them unused: that is no error.
+QUIET = logging.getLogger("libgz.view.port")
+QUIET.setLevel(logging.CRITICAL)
 
 OnNote = Callable[[dict[str, Any], int], None]
 
@@ -95,6 +100,7 @@ class Gate:
 
         def serve(handler: Any, host: Any, port: Any, **options: Any) -> Any:
             options["process_request"] = self._answer
+            options["logger"] = QUIET
             return plain(functools.partial(self._connect, handler), host, port, **options)
 
         module.serve = serve  # type: ignore[assignment,misc]

@@ -6,6 +6,9 @@
   history.replaceState = (state, title, url) => {
     if (typeof url !== "string" || !url.includes("websocket=")) replace(state, title, url);
   };
+  // viser connects only where the user's focus is: an embedded page, and one beside a terminal, shall connect, too.
+  document.hasFocus = () => !document.hidden;
+  document.addEventListener("visibilitychange", () => { if (!document.hidden) window.dispatchEvent(new Event("focus")); });
   if (!window.libgzControl) return;
 
   const LONGEST = 200; // [ms] between two notes while something is held

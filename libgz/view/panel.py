@@ -13,11 +13,14 @@ import viser
 from numpy.typing import NDArray
 
 from libgz.view.marks import SWITCHES
+from libgz.view.parts import Part
 
 __all__ = ["Overlay", "Panel"]
 
 NONE = "(none)"
-CAMERA = "(none: keys move the view)"
+PLUGINS = 1e6  # order of their panels: below all else
+LINES = ("#1c7ed6", "#e8590c", "#2f9e44", "#9c36b5", "#c92a2a", "#0b7285")  # colours of plots
+CAMERA = "(the view)"
 
 
 class Overlay(Protocol):
@@ -25,6 +28,8 @@ class Overlay(Protocol):
 
     text: str
     visible: bool
+    images: dict[str, NDArray[np.uint8]]
+    plots: dict[str, tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]]
 
     def Buttons(self) -> list[str]:
         """The labels of its buttons."""
@@ -52,9 +57,8 @@ class Panel:
     ) -> None:
         self.page, self._do, self._handler, self._can = page, do, handler, abilities
         self._setting = False  # whether this program changes a control, not a user
-        self._overlays: dict[str, tuple[Any, Any, list[str]]] = {}
-        self._overlay_signature: dict[str, list[str]] = {}
-        self._robot_parts: list[Any] = []
+        self._overlays: dict[str, _OverlayPanel] = {}
+        self._parts: dict[str, list[Any]] = {}
         self._images: dict[str, Any] = {}
         gui = page.gui
         gui.configure_theme(control_width="small", show_logo=False, show_share_button=False)
@@ -68,7 +72,7 @@ class Panel:
             self._model_tab()
         with self._tabs.add_tab("Show"):
             self._show_tab()
-        if abilities & {"rewind", "insert", "write"}:
+        if abilities & {"keep", "insert", "write"}:
             with self._tabs.add_tab("World"):
                 self._world_tab()
 
@@ -99,7 +103,7 @@ class Panel:
             if verb in can
         ]
         if labels:
-            group = gui.add_button_group("", labels)
+            group = gui.add_button_group("Time", labels)
 
             async def clicked(event: Any) -> None:
                 label = str(event.target.value).lower()
@@ -109,6 +113,9 @@ class Panel:
         if "speed" in can:
             self.speed = gui.add_slider("Speed", min=0.1, max=5.0, step=0.1, initial_value=1.0)
             self._on(self.speed, handler.set_speed)
+        if "seek" in can:
+            self.log_time = gui.add_slider("Log [s]", min=0.0, max=1.0, step=0.01, initial_value=0.0)
+            self._on(self.log_time, handler.seek)
 
     def _drive_tab(self) -> None:
         gui, handler = self.page.gui, self._handler
@@ -125,12 +132,13 @@ class Panel:
         gui, handler, can = self.page.gui, self._handler, self._can
         self.model = gui.add_dropdown("Model", [NONE])
         self._on(self.model, lambda label: handler.select("" if label == NONE else label))
-        self.info = gui.add_html(_small("Click a model in the scene."))
-        self.follow = gui.add_checkbox("Follow it", False)
+        self.follow = gui.add_checkbox("Follow", False, hint="the view moves with the model")
         self._on(self.follow, handler.set_follow)
         if "move" in can:
-            self.handles = gui.add_checkbox("Move it by handles", False)
+            self.handles = gui.add_checkbox("Handles", False, hint="move and turn the model by its handles")
             self._on(self.handles, handler.set_handles)
+        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
+        self.info = gui.add_html(_small("Click a model in the scene."))
         if "delete" in can:
             self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
 
@@ -142,14 +150,16 @@ class Panel:
                 continue
             box = self.page.gui.add_checkbox(label, False)
             self._on(box, functools.partial(self._handler.set_mark, name))
+        self.shadows = self.page.gui.add_checkbox("Shadows", True, hint="faster without, where there is no GPU")
+        self._on(self.shadows, lambda _on: self._handler.choose_shadows())
         for name, label in (("wireframe", "Wireframe"), ("collisions", "Collision shapes")):
             box = self.page.gui.add_checkbox(label, False)
             self._on(box, functools.partial(self._handler.set_look, name))
 
     def _world_tab(self) -> None:
         gui, handler, can = self.page.gui, self._handler, self._can
-        if "rewind" in can:
-            self.keep = gui.add_checkbox("Keep the last 60 s", False, hint="for the time line; costs some speed")
+        if "keep" in can:
+            self.keep = gui.add_checkbox("Keep 60 s", False, hint="for the time line; costs some speed")
             self._on(self.keep, handler.set_keep)
             self.back = gui.add_slider("Time line [s]", min=-60.0, max=0.0, step=0.5, initial_value=0.0)
             self._button(
@@ -211,41 +221,55 @@ class Panel:
         """Show the panels of GUI plugins."""
         shown = {name: overlay for name, overlay in overlays.items() if overlay.visible}
         for name in set(self._overlays) - set(shown):
-            self._overlays.pop(name)[0].remove()
+            self._overlays.pop(name).folder.remove()
         for name, overlay in shown.items():
-            buttons = overlay.Buttons()
             known = self._overlays.get(name)
-            if known is not None and known[2] != buttons:
-                known[0].remove()
+            if known is not None and known.buttons != overlay.Buttons():
+                known.folder.remove()
                 known = None
             if known is None:
-                with self.page.gui.add_folder(name, order=0.5) as folder:
-                    text = self.page.gui.add_html("")
-                    for label in buttons:
+                known = self._overlays[name] = _OverlayPanel(self.page.gui, name, overlay.Buttons())
+                with known.folder:
+                    for label in known.buttons:
                         self._button(label, functools.partial(self._handler.press_overlay, overlay, label))
-                known = self._overlays[name] = folder, text, buttons
-            content = _small(overlay.text) if overlay.text else ""
-            if known[1].content != content:
-                known[1].content = content
+            known.show(overlay)
 
-    def set_robot_parts(self, parts: Iterable[tuple[str, str, float, float, float, Callable[[Any], object]]]) -> None:
-        """Sliders and buttons of the driven robot: kind, label, least, most, value, action."""
-        for handle in self._robot_parts:
+    def set_parts(self, place: str, parts: Iterable[Part]) -> None:
+        """Fill a folder, "robot" of the driven one or "model" of the selected one, with sliders and buttons."""
+        for handle in self._parts.pop(place, []):
             handle.remove()
-        self._robot_parts = []
-        if not hasattr(self, "robot_folder"):
+        folder = getattr(self, f"{place}_folder", None)
+        if folder is None:
             return
-        with self.robot_folder:
-            for kind, label, least, most, value, action in parts:
-                if kind == "slider":
-                    step = max((most - least) / 200.0, 1e-4)
-                    start = min(max(value, least), most) if math.isfinite(value) else least
-                    slider = self.page.gui.add_slider(label, min=least, max=most, step=step, initial_value=start)
-                    self._on(slider, action)
-                    self._robot_parts.append(slider)
-                else:
-                    self._robot_parts.append(self._button(label, functools.partial(action, None)))
-        self.robot_folder.visible = bool(self._robot_parts)
+        with folder:
+            made = self._parts[place] = [self._part(part) for part in parts]
+        folder.visible = bool(made)
+
+    def _part(self, part: Part) -> Any:
+        gui = self.page.gui
+        if part.kind == "button":
+            return self._button(part.label, functools.partial(part.action, None))
+        if part.kind == "color":
+            handle: Any = gui.add_rgb(part.label, part.color)
+        else:
+            least, most = part.limits
+            start = min(max(part.value, least), most) if math.isfinite(part.value) else least
+            step = max((most - least) / 200.0, 1e-4)
+            handle = gui.add_slider(part.label, min=least, max=most, step=step, initial_value=start)
+        self._on(handle, part.action)
+        return handle
+
+    def set_log(self, status: Mapping[str, Any]) -> None:
+        """Show where a log that is played is: its `begin`, `end` and `time` [s]."""
+        slider = getattr(self, "log_time", None)
+        if slider is None:
+            return
+        begin, end = float(status["begin"]), max(float(status["end"]), float(status["begin"]) + 0.01)
+        if (slider.min, slider.max) != (begin, end):
+            slider.min, slider.max = begin, end
+        here = round(min(max(float(status["time"]), begin), end), 2)
+        if slider.value != here:
+            slider.value = here
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the cameras' images."""
@@ -259,6 +283,62 @@ class Panel:
                     self._images[name] = self.page.gui.add_image(image, label=name, format="jpeg", jpeg_quality=80)
         if self._image_folder.visible != bool(images):
             self._image_folder.visible = bool(images)
+
+
+class _OverlayPanel:
+    """The panel of a GUI plugin."""
+
+    def __init__(self, gui: viser.GuiApi, name: str, buttons: list[str]) -> None:
+        self._gui, self.buttons = gui, buttons
+        self._images: dict[str, Any] = {}
+        self._plots: dict[str, Any] = {}
+        self._shown: dict[str, Any] = {}  # what the handles show
+        self.folder = gui.add_folder(name, order=PLUGINS)
+        with self.folder:
+            self._text = gui.add_html("")
+
+    def show(self, overlay: Overlay) -> None:
+        """Bring text, images and plots up to date."""
+        content = _small(overlay.text) if overlay.text else ""
+        if self._text.content != content:
+            self._text.content = content
+        images, plots = dict(overlay.images), dict(overlay.plots)
+        for handles, wanted in ((self._images, images), (self._plots, plots)):
+            for name in [name for name in handles if name not in wanted]:
+                handles.pop(name).remove()
+        for name, image in images.items():
+            if name not in self._images:
+                with self.folder:
+                    self._images[name] = self._gui.add_image(image, label=name, format="jpeg", jpeg_quality=85)
+            elif self._shown.get(name) is not image:
+                self._images[name].image = image
+            self._shown[name] = image
+        for name, plot in plots.items():
+            self._show_plot(name, *plot)
+
+    def _show_plot(self, name: str, x: NDArray[Any], lines: dict[str, NDArray[Any]]) -> None:
+        data, labels = (x, *lines.values()), list(lines)
+        known = self._plots.get(name)
+        if known is not None and self._shown.get(f"lines of {name}") != labels:
+            known.remove()
+            known = None
+        if known is None:
+            series = (
+                viser.uplot.Series(label="x"),
+                *(viser.uplot.Series(label=one, stroke=LINES[i % len(LINES)]) for i, one in enumerate(labels)),
+            )
+            with self.folder:
+                self._plots[name] = self._gui.add_uplot(
+                    data,
+                    series,
+                    title=name,
+                    scales={"x": {"time": False, "auto": True}, "y": {"auto": True}},
+                    aspect=1.4,
+                )
+            self._shown[f"lines of {name}"] = labels
+        elif self._shown.get(f"data of {name}") is not x:
+            known.data = data
+        self._shown[f"data of {name}"] = x
 
 
 def _small(text: str) -> str:

@@ -70,12 +70,14 @@ class SceneView:
         self.ids: dict[str, int] = {}
         self.rows: dict[int, int] = {}  # body -> row
         self.look = Look()
+        self.shadows = True
         self._on_click = on_click
         self._batches: dict[Any, _Batch] = {}
         self._leaving: list[Any] = []  # nodes that the next state replaces
         self._made = 0
         self._moving: tuple[NDArray[Any], ...] = ()
         self._lights: list[tuple[Any, int, tuple[float, ...]]] = []
+        self._sun: Any = None  # the light that casts shadows
         self._light_signature: list[Any] = []
         self._surroundings: Any = None
         self._sky: Any = None
@@ -232,18 +234,28 @@ class SceneView:
         self._light_signature = signature
         for handle, _, _ in self._lights:
             handle.remove()
-        self._lights = []
+        self._lights, self._sun = [], None
         strong = [entry for entry in found if max(entry[2]["material"]["diffuse"][:3]) > 0.0]
         share = 1.0 / max(1.0, math.sqrt(len(strong)))
         sun = next((e for e in strong if e[2]["light"] == "directional"), strong[0] if strong else None)
         for i, (entity, body, shape) in enumerate(strong):
             shadow = (entity, body, shape) == sun and entity.get("cast_shadows", True) is not False
-            self._lights.append((self._light(i, shape, share, shadow), body["row"], tuple(shape["pose"])))
-        if not strong:
+            handle = self._light(i, shape, share, shadow)
+            self._lights.append((handle, body["row"], tuple(shape["pose"])))
+            self._sun = handle if shadow else self._sun
+        if not found:
             handle = self.page.scene.add_light_directional(
                 "/light/sun", intensity=0.6 * FULL, cast_shadow=True, position=_opposite((0.4, 0.3, -0.9))
             )
             self._lights.append((handle, -1, ()))
+            self._sun = handle
+        self.show_shadows(self.shadows)
+
+    def show_shadows(self, on: bool) -> None:
+        """Whether there are shadows, as far as the scene allows them."""
+        self.shadows = on
+        if self._sun is not None and self._sun.cast_shadow != on:
+            self._sun.cast_shadow = on
 
     def _light(self, number: int, shape: dict[str, Any], share: float, shadow: bool) -> Any:
         diffuse = shape["material"]["diffuse"]

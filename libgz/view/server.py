@@ -6,16 +6,15 @@ import json
 import threading
 from typing import Any
 
+from libgz.errors import ServerError
 from libgz.interfaces.catalog import new_interface
 from libgz.interfaces.client import Client
 from libgz.transport.control import ask
 
 __all__ = ["ServerControls"]
 
-ABILITIES = frozenset(
-    {"pause", "step", "reset", "speed", "rewind", "move", "delete", "insert", "catalogue", "write", "publish"}
-    | {"describe", "contacts", "interfaces", "readings"}
-)
+PATIENCE = 5.0  # [s]
+ALONE = frozenset({"interfaces"})  # of a server that takes no requests, such as a program's world
 
 
 class ServerControls:
@@ -23,17 +22,24 @@ class ServerControls:
 
     Args:
         server_id: of the server.
+        abilities: what is offered to users; None for all that the server answers. Interfaces can be read in any case.
     """
 
-    def __init__(self, server_id: int) -> None:
+    def __init__(self, server_id: int, abilities: frozenset[str] | None = None) -> None:
         self.server_id = server_id
         self._client: Client | None = None
+        self._offered = self._abilities = abilities
         self._lock = threading.Lock()
 
     @property
     def abilities(self) -> frozenset[str]:
-        """All requests that servers answer."""
-        return ABILITIES
+        """The requests that the server answers: a log that is played has others than a world that runs."""
+        if self._abilities is None:
+            try:
+                self._abilities = frozenset(json.loads(ask(self.server_id, "abilities", timeout=PATIENCE)))
+            except ServerError:
+                self._abilities = ALONE
+        return self._abilities
 
     def ask(self, verb: str, argument: str = "-", **content: Any) -> Any:
         """Send a request; the answer is what its JSON says, or None.
@@ -59,6 +65,7 @@ class ServerControls:
         """Close the connection; the next use opens another one."""
         with self._lock:
             client, self._client = self._client, None
+            self._abilities = self._offered
             if client is not None:
                 client.disconnect()
 

@@ -11,7 +11,7 @@ import queue
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -27,6 +27,7 @@ from libgz.view.driving import Driver, Robot, robots_of
 from libgz.view.gate import Gate, may_control
 from libgz.view.marks import Marks, sensor_name
 from libgz.view.panel import Overlay, Panel
+from libgz.view.parts import STEERED, Part, interface_parts, joint_parts, light_parts
 from libgz.view.scene import Look, SceneView
 from libgz.view.source import Controls, Source
 
@@ -40,7 +41,9 @@ ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 KEPT = 60.0  # [s] for the time line
 FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
-GRIPPER = {"Open": 1, "Close": 2, "Stop": 3, "Lift up": 4, "Lift down": 5, "Lift stop": 6}
+CLEAR, TALL = 0.7, 3.0  # [m] around a model that is inserted, and above it
+SHADOW_DELAY = 2.5  # [s]
+HANDLES = 110.0  # [px]
 
 
 class Viewer(Closing):
@@ -80,8 +83,9 @@ class Viewer(Closing):
         self._root = self.page.scene.add_frame("/world", show_axes=False)
         self.view = SceneView(self.page, source, lambda name, _client: self.do(lambda: self.select(name)))
         self.marks = Marks(self.page, self.view, controls)
-        self.panel = Panel(self.page, controls.abilities if controls is not None else frozenset(), self.do, self)
-        self.driver = Driver(controls) if controls is not None else None
+        self._can: frozenset[str] = controls.abilities if controls is not None else frozenset()
+        self.panel = Panel(self.page, self._can, self.do, self)
+        self.driver = self._new_driver()
         self._robots: dict[str, Robot] = {}
         self._inventory: dict[str, Any] = {"drives": [], "keys": False}
         self._state: ObservedState | None = None
@@ -94,12 +98,16 @@ class Viewer(Closing):
         self._handle: Any = None
         self._held = False  # whether a user holds the handles
         self._history: deque[tuple[float, float, int]] = deque(maxlen=12)
-        self._next = {"status": 0.0, "image": 0.0, "ask": 0.0, "move": 0.0}
+        self._wanted_time: float | None = None
+        self._next = dict.fromkeys(("status", "image", "ask", "move", "log", "slider"), 0.0) | {"shadows": math.inf}
         self._due = self._shown = 0.0
         self._gone = False
         self._aimed = False
         self._ended = threading.Event()
         self.page.on_client_connect(self._welcome)
+
+    def _new_driver(self) -> Driver | None:
+        return Driver(self.controls) if self.controls is not None and self._can & {"interfaces", "publish"} else None
 
     @property
     def url(self) -> str:
@@ -249,9 +257,21 @@ class Viewer(Closing):
 
     async def _welcome(self, client: viser.ClientHandle) -> None:
         """Greet a page that was opened."""
+        if len(self.page.get_clients()) <= 1:
+            self.do(self._delay_shadows)
         if not may_control.get():
             text = "This address has no token: you can look around, but not control."
             client.add_notification("Watching", text, color="blue", auto_close_seconds=8.0)
+
+    def _delay_shadows(self) -> None:
+        """Show no shadows at first: without a GPU they take most of the time until a page shows the world."""
+        self._next["shadows"] = time.monotonic() + SHADOW_DELAY
+        self.view.show_shadows(False)
+
+    def choose_shadows(self) -> None:
+        """Whether there are shadows, as the users' switch says."""
+        self._next["shadows"] = math.inf
+        self.view.show_shadows(bool(self.panel.shadows.value))
 
     def _lose(self) -> None:
         """The server has ended."""
@@ -270,6 +290,12 @@ class Viewer(Closing):
         except (ServerGoneError, InterfaceError):
             return
         self._gone, self._revision, self._state, self._aimed = False, -1, None, False
+        self._selected, self._robots = "", {}
+        if self.controls is not None and self.controls.abilities != self._can:
+            self._can = self.controls.abilities
+            self.page.gui.reset()
+            self.panel = Panel(self.page, self._can, self.do, self)
+            self.driver = self._new_driver()
         self._inventory, self._details = {"drives": [], "keys": False}, {}
         self._history.clear()
         self.view.clear()
@@ -287,6 +313,7 @@ class Viewer(Closing):
         def work() -> None:
             try:
                 answer = controls.ask(verb, argument, **content)
+                self._pending.discard(verb)
                 if then is not None:
                     self.do(lambda: then(answer))
             except GazeboError as error:
@@ -306,7 +333,7 @@ class Viewer(Closing):
             self._list_robots()
 
         self._list_robots()
-        if self.controls is not None and "publish" in self.controls.abilities:
+        if "inventory" in self._can:
             self.ask("inventory", then=learn)
             if len(getattr(self.panel, "catalogue", ()) and self.panel.catalogue.options) <= 1:
                 self.ask("catalogue", then=lambda names: self.panel.set_options("catalogue", names or []))
@@ -346,6 +373,18 @@ class Viewer(Closing):
         """The slider of the speed."""
         self.ask("speed", f"{speed:g}")
 
+    def seek(self, moment: float) -> None:
+        """Go to a time of the log that is played [s]."""
+        self._wanted_time = moment
+        self._next["slider"] = time.monotonic() + 4.0 * STATUS_PERIOD  # it is the user's meanwhile
+        self._seek_on()
+
+    def _seek_on(self) -> None:
+        """Send the last time that was wanted, once the request before has been answered."""
+        if self._wanted_time is not None and "seek" not in self._pending:
+            moment, self._wanted_time = self._wanted_time, None
+            self.ask("seek", f"{moment:g}", then=lambda _: self._seek_on())
+
     def choose_robot(self, label: str) -> None:
         """Drive another robot, or none."""
         if self.driver is None:
@@ -370,7 +409,8 @@ class Viewer(Closing):
         self._details = {}
         self.panel.set_options("model", list(self.panel.model.options[1:]), self._selected)
         self._drop_handle()
-        if self._selected and self.controls is not None and "describe" in self.controls.abilities:
+        self._show_model_parts()
+        if self._selected and "describe" in self._can:
             self.ask("describe", then=self._learn_details, name=name)
         if self._state is not None:
             self.marks.select(number, self._state)
@@ -424,7 +464,20 @@ class Viewer(Closing):
             down = eye[2] - target[2]
             place = (eye + (target - eye) * (eye[2] / down) if down > 1e-3 else target).tolist()
             place = [min(max(part, -100.0), 100.0) for part in place[:2]] + [0.0]
-        self.ask("insert", model=name, pose=[*(np.array(place) + self._offset).tolist(), 1.0, 0.0, 0.0, 0.0])
+        self.ask("insert", model=name, pose=[*self._free_place(np.array(place) + self._offset), 1.0, 0.0, 0.0, 0.0])
+
+    def _free_place(self, wanted: NDArray[Any]) -> list[float]:
+        """The place nearest to another one on the ground that is clear of all models [m]."""
+        state = self._state
+        boxes = [] if state is None else [self.view.bounds(number, state) for number in self.view.entities]
+        corners = [box for box in boxes if box is not None and box[0][2] < TALL and np.ptp(box, axis=0).max() < 50.0]
+        angles = np.linspace(0.0, 2.0 * math.pi, 16, endpoint=False)
+        for radius in np.arange(0.0, 30.0, 0.5):
+            for angle in angles if radius else angles[:1]:
+                place = wanted[:2] + radius * np.array((math.cos(angle), math.sin(angle)))
+                if all(np.any(place < low[:2] - CLEAR) or np.any(place > high[:2] + CLEAR) for low, high in corners):
+                    return [*place.tolist(), 0.0]
+        return [*wanted[:2].tolist(), 0.0]
 
     def delete(self) -> None:
         """Delete the selected model."""
@@ -488,10 +541,8 @@ class Viewer(Closing):
             return
         pose = self.view.pose(number, state)
         if self._handle is None:
-            box = self.view.bounds(number, state)
-            size = 0.6 if box is None else max(float(np.linalg.norm(box[1] - box[0])) * 0.7, 0.3)
             self._handle = self.page.scene.add_transform_controls(
-                "/world/handles", scale=min(size, 20.0), position=pose[:3], wxyz=pose[3:], depth_test=False
+                "/world/handles", scale=HANDLES, fixed=True, position=pose[:3], wxyz=pose[3:], depth_test=False
             )
 
             async def moved(event: Any) -> None:
@@ -515,59 +566,43 @@ class Viewer(Closing):
 
     def _show_parts(self) -> None:
         """Sliders for what the driven robot carries."""
-        parts: list[Any] = []
+        parts: list[Part] = []
         robot, controls = self.driver.robot if self.driver is not None else None, self.controls
         if robot is None or controls is None or robot.entity not in self.view.ids:
-            self.panel.set_robot_parts([])
+            self.panel.set_parts("robot", [])
             return
         for number in self.view.family(self.view.ids[robot.entity]):
             for served in self.view.entities[number]["interfaces"]:
                 with contextlib.suppress(GazeboError):
-                    parts += self._parts_of(served["type"], served["id"])
-        self.panel.set_robot_parts(parts)
+                    if served["type"] in STEERED:
+                        parts += interface_parts(controls.interface(served["type"], served["id"]))
+        self.panel.set_parts("robot", parts)
 
-    def _parts_of(self, kind: str, id: str) -> list[Any]:
-        if kind not in ("ptz", "gripper", "actarray") or self.controls is None:
-            return []
-        interface = self.controls.interface(kind, id)
-        if kind == "ptz":
-            half = math.pi / 2.0
-            return [
-                ("slider", f"{id} pan [rad]", -half, half, interface.pan, lambda v: interface.command(pan=float(v))),
-                ("slider", f"{id} tilt [rad]", -1.0, 1.0, interface.tilt, lambda v: interface.command(tilt=float(v))),
-                ("slider", f"{id} zoom [rad]", 0.1, 2.0, interface.zoom, lambda v: interface.command(zoom=float(v))),
-            ]
-        if kind == "gripper":
-            return [
-                ("button", f"{id}: {label.lower()}", 0.0, 0.0, 0.0, lambda _, code=code: interface.command(code))
-                for label, code in GRIPPER.items()
-            ]
-
-        def set_joint(place: int, value: float) -> None:
-            with interface.locked() as data:
-                data.cmd_pos[place], data.joint_mode[place] = value, 0
-                data.new_cmd += 1
-
-        return [
-            (
-                "slider",
-                f"{id} joint {i}",
-                -math.pi,
-                math.pi,
-                float(actuator["position"]),
-                lambda value, i=i: set_joint(i, float(value)),
-            )
-            for i, actuator in enumerate(interface.actuators)
-        ]
+    def _show_model_parts(self) -> None:
+        """Sliders for the joints and lights of the selected model."""
+        number, state = self.view.ids.get(self._selected), self._state
+        parts: list[Part] = []
+        if number is not None and state is not None:
+            entity = self.view.entities[number]
+            if "light" in self._can:
+                parts += light_parts(entity, self.ask)
+            if "joint" in self._can and self.view.scene["era"] == "classic":
+                parts += joint_parts(entity, state, self.ask)
+        self.panel.set_parts("model", parts)
 
     def _show_rest(self, state: ObservedState, now: float) -> None:
         """Texts, images and whatever else is slower than the scene."""
+        if now >= self._next["shadows"]:
+            self.choose_shadows()
         if now >= self._next["status"]:
             self._next["status"] = now + STATUS_PERIOD
             self._show_status(state, now)
             self._show_info(state)
             if self._overlays is not None:
                 self.panel.set_overlays(self._overlays())
+        if "seek" in self._can and now >= self._next["log"] and "status" not in self._pending:
+            self._next["log"] = now + STATUS_PERIOD
+            self.ask("status", then=self._learn_log)
         if "contacts" in self.marks.on and now >= self._next["ask"] and "contacts" not in self._pending:
             self._next["ask"] = now + ASK_PERIOD
             self.ask("contacts", then=self._learn_contacts)
@@ -589,7 +624,7 @@ class Viewer(Closing):
             for sensor in entity["sensors"]
             if kinds.get(sensor["kind"]) and "name" in sensor
         ]
-        if names and self.controls is not None and "readings" in self.controls.abilities:
+        if names and "readings" in self._can:
             if "readings" not in self._pending:
                 self.ask("readings", then=self._learn_readings, names=names)
         else:
@@ -601,12 +636,18 @@ class Viewer(Closing):
             name: np.asarray(Image.open(io.BytesIO(base64.b64decode(data)))) for name, data in answer["images"].items()
         }
 
+    def _learn_log(self, answer: Any) -> None:
+        if time.monotonic() >= self._next["slider"]:
+            self.panel.set_log(answer)
+
     def _learn_contacts(self, answer: Any) -> None:
         self.marks.contacts = answer or []
         if self._state is not None:
             self.marks.show(self._state)
 
     def _show_status(self, state: ObservedState, now: float) -> None:
+        if self._history and self._history[-1][2] > state.steps:
+            self._history.clear()  # a reset, or back in time
         self._history.append((now, state.sim_time, state.steps))
         (begin, before, steps), span = self._history[0], now - self._history[0][0]
         factor = max(state.sim_time - before, 0.0) / span if span > 0.0 else 0.0
@@ -631,14 +672,14 @@ class Viewer(Closing):
         rows = [
             ("id", self._selected),
             ("type", entity["type"] or entity["kind"]),
-            ("position", f"{pose[0]:.3f} {pose[1]:.3f} {pose[2]:.3f} m"),
-            ("rotation", f"{math.degrees(roll):.1f} {math.degrees(pitch):.1f} {math.degrees(yaw):.1f} deg"),
+            ("position", f"{_numbers(pose[:3], 3)} m"),
+            ("rotation", f"{_numbers(map(math.degrees, (roll, pitch, yaw)), 1)} deg"),
         ]
         row = self.view.rows.get(entity["body"], -1)
         if 0 <= row < len(state.bodies):
             linear, angular = state.bodies[row, 10:13], state.bodies[row, 13:16]
-            rows.append(("velocity", "{:.2f} {:.2f} {:.2f} m/s".format(*linear)))
-            rows.append(("turning", "{:.2f} {:.2f} {:.2f} rad/s".format(*angular)))
+            rows.append(("velocity", f"{_numbers(linear, 2)} m/s"))
+            rows.append(("turning", f"{_numbers(angular, 2)} rad/s"))
         if self._details.get("mass"):
             rows.append(("mass", f"{self._details['mass']:.4g} kg"))
         if entity["interfaces"]:
@@ -681,6 +722,11 @@ def _around(boxes: list[NDArray[Any]]) -> tuple[NDArray[Any], float] | None:
         return None
     low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
     return (low + high) / 2.0, max(float(np.linalg.norm(high - low)), 0.6)
+
+
+def _numbers(values: Iterable[float], digits: int) -> str:
+    """Numbers as a text, without minus signs before zeros."""
+    return " ".join(f"{round(float(value), digits) + 0.0:.{digits}f}" for value in values)
 
 
 def _angles(q: NDArray[Any]) -> tuple[float, float, float]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from gzserver_process import SERVER, new_environment, run
+from imageio import v3
 
 ROOT = Path(__file__).parents[2]
 HELLO = ROOT / "examples" / "plugins" / "hello_world"
@@ -207,3 +208,19 @@ def test_a_plugin_can_stop_the_server(place, tmp_path):
 def test_legacy_worldfiles_run_too(place):
     done = run(place, ROOT / "worlds" / "pioneer2at.world", "--iters", 5)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_video_of_the_whole_world_beside_classics_record(place, tmp_path):
+    video, box = tmp_path / "view.mp4", "<geometry><box><size>1 1 1</size></box></geometry>"
+    file = world(
+        tmp_path, f"<model name='b'><static>1</static><link name='l'><visual name='v'>{box}</visual></link></model>"
+    )
+    done = run(place, "--record", f"view={video}", "--iters", 200, file)
+    assert (done.returncode, done.stderr) == (0, "")
+    frames = v3.imread(video, plugin="pyav")
+    assert frames.shape == (5, 480, 640, 3)  # 0.2 s at 25 Hz
+    assert frames[-1].std() > 5.0
+    assert not list(tmp_path.rglob("state.log"))
+    assert "no camera has the id 'cam9'" in run(place, "--record=cam9=a.mp4", "--iters", 1, file).stderr
+    run(place, "--record", "--record_path", tmp_path / "log", "--iters", 1, file)
+    assert list(tmp_path.rglob("state.log"))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from libgz.errors import NotFoundError, nearest
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.event import Event
 
 if TYPE_CHECKING:
@@ -16,13 +19,17 @@ __all__ = ["GUI", "MainWindow"]
 
 
 class GUI:
-    """A plugin's overlay in the client: a rectangle with a text and buttons, for programs that show them.
+    """A plugin's overlay in the client: a rectangle with a text and buttons, shown as a panel of the client's page.
+
+    Images and plots are an addition to Gazebo classic's API, in which plugins paint them with Qt.
 
     Attributes:
         name: the plugin's.
         position: of its upper left corner [px].
         size: width and height [px].
         text: shown in it.
+        images: by label, each of shape (height, width, 3), red, green, blue from 0 to 255.
+        plots: by title, values for the horizontal axis, and lines by their labels.
     """
 
     def __init__(self, name: str) -> None:
@@ -30,6 +37,8 @@ class GUI:
         self.position, self.size = (0, 0), (100, 30)
         self.text = ""
         self.visible = True
+        self.images: dict[str, NDArray[np.uint8]] = {}
+        self.plots: dict[str, tuple[NDArray[np.float64], dict[str, NDArray[np.float64]]]] = {}
         self._buttons: dict[str, Event] = {}
         self._kept: list[object] = []
 
@@ -50,6 +59,50 @@ class GUI:
     def SetVisible(self, visible: bool) -> None:
         """Show or hide it."""
         self.visible = bool(visible)
+
+    def SetImage(self, label: str, image: ArrayLike | None) -> None:
+        """Show an image, or another one in its place; None removes it. An addition to Gazebo classic's API.
+
+        Args:
+            label: above it.
+            image: shape (height, width) or (height, width, 3), from 0 to 255.
+
+        Raises:
+            ParameterError: it has another shape, or no pixels.
+        """
+        if image is None:
+            self.images.pop(label, None)
+            return
+        pixels = np.clip(np.asarray(image), 0, 255).astype(np.uint8)
+        if pixels.ndim == 2:
+            pixels = np.repeat(pixels[:, :, None], 3, axis=2)
+        if pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
+            shape = np.shape(image)
+            raise ParameterError(f"image {label!r} has shape {shape}; it must be (height, width) or (height, width, 3)")
+        self.images[label] = pixels
+
+    def SetPlot(self, title: str, x: ArrayLike | None, lines: Mapping[str, ArrayLike] | None = None) -> None:
+        """Show a plot, or another one in its place; None for `x` removes it. An addition to Gazebo classic's API.
+
+        Args:
+            title: above it.
+            x: values of the horizontal axis, shape (n,), growing.
+            lines: by label, values of the vertical axis, shape (n,).
+
+        Raises:
+            ParameterError: the shapes do not match, or there is no line.
+        """
+        if x is None:
+            self.plots.pop(title, None)
+            return
+        values = np.array(x, dtype=np.float64)
+        found = {label: np.array(line, dtype=np.float64) for label, line in (lines or {}).items()}
+        if not found or values.ndim != 1 or any(line.shape != values.shape for line in found.values()):
+            shapes = ", ".join(f"{label!r} {line.shape}" for label, line in found.items())
+            raise ParameterError(
+                f"plot {title!r} needs lines of shape {values.shape}, as x has; it got {shapes or 'none'}"
+            )
+        self.plots[title] = values, found
 
     def AddButton(self, label: str, callback: Callable[[], object]) -> None:
         """Add a button."""

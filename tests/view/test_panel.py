@@ -1,0 +1,160 @@
+"""The page's controls, without a browser: panels of GUI plugins, joints and lights of models."""
+
+import contextlib
+import io
+import json
+import math
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+import viser
+
+import libgz
+from libgz.apps.world_control import WorldControl
+from libgz.classic.gui import GUI
+from libgz.errors import GazeboError, NotFoundError, ParameterError
+from libgz.transport.control import Request
+from libgz.view.panel import Panel
+from libgz.view.parts import joint_parts, light_parts
+
+LIGHT = """<light name="lamp" type="point"><pose>0 0 3 0 0 0</pose><diffuse>0.8 0.4 0.2 1</diffuse></light>"""
+ARM = f"""<sdf version="1.6"><world name="w"><gravity>0 0 -9.8</gravity>{LIGHT}<model name="arm">
+<link name="base"><inertial><mass>5</mass></inertial></link><link name="upper">
+<pose>0.5 0 0 0 0 0</pose></link><joint name="fixed" type="fixed"><parent>world</parent>
+<child>base</child></joint><joint name="elbow" type="revolute"><parent>base</parent><child>upper</child>
+<pose>-0.5 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
+</joint></model></world></sdf>"""
+
+
+@pytest.fixture
+def world():
+    with libgz.World.from_string(ARM) as found:
+        yield found
+
+
+@pytest.fixture
+def page():
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer("127.0.0.1", 18980, verbose=False)
+        yield server
+        server.stop()
+
+
+def send(control, verb, **content):
+    answer = control.obey(Request(verb, "-", json.dumps(content).encode()))
+    return json.loads(answer) if answer else None
+
+
+def test_images_and_plots_of_gui_plugins_are_in_their_panels(page):
+    overlay = GUI("status")
+    panel = Panel(page, frozenset(), lambda action: action(), Mock())
+    overlay.SetImage("camera", np.full((4, 6), 300))
+    overlay.SetPlot("height", [0, 1, 2], {"z": [3, 4, 5]})
+    assert overlay.images["camera"].shape == (4, 6, 3)
+    assert overlay.images["camera"].max() == 255
+    panel.set_overlays({"status": overlay})
+    shown = panel._overlays["status"]
+    assert list(shown._images) == ["camera"]
+    assert [line.tolist() for line in shown._plots["height"].data] == [[0, 1, 2], [3, 4, 5]]
+    overlay.SetPlot("height", [0, 1], {"z": [3, 4]})
+    overlay.SetImage("camera", None)
+    panel.set_overlays({"status": overlay})
+    assert [line.tolist() for line in shown._plots["height"].data] == [[0, 1], [3, 4]]
+    assert not shown._images
+    overlay.SetPlot("height", None)
+    panel.set_overlays({"status": overlay})
+    assert not shown._plots
+    panel.set_overlays({})
+    assert not panel._overlays
+
+
+def test_images_and_plots_that_cannot_be_shown_are_refused():
+    overlay = GUI("status")
+    with pytest.raises(ParameterError, match=r"it must be \(height, width\)"):
+        overlay.SetImage("camera", np.zeros((4, 6, 2)))
+    with pytest.raises(ParameterError, match=r"'z' \(2,\)"):
+        overlay.SetPlot("height", [0, 1, 2], {"z": [3, 4]})
+    with pytest.raises(ParameterError, match="it got none"):
+        overlay.SetPlot("height", [0, 1, 2])
+
+
+def test_a_joint_is_moved_held_and_released(world):
+    control = WorldControl(world)
+
+    def run(steps):
+        for _ in range(steps):
+            control.stepped()
+            world.step()
+
+    elbow = world.model("arm").sdf_joints["elbow"]
+    send(control, "joint", name="arm", joint="elbow", axis=0, position=-0.7)
+    run(3000)
+    assert elbow.position() == pytest.approx(-0.7, abs=0.01)  # against gravity
+    send(control, "joint", name="arm", joint="elbow", axis=0, position=9.0)
+    run(3000)
+    assert elbow.position() == pytest.approx(1.0, abs=0.02)  # its limit
+    send(control, "joint", name="arm", joint="elbow", axis=0, position=0.0)
+    run(3000)
+    send(control, "release", name="arm")
+    run(1000)
+    assert elbow.position() > 0.5  # it fell
+    with pytest.raises(NotFoundError, match="did you mean 'elbow'"):
+        send(control, "joint", name="arm", joint="elbov", axis=0, position=0.0)
+    for wrong in ({"axis": 1}, {"position": math.inf}, {"joint": "fixed"}, {"position": "far"}):
+        with pytest.raises(GazeboError):
+            send(control, "joint", **({"name": "arm", "joint": "elbow", "axis": 0, "position": 0.0} | wrong))
+
+
+def test_the_colour_of_a_light(world):
+    control = WorldControl(world)
+    send(control, "light", name="lamp", color=[0.1, 0.2, 0.3])
+    (light,) = [geom for body in world.model("lamp").bodies for geom in body.geoms]
+    assert tuple(light.GetDiffuseColor())[:3] == pytest.approx((0.1, 0.2, 0.3))
+    with pytest.raises(ParameterError, match="three numbers from 0 to 1"):
+        send(control, "light", name="lamp", color=[2, 0, 0])
+    with pytest.raises(NotFoundError, match="has no light"):
+        send(control, "light", name="arm", color=[0, 0, 0])
+
+
+def test_sliders_of_a_scene(world):
+    scene = json.loads(world.publish().scene)
+    entities = {entity["id"]: entity for entity in scene["entities"]}
+    from libgz.view.local import LocalSource
+
+    sent = []
+    state = LocalSource(world).state()
+    parts = joint_parts(entities["arm"], state, lambda verb, **content: sent.append((verb, content)))
+    assert [(part.kind, part.label) for part in parts] == [("slider", "elbow [rad]"), ("button", "Release the joints")]
+    assert parts[0].limits == (-1.0, 1.0)
+    parts[0].action(0.5)
+    assert sent.pop() == ("joint", {"name": "arm", "joint": "elbow", "axis": 0, "position": 0.5})
+    strength, tint = light_parts(entities["lamp"], lambda verb, **content: sent.append((verb, content)))
+    assert strength.value == pytest.approx(0.8)
+    assert tint.color == (255, 128, 64)
+    strength.action(0.4)
+    assert sent.pop()[1]["color"] == pytest.approx([0.4, 0.2, 0.1])
+    tint.action((0, 255, 0))
+    assert sent.pop()[1]["color"] == pytest.approx([0.0, 0.4, 0.0])
+
+
+def test_new_models_stand_on_the_ground():
+    with libgz.World.from_file("pioneer2at") as world:
+        control = WorldControl(world)
+        for name in ("Shrimp", "Pioneer2DX", "Roomba"):
+            (new, *_) = send(control, "insert", model=name, pose=[10, 10, 0, 1, 0, 0, 0])
+            world.step(100)
+            assert world.model(new).GetPose().rot.u == pytest.approx(1.0, abs=1e-3)
+            send(control, "delete", name=new)
+
+
+def test_names_and_texts_of_worlds_are_never_markup(page):
+    panel = Panel(page, frozenset(), lambda action: action(), Mock())
+    markup, overlay = "<img src=x onerror=alert(1)>", GUI("<b>")
+    overlay.SetText(markup)
+    panel.set_overlays({"<b>": overlay})
+    panel.set_info([(markup, markup)])
+    panel.set_status({markup: markup}, markup)
+    for shown in (panel.info.content, panel.status.content, panel._overlays["<b>"]._text.content):
+        assert "<img" not in shown
+        assert "&lt;img src=x" in shown

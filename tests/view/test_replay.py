@@ -1,0 +1,91 @@
+"""Logs in the browser: as a page of their own without a server, and through the viewer."""
+
+import os
+import re
+
+import numpy as np
+import pytest
+from commands import run_libgz
+from view_pages import browser, needs_chromium, opened, picture, reddish, served, wait_for
+
+import libgz
+from libgz.files import installed_worlds
+from libgz.recording.capture import Capture
+from libgz.transport.server import free_server_id
+
+pytestmark = pytest.mark.filterwarnings("ignore")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    path = tmp_path_factory.mktemp("log") / "run.mcap"
+    world = libgz.World.from_file(installed_worlds() / "pioneer2at.world")
+    with world, Capture(world, path) as log:
+        world.interface("position", "robot1").command(vx=0.5)
+        for _ in range(200):
+            world.step()
+            log.take()
+    return path
+
+
+@pytest.fixture(scope="module")
+def chromium():
+    with browser() as found:
+        yield found
+
+
+@needs_chromium
+def test_a_replay_is_one_file_that_a_browser_plays(chromium, recorded, tmp_path):
+    page_file = tmp_path / "replay.html"
+    done = run_libgz("play", recorded, "--html", page_file, "--frames", 10, "--show", "trails", "--show", "lasers")
+    assert done.returncode == 0, done.stderr
+    text = page_file.read_text()
+    assert "default-src 'none'" in text
+    assert "<title>default - replay</title>" in text
+    page = chromium.new_page(viewport={"width": 640, "height": 420})
+    fetched = []
+    page.on("request", lambda request: fetched.append(request.url))
+    page.goto(page_file.as_uri())
+    wait_for(lambda: len(reddish(picture(page))) > 15, "the robot's red body")
+    places = []
+
+    def moved():
+        found = reddish(picture(page))
+        places.extend([np.median(found, axis=0)] if len(found) > 15 else [])
+        return places and np.ptp(np.array(places), axis=0).max() > 10.0
+
+    wait_for(moved, "the robot moves")
+    assert all(re.match("file:|blob:|data:", url) for url in fetched)
+    page.close()
+
+
+def test_only_what_was_asked_for_is_in_a_replay(recorded, tmp_path):
+    sizes = []
+    for words in (["--from", 1, "--to", 1.1], ["--frames", 40]):
+        page_file = tmp_path / "replay.html"
+        done = run_libgz("play", recorded, "--html", page_file, *words)
+        assert done.returncode == 0, done.stderr
+        sizes.append(page_file.stat().st_size)
+    assert sizes[0] < sizes[1]
+    done = run_libgz("play", recorded, "--html", tmp_path / "nothing" / "replay.html")
+    assert done.returncode == 1
+    assert "replay.html' cannot be written: No such file or directory" in done.stderr
+
+
+@needs_chromium
+def test_the_viewer_of_a_log_has_a_slider_for_its_time(chromium, recorded):
+    server_id = free_server_id(300 + os.getpid() % 500)
+    words = ("play", recorded, "-s", server_id, "--loop")
+    with served(*words, program="libgz") as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
+        page = opened(chromium, url)
+        assert page.get_by_role("tab", name="Drive").count() == 0  # clients' commands have no effect
+        page.get_by_text("Pause", exact=True).click()
+        wait_for(lambda: observer.state().paused, "the pause")
+        for key, moment in (("End", 4.0), ("Home", 0.0)):
+            page.get_by_role("slider").last.focus()
+            page.keyboard.press(key)
+            wait_for(lambda moment=moment: abs(observer.state().sim_time - moment) < 0.05, f"the moment {moment}")
+        page.get_by_text("Run", exact=True).click()
+        wait_for(lambda: not observer.state().paused, "the run")
+        assert not page.errors
+        page.close()

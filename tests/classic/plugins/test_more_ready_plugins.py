@@ -2,10 +2,12 @@
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 from plugin_worlds import GROUND, body, collision, command, plugin
 
+import libgz
 from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d
 
@@ -459,3 +461,15 @@ def test_ros_imu_measures_gravity_at_rest(run):
 def test_an_unknown_plugin_of_ros_is_an_error(run, caplog):
     run(body("box", inside=plugin("gazebo_ros_coffee")))
     assert "Failed to load plugin libgazebo_ros_coffee.so" in caplog.text
+
+
+EXAMPLES = Path(__file__).parents[3] / "examples" / "plugins" / "ready"
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.world")))
+def test_the_examples_run(name, caplog):
+    with libgz.World.from_file(EXAMPLES / f"{name}.world") as world:
+        world.step(300)
+        assert [error for error in world.errors if error] == []
+        assert all(math.isfinite(x) for model in world.models for x in model.GetPose().pos)
+    assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []

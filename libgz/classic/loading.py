@@ -11,6 +11,7 @@ from weakref import WeakSet
 
 from libgz.classic.common import SystemPaths
 from libgz.classic.plugin_base import PluginT
+from libgz.classic.ros_names import stand_in
 from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
@@ -172,6 +173,8 @@ def find_plugin(filename: str, beside: str | None = None) -> Path:
     places.append(("the plugins of libgz", READY))
     tried: list[str] = []
     found = search(name, places, tried) if name else None
+    if found is None and (ready := stand_in(name)) is not None:
+        found = READY / f"{ready}.py"
     if found is None:
         raise PluginError(
             f"Failed to load plugin {name}: {name}: cannot open shared object file: No such file or directory; tried\n"

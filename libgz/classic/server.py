@@ -16,6 +16,7 @@ from libgz.classic.physics.ids import Ids
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
+from libgz.classic.ros_names import is_ros_name, notice
 from libgz.classic.topics import WorldTopics
 from libgz.errors import NotFoundError, nearest
 from libgz.sdf.element import Element
@@ -221,6 +222,8 @@ class WorldServer:
         self, kind: str, filename: str, name: str, holder: str, entity: CoreModel | None = None
     ) -> LoadedPlugin | None:
         """A plugin of this world, constructed; None if that fails, which is logged."""
+        if is_ros_name(filename):
+            notice(self.world)
         return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity)
 
     def remove_world_plugin(self, name: str) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
@@ -11,13 +10,12 @@ from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Vector3d
 from libgz.classic.plugin import GZ_REGISTER_WORLD_PLUGIN, WorldPlugin
+from libgz.classic.plugins._sim_event import TOPIC, sim_event
 from libgz.errors import NotFoundError, ParameterError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, World
     from libgz.sdf.element import Element
-
-TOPIC = "/gazebo/sim_events"
 
 
 class Region:
@@ -97,16 +95,8 @@ class SimEventsPlugin(WorldPlugin):
         if event.Get(str, "active", "true")[0].strip() not in ("true", "1"):
             return
         self.number += 1
-        message = msgs.SimEvent(
-            id=self.number, type=event.Get(str, "type").strip(), name=event.Get(str, "name").strip()
-        )
-        message.data = json.dumps(data)
-        statistics = message.world_statistics
-        statistics.iterations, statistics.paused = self.world.Iterations(), self.world.IsPaused()
-        msgs.Set(statistics.sim_time, self.world.SimTime())
-        msgs.Set(statistics.real_time, self.world.RealTime())
-        msgs.Set(statistics.pause_time, self.world.PauseTime())
-        self.publisher.Publish(message)
+        kind, name = event.Get(str, "type").strip(), event.Get(str, "name").strip()
+        self.publisher.Publish(sim_event(self.world, self.number, kind, name, data))
 
     def _watch(self, test: Callable[[], bool | None], notify: Callable[[bool], None]) -> None:
         """Call `notify` when a condition changes; None means that it is unknown."""

@@ -1,0 +1,55 @@
+"""gazebo_ros_joint_state_publisher: publishes positions of joints, without ROS."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from libgz.classic import msgs, transport
+from libgz.classic.event import Events
+from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+from libgz.classic.plugins._names import find_joint
+from libgz.classic.plugins._ros import ros_topic
+from libgz.simulation.rate import UpdateRate
+
+if TYPE_CHECKING:
+    from libgz.classic.common import UpdateInfo
+    from libgz.classic.physics import Model
+    from libgz.sdf.element import Element
+
+
+class GazeboRosJointStatePublisher(ModelPlugin):
+    """Publishes a Param_V: for each joint a Param with its name and position [rad] or [m].
+
+    Elements:
+        jointName: names of joints, separated by commas; none: all of the model.
+        updateRate: [Hz] (100).
+        robotNamespace: before the topic's name, joint_states.
+    """
+
+    STATE = ("rate",)
+
+    def Load(self, model: Model, sdf: Element) -> None:
+        """Find the joints, and advertise."""
+        names = [name.strip() for element in sdf.named("jointName") for name in element.Get(str).split(",")]
+        self.joints = [find_joint(model, name) for name in names if name] or list(model.all_joints())
+        rate = sdf.Get(float, "updateRate", 100.0)[0]
+        self.rate = UpdateRate(rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize())
+        self.node = transport.Node()
+        self.node.Init(model.GetWorld().Name())
+        self.publisher = self.node.Advertise(msgs.Param_V, ros_topic(model, sdf, "topicName", "joint_states"))
+        self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
+
+    def OnUpdate(self, info: UpdateInfo) -> None:
+        """Publish the positions, if it is time."""
+        if not self.rate.due(info.simTime.Double()):
+            return
+        message = msgs.Param_V()
+        for joint in self.joints:
+            if joint.DOF():
+                param = message.param.add()
+                param.name = joint.GetName()
+                param.value.type, param.value.double_value = msgs.Any.DOUBLE, joint.Position(0)
+        self.publisher.Publish(message)
+
+
+GZ_REGISTER_MODEL_PLUGIN(GazeboRosJointStatePublisher)

@@ -1,0 +1,475 @@
+"""Ready plugins of vehicles, mechanisms, places and lights, and those of the ROS era, each against a number."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from plugin_worlds import GROUND, body, collision, command, plugin
+
+import libgz
+from libgz.classic import msgs, transport
+from libgz.classic.math import Pose3d
+
+BOX = "<box><size>1 1 1</size></box>"
+
+
+class Heard(list):
+    """The messages of a topic."""
+
+    def __init__(self, topic, space="default"):
+        super().__init__()
+        self.node = transport.Node()
+        self.node.Init(space)
+        self.subscriber = self.node.Subscribe(topic, self.append)
+
+
+def send(topic, message):
+    node = transport.Node()
+    node.Init("default")
+    publisher = node.Advertise(type(message), topic)
+    publisher.Publish(message)
+    return node, publisher
+
+
+def slider(name, axis, low=-10, high=10, mass=1.0, parent="world", kind="prismatic"):
+    inertia = "<inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia>"
+    return (
+        f"<link name='{name}_link'><gravity>false</gravity><inertial><mass>{mass}</mass>{inertia}</inertial></link>"
+        f"<joint name='{name}' type='{kind}'><parent>{parent}</parent><child>{name}_link</child>"
+        f"<axis><xyz>{axis}</xyz><limit><lower>{low}</lower><upper>{high}</upper></limit></axis></joint>"
+    )
+
+
+# Velocities and joints
+
+
+def test_random_velocity_chooses_one_after_each_period_within_the_limits(run):
+    elements = {"link": "link", "initial_velocity": "0.5 0 0", "velocity_factor": 2, "update_period": 1, "max_z": 0}
+    core, world = run(body("ball", gravity="false", inside=plugin("RandomVelocityPlugin", min_z=0, **elements)))
+    ball = world.ModelByName("ball")
+    core.run(1.0)
+    assert ball.WorldPose().Pos().X() == pytest.approx(0.5, abs=0.002)
+    core.run(0.5)
+    first = ball.GetLink("link").WorldLinearVel()
+    assert first.Length() <= 2.0 + 1e-9
+    assert first.Z() == pytest.approx(0.0, abs=1e-9)
+    core.run(1.0)
+    assert ball.GetLink("link").WorldLinearVel() != first
+
+
+@pytest.mark.parametrize(("kind", "target"), [("position", 0.4), ("velocity", 0.7)])
+def test_joint_control_reaches_its_targets(kind, target, run):
+    inside = f"<controller type='{kind}'><joint>j</joint><target>{target}</target><pid>40 0 20</pid></controller>"
+    if kind == "velocity":
+        inside = inside.replace("40 0 20", "40 0 0")
+    element = f"<plugin name='c' filename='libJointControlPlugin.so'>{inside}</plugin>"
+    core, world = run(f"<model name='m'>{slider('j', '1 0 0')}{element}</model>")
+    core.run(5.0)
+    joint = world.ModelByName("m").GetJoint("j")
+    assert (joint.Position(0) if kind == "position" else joint.GetVelocity(0)) == pytest.approx(target, rel=0.01)
+
+
+def test_joint_control_applies_a_force_in_each_iteration(run):
+    inside = "<controller type='force'><joint>j</joint><target>3</target></controller>"
+    element = f"<plugin name='c' filename='libJointControlPlugin.so'>{inside}</plugin>"
+    core, world = run(f"<model name='m'>{slider('j', '1 0 0', mass=2)}{element}</model>")
+    core.run(1.0)
+    assert world.ModelByName("m").GetJoint("j").GetVelocity(0) == pytest.approx(3.0 / 2.0 * 1.0, rel=1e-3)
+
+
+# Ground
+
+
+def test_wheel_slip_is_proportional_to_the_drag(run):
+    mass, force, compliance, pull = 10.0, 98.0, 0.1, 20.0
+    wheel = (
+        "<link name='wheel'><pose>0 0 0.2 -1.5707963267948966 0 0</pose>"
+        f"<inertial><mass>{mass}</mass><inertia><ixx>0.5</ixx><iyy>0.5</iyy><izz>0.5</izz></inertia></inertial>"
+        "<collision name='c'><geometry><sphere><radius>0.2</radius></sphere></geometry>"
+        "<surface><friction><ode><mu>1</mu><mu2>1</mu2><fdir1>0 0 1</fdir1></ode></friction></surface>"
+        "</collision></link>"
+        "<link name='axle'><pose>0 0 0.2 0 0 0</pose><inertial><mass>0.1</mass></inertial></link>"
+        "<joint name='spin' type='revolute'><parent>axle</parent><child>wheel</child><axis><xyz>0 0 1</xyz>"
+        "</axis></joint>"
+        "<joint name='slide' type='prismatic'><parent>world</parent><child>axle</child><axis><xyz>1 0 0</xyz>"
+        "</axis></joint>"
+    )
+    inside = (
+        f"<wheel link_name='wheel'><slip_compliance_longitudinal>{compliance}</slip_compliance_longitudinal>"
+        f"<wheel_normal_force>{force}</wheel_normal_force></wheel>"
+    )
+    element = f"<plugin name='s' filename='libWheelSlipPlugin.so'>{inside}</plugin>"
+    core, world = run(GROUND, f"<model name='m'>{wheel}{element}</model>")
+    model = world.ModelByName("m")
+    spin, slide = model.GetJoint("spin"), model.GetJoint("slide")
+    spin.SetParam("fmax", 0, 1000.0)
+    spin.SetParam("vel", 0, 10.0)
+    for _ in range(1500):
+        slide.SetForce(0, -pull)
+        core.step(1)
+    speed, rolled = slide.GetVelocity(0), 10.0 * 0.2
+    assert (rolled - speed) / rolled == pytest.approx(compliance * pull / force, rel=0.1)
+
+
+def test_mud_damps_what_touches_it(run):
+    ice = "<surface><friction><ode><mu>0</mu><mu2>0</mu2></ode></friction></surface>"
+    floor = (
+        "<model name='mud'><static>true</static><link name='link'><collision name='c'><geometry><plane>"
+        f"<normal>0 0 1</normal><size>10 10</size></plane></geometry>{ice}</collision></link>"
+        f"{plugin('MudPlugin', link_name='block::link', damping=4)}</model>"
+    )
+    core, world = run(floor, body("block", "0 0 0.5 0 0 0", mass=2.0, link=collision(BOX)))
+    block = world.ModelByName("block")
+    core.run(0.5)
+    block.SetLinearVel((1.0, 0.0, 0.0))
+    core.run(0.5)
+    assert block.WorldLinearVel().X() == pytest.approx(math.exp(-4.0 / 2.0 * 0.5), rel=0.02)
+
+
+def car():
+    wheels = []
+    shape = collision("<sphere><radius>0.3</radius></sphere>")
+    for name, x, y in (("fl", 1, 0.6), ("fr", 1, -0.6), ("bl", -1, 0.6), ("br", -1, -0.6)):
+        kind = "revolute2" if name[0] == "f" else "revolute"
+        axes = (
+            "<axis><xyz>0 0 1</xyz><limit><lower>-0.5</lower><upper>0.5</upper></limit></axis><axis2>"
+            "<xyz>0 1 0</xyz></axis2>"
+        )
+        axes = axes if name[0] == "f" else "<axis><xyz>0 1 0</xyz></axis>"
+        wheels.append(
+            f"<link name='{name}_wheel'><pose>{x} {y} 0.3 0 0 0</pose><inertial><mass>5</mass><inertia><ixx>0.3</ixx>"
+            f"<iyy>0.3</iyy><izz>0.3</izz></inertia></inertial>{shape}</link>"
+            f"<joint name='{name}' type='{kind}'><parent>chassis</parent><child>{name}_wheel</child>{axes}</joint>"
+        )
+    chassis = (
+        "<link name='chassis'><pose>0 0 0.5 0 0 0</pose><inertial><mass>100</mass><inertia><ixx>20</ixx><iyy>50</iyy>"
+        "<izz>50</izz></inertia></inertial></link>"
+    )
+    pedals = "".join(
+        slider(name, "1 0 0", low, high, 0.1, "chassis") for name, low, high in (("gas", 0, 0.05), ("brake", 0, 0.05))
+    )
+    pedals += slider("steering", "1 0 0", -1, 1, 0.1, "chassis", "revolute")
+    drive = plugin(
+        "VehiclePlugin",
+        front_left_joint="fl",
+        front_right_joint="fr",
+        back_left_joint="bl",
+        back_right_joint="br",
+        gas_joint="gas",
+        brake_joint="brake",
+        steering_joint="steering",
+        max_speed=5,
+        tire_angle_range=1.0,
+    )
+    return f"<model name='car'>{chassis}{''.join(wheels)}{pedals}{drive}</model>"
+
+
+def test_a_vehicle_drives_at_the_commanded_speed_and_steers(run):
+    core, world = run(GROUND, car())
+    vehicle = world.ModelByName("car")
+    kept = command("~/car/vel_cmd", 2.0)
+    core.run(8.0)
+    assert vehicle.WorldLinearVel().X() == pytest.approx(2.0, rel=0.1)
+    turned = command("~/car/vel_cmd", 2.0, 0.2)
+    core.run(1.0)
+    assert vehicle.GetJoint("fl").Position(0) == pytest.approx(0.2, abs=0.03)
+    assert vehicle.WorldPose().Yaw() > 0.1
+    assert kept is not turned
+
+
+# Mechanisms
+
+
+def test_an_elevator_comes_opens_waits_and_closes(run):
+    lift = slider("lift", "0 0 1", 0, 10, 100.0)
+    doors = slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
+    element = plugin(
+        "ElevatorPlugin",
+        lift_joint="lift",
+        door_joint="doors",
+        floor_height=2.5,
+        door_wait_time=1.0,
+        topic="~/elevator",
+        lift_pid="<p>5000</p><d>2000</d>",
+        door_pid="<p>200</p><d>100</d>",
+    )
+    core, world = run(f"<model name='house'>{lift}{doors}{element}</model>")
+    house = world.ModelByName("house")
+    core.run(0.1)
+    kept = send("~/elevator", msgs.GzString(data="2"))
+    opened = 0.0
+    for _ in range(120):
+        core.run(0.1)
+        opened = max(opened, house.GetJoint("doors").Position(0))
+    assert house.GetJoint("lift").Position(0) == pytest.approx(5.0, abs=0.02)
+    assert opened == pytest.approx(1.0, abs=0.06)
+    assert house.GetJoint("doors").Position(0) == pytest.approx(0.0, abs=0.06)
+    assert kept
+
+
+def test_a_harness_holds_lowers_and_detaches(run):
+    joint = (
+        "<joint name='rope' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz>"
+        "<limit><lower>-10</lower><upper>10</upper></limit></axis></joint>"
+    )
+    winch = "<winch><joint>rope</joint><pos_pid><p>5000</p><d>500</d></pos_pid><vel_pid><p>500</p></vel_pid></winch>"
+    element = f"<plugin name='h' filename='libHarnessPlugin.so'>{joint}{winch}<detach>rope</detach></plugin>"
+    core, world = run(body("robot", "0 0 5 0 0 0", mass=2.0, inside=element))
+    robot = world.ModelByName("robot")
+    core.run(2.0)
+    assert robot.WorldPose().Pos().Z() == pytest.approx(5.0 - 2.0 * 9.8 / 5000.0, abs=2e-3)
+    lowering = send("~/robot/harness/velocity", msgs.GzString(data="-0.5"))
+    before = robot.WorldPose().Pos().Z()
+    core.run(2.0)
+    lag = 2.0 * 9.8 / 500.0  # of a proportional controller
+    assert robot.WorldPose().Pos().Z() - before == pytest.approx(-2.0 * (0.5 + lag), abs=0.01)
+    loose = send("~/robot/harness/detach", msgs.GzString(data="true"))
+    core.run(0.01)
+    speed = robot.WorldLinearVel().Z()
+    core.run(0.5)
+    assert robot.WorldLinearVel().Z() - speed == pytest.approx(-9.8 * 0.5, rel=0.01)
+    core.Reset()
+    core.run(1.0)
+    assert robot.WorldPose().Pos().Z() == pytest.approx(5.0, abs=0.01)
+    assert lowering != loose
+
+
+# Places
+
+
+def test_a_region_event_box_publishes_who_enters_and_leaves(run):
+    element = plugin("RegionEventBoxPlugin", event="<name>gate</name><type>inclusion</type>")
+    visual = f"<visual name='v'><geometry>{BOX}</geometry></visual>"
+    gate = (
+        f"<model name='gate'><static>true</static><pose>2 0 0 0 0 0.7</pose>"
+        f"<link name='link'>{visual}</link>{element}</model>"
+    )
+    core, world = run(gate, body("ball", gravity="false"))
+    heard = Heard("/gazebo/sim_events")
+    core.run(0.01)
+    world.ModelByName("ball").SetWorldPose(Pose3d(2.6, 0, 0, 0, 0, 0))  # inside only as the box is turned
+    core.run(0.01)
+    world.ModelByName("ball").SetWorldPose(Pose3d(3, 0, 0, 0, 0, 0))
+    core.run(0.01)
+    assert [json.loads(event.data)["state"] for event in heard] == ["inside", "outside"]
+    assert heard[0].name == "gate"
+
+
+def test_contain_reports_changes_and_can_be_switched_off(run):
+    element = plugin("ContainPlugin", entity="ball", namespace="box", pose="1 0 0 0 0 0", geometry=BOX)
+    core, world = run(element, body("ball", gravity="false"))
+    heard = Heard("/box/contain")
+    for x in (0.0, 1.2, 0.0):
+        world.ModelByName("ball").SetWorldPose(Pose3d(x, 0, 0, 0, 0, 0))
+        core.run(0.01)
+    assert [message.data for message in heard] == [0, 1, 0]
+    kept = send("/box/enable", msgs.Int(data=0))
+    core.run(0.01)
+    world.ModelByName("ball").SetWorldPose(Pose3d(1, 0, 0, 0, 0, 0))
+    core.run(0.01)
+    assert len(heard) == 3
+    assert kept
+
+
+def test_touch_reports_after_the_time_of_one_touch(run):
+    element = plugin("TouchPlugin", target="floor", time=0.5, namespace="touch", enabled="true")
+    floor = (
+        f"<model name='floor'><static>true</static><pose>0 0 -0.5 0 0 0</pose>"
+        f"<link name='l'>{collision(BOX)}</link></model>"
+    )
+    core, world = run(floor, body("ball", "0 0 0.5 0 0 0", link=collision(BOX), inside=element))
+    heard = Heard("/touch/touched")
+    core.run(0.45)
+    assert not heard
+    core.run(0.2)
+    assert [message.data for message in heard] == [1]
+    core.run(1.0)
+    assert len(heard) == 1
+    assert world
+
+
+def test_a_transporter_moves_models_to_the_other_pad(run):
+    def pad(name, x, outgoing, activation):
+        box = f"<outgoing_box><min>{x - 0.5} -1 -1</min><max>{x + 0.5} 1 1</max></outgoing_box>"
+        return (
+            f"<pad name='{name}'><outgoing>{outgoing}</outgoing>{box}<incoming_pose>{x} 3 0 0 0 0</incoming_pose>"
+            f"<activation>{activation}</activation></pad>"
+        )
+
+    pads = pad("a", 0, "b", "auto") + pad("b", 5, "a", "manual")
+    element = (
+        "<plugin name='t' filename='libTransporterPlugin.so'><activation_topic>~/go</activation_topic>"
+        + pads
+        + "</plugin>"
+    )
+    core, world = run(element, body("ball", gravity="false"))
+    ball = world.ModelByName("ball")
+    core.run(0.01)
+    assert tuple(ball.WorldPose().Pos()) == pytest.approx((5, 3, 0), abs=1e-9)
+    ball.SetWorldPose(Pose3d(5, 0, 0, 0, 0, 0))
+    core.run(0.01)
+    assert ball.WorldPose().Pos().X() == pytest.approx(5)
+    kept = send("~/go", msgs.GzString(data="b"))
+    core.run(0.01)
+    assert tuple(ball.WorldPose().Pos()) == pytest.approx((0, 3, 0), abs=1e-9)
+    assert kept
+
+
+def test_arrange_moves_models_by_name(run, caplog):
+    element = (
+        "<plugin name='a' filename='libArrangePlugin.so'><model_name>one</model_name><model_name>two</model_name>"
+        "<arrangement name='row'><pose model='one'>1 0 0 0 0 0</pose><pose model='two'>2 0 0 0 0 0</pose></arrangement>"
+        "<arrangement name='half'><pose model='one'>7 0 0 0 0 0</pose></arrangement>"
+        "<initial_arrangement>row</initial_arrangement></plugin>"
+    )
+    core, world = run(body("one", gravity="false"), body("two", "0 9 0 0 0 0", gravity="false"), element)
+
+    def places():
+        return [round(world.ModelByName(name).WorldPose().Pos().X(), 6) for name in ("one", "two")]
+
+    core.run(0.01)
+    assert places() == [1, 2]
+    kept = [send("~/arrange", msgs.GzString(data="half"))]
+    core.run(0.01)
+    assert places() == [7, 0]
+    kept.append(send("~/arrange", msgs.GzString(data="hafl")))
+    core.run(0.01)
+    assert "did you mean 'half'" in caplog.text
+
+
+def test_stop_world_ends_a_run(run):
+    core, world = run(plugin("StopWorldPlugin", time=0.25))
+    world.Run(1000)
+    assert world.SimTime().Double() == pytest.approx(0.25, abs=0.002)
+    assert core.GetSimTime() == pytest.approx(0.25, abs=0.002)
+
+
+# Lights and lines
+
+
+def test_a_flash_light_is_on_and_off_in_its_rhythm(run):
+    light = "<light name='lamp' type='point'><attenuation><range>7</range></attenuation></light>"
+    flash = "<light><light_id>link/lamp</light_id><duration>0.3</duration><interval>0.2</interval></light>"
+    element = f"<plugin name='f' filename='libFlashLightPlugin.so'>{flash}</plugin>"
+    core, world = run(body("post", gravity="false", link=light, inside=element))
+    (geom,) = (g for g in world.ModelByName("post").GetLink("link").body.geoms if hasattr(g, "spot"))
+    seen = []
+    for _ in range(10):
+        core.run(0.1)
+        seen.append(geom.range)
+    assert seen[:2] == [7.0, 7.0]
+    assert seen[3] == 0.0
+    assert seen[5:7] == [7.0, 7.0]
+    assert 3 <= seen.count(0.0) <= 5
+
+
+def test_a_missing_light_is_named(run, caplog):
+    inside = "<light><light_id>link/lmap</light_id></light>"
+    element = f"<plugin name='f' filename='libFlashLightPlugin.so'>{inside}</plugin>"
+    run(body("post", link="<light name='lamp' type='point'/>", inside=element))
+    assert "did you mean 'link/lamp'" in caplog.text
+
+
+def test_link_plot_adds_points_where_the_link_was(run):
+    from libgz.classic import rendering
+
+    element = plugin("LinkPlot3DPlugin", frequency=10, plot="<link>link</link><pose>0 0 1 0 0 0</pose>")
+    core, world = run(body("ball", gravity="false", inside=element))
+    world.ModelByName("ball").SetLinearVel((1.0, 0.0, 0.0))
+    core.run(1.0)
+    (line,) = rendering.get_scene("default").lines
+    assert line.PointCount() in (10, 11)
+    last = line.Point(line.PointCount() - 1)
+    assert (last.X(), last.Z()) == pytest.approx((0.9, 1.0), abs=0.11)
+
+
+# ROS
+
+
+def robot(inside):
+    def wheel(name, y):
+        shape = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
+        inertia = "<inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.003</izz></inertia>"
+        return (
+            f"<link name='{name}_wheel'><pose>0 {y} 0.1 -1.5707963 0 0</pose>"
+            f"<inertial><mass>0.5</mass>{inertia}</inertial>{collision(shape)}</link>"
+            f"<joint name='{name}' type='revolute'><parent>base</parent><child>{name}_wheel</child>"
+            "<axis><xyz>0 0 1</xyz></axis></joint>"
+        )
+
+    ball = (
+        "<collision name='b'><pose>0.2 0 -0.1 0 0 0</pose><geometry><sphere><radius>0.05</radius></sphere></geometry>"
+    )
+    ball += "<surface><friction><ode><mu>0</mu><mu2>0</mu2></ode></friction></surface></collision>"
+    back = ball.replace("'b'", "'b2'").replace("0.2 0", "-0.2 0")
+    base = f"<link name='base'><pose>0 0 0.15 0 0 0</pose><inertial><mass>5</mass></inertial>{ball}{back}</link>"
+    return f"<model name='r2'>{base}{wheel('left', 0.2)}{wheel('right', -0.2)}{inside}</model>"
+
+
+def test_ros_diff_drive_turns_left_and_publishes_odometry(run, caplog):
+    drive = plugin(
+        "gazebo_ros_diff_drive",
+        leftJoint="left",
+        rightJoint="right",
+        wheelSeparation=0.4,
+        wheelDiameter=0.2,
+        torque=20,
+        robotNamespace="bot",
+    )
+    states = plugin("gazebo_ros_joint_state_publisher", jointName="left, right", robotNamespace="bot")
+    truth = plugin("gazebo_ros_p3d", bodyName="base", topicName="truth", robotNamespace="bot")
+    core, world = run(GROUND, robot(drive + states + truth))
+    odometry, joints, poses = Heard("/bot/odom"), Heard("/bot/joint_states"), Heard("/bot/truth")
+    core.run(0.1)
+    kept = command("/bot/cmd_vel", 0.2, 0.5)
+    core.run(2.0)
+    model = world.ModelByName("r2")
+    assert model.WorldPose().Yaw() == pytest.approx(0.5 * 2.0, abs=0.12)
+    assert odometry[-1].pose.orientation.z == pytest.approx(math.sin(model.WorldPose().Yaw() / 2), abs=0.05)
+    assert [param.name for param in joints[-1].param] == ["left", "right"]
+    assert joints[-1].param[1].value.double_value == pytest.approx(model.GetJoint("right").Position(0), abs=0.1)
+    assert poses[-1].pose.position.x == pytest.approx(model.GetLink("base").WorldPose().Pos().X(), abs=0.01)
+    assert caplog.text.count("has plugins for ROS") == 1
+    assert kept
+
+
+def test_ros_sensor_plugins_activate_their_sensors(run):
+    scan = "<scan><horizontal><samples>5</samples><min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan>"
+    sensor = (
+        "<sensor name='laser' type='ray'><update_rate>10</update_rate><ray>"
+        + scan
+        + "<range><min>0.1</min><max>5</max>"
+        "</range></ray><plugin name='p' filename='libgazebo_ros_laser.so'><topicName>scan</topicName></plugin></sensor>"
+    )
+    core, world = run(body("post", gravity="false", link=sensor))
+    core.run(0.3)
+    from libgz.classic import sensors
+
+    assert sensors.get_sensor("laser").Ranges() == [math.inf] * 5
+    assert world
+
+
+def test_ros_imu_measures_gravity_at_rest(run):
+    element = plugin("gazebo_ros_imu", bodyName="link", topicName="imu", updateRate=50)
+    core, _ = run(GROUND, body("box", "0 0 0.5 0 0 0", link=collision(BOX), inside=element))
+    heard = Heard("~/box/imu")
+    core.run(2.0)
+    assert heard[-1].linear_acceleration.z == pytest.approx(9.8, abs=0.01)
+
+
+def test_an_unknown_plugin_of_ros_is_an_error(run, caplog):
+    run(body("box", inside=plugin("gazebo_ros_coffee")))
+    assert "Failed to load plugin libgazebo_ros_coffee.so" in caplog.text
+
+
+EXAMPLES = Path(__file__).parents[3] / "examples" / "plugins" / "ready"
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in EXAMPLES.glob("*.world")))
+def test_the_examples_run(name, caplog):
+    with libgz.World.from_file(EXAMPLES / f"{name}.world") as world:
+        world.step(300)
+        assert [error for error in world.errors if error] == []
+        assert all(math.isfinite(x) for model in world.models for x in model.GetPose().pos)
+    assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []

@@ -20,7 +20,7 @@ from libgz.sdf.value import check
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
 DEEPEST_INCLUDE = 20
-UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; models check links and joints
+UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
     ("contact", "collision"),
@@ -178,10 +178,6 @@ class SdfFile:
             self._include(xml, parent, description.children["include"])
             return
         known = description.children.get(name) if description is not None and not description.open else None
-        if name == "actor" and known is None and parent.name in ("world", "sdf"):
-            self._warn(xml, "actors are not simulated; it has no effect")
-            parent.InsertElement(self._element(xml, None))
-            return
         if name == "frame" and known is None and description is not None and not description.open:
             self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return

@@ -13,6 +13,7 @@ from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
@@ -30,7 +31,8 @@ __all__ = ["SdfWorld"]
 log = logging.getLogger("libgz.simulation")
 
 BUILDER = "sdf"  # in the journal
-BUILT = ("model", "light")
+BUILT = ("model", "actor", "light")
+MODELS = {"model": SdfModel, "actor": SdfActor}
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
 
@@ -104,7 +106,7 @@ class SdfWorld(Era):
         """
         self.take_over(file)
         root, diagnostics = file.root, file.diagnostics
-        if not any(child.name in ("world", "model", "light") for child in root.children):
+        if not any(child.name in ("world", *BUILT) for child in root.children):
             diagnostics.raise_errors()
             raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
         element = next(root.named("world"), None) or _world_around(root)
@@ -181,8 +183,8 @@ class SdfWorld(Era):
         for top in tops:
             element = document.elements[top]
             try:
-                if element.name == "model":
-                    model = SdfModel(self.world, element, diagnostics)
+                if element.name in MODELS:
+                    model = MODELS[element.name](self.world, element, diagnostics)
                     model.build(model_pose(element))
                     models.append(model)
                     self._register_family(model, document, top)

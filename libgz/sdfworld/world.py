@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import zlib
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose
@@ -18,6 +21,7 @@ from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
+from libgz.sdfworld.population import populate
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
@@ -33,6 +37,7 @@ log = logging.getLogger("libgz.simulation")
 BUILDER = "sdf"  # in the journal
 BUILT = ("model", "actor", "light")
 MODELS = {"model": SdfModel, "actor": SdfActor}
+POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
 
@@ -125,6 +130,7 @@ class SdfWorld(Era):
         self.settings = apply_settings(world, element, diagnostics)
         state = next(element.named("state"), None)
         built = [part for part in element.children if part.name in BUILT]
+        built += populate(element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics)
         document = Document(Source(BUILDER, 0, "", b""), [*built, element])
         self._documents.append(document)
         self._add(document, range(len(built)), diagnostics)

@@ -6,6 +6,7 @@ and z ahead; in the file the person looks along x, with z up, as SDF's models do
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -169,7 +170,7 @@ def tube(skin: Skin, color: str, rings: list[Ring], along: int = 1) -> None:
         skin.weights.append(weights)
     group = skin.triangles.setdefault(color, [])
     faces: list[tuple[int, int, int]] = []
-    for low, high in zip(starts, starts[1:], strict=False):
+    for low, high in itertools.pairwise(starts):
         for i in range(SIDES):
             j = (i + 1) % SIDES
             faces += [(low + i, low + j, high + j), (low + i, high + j, high + i)]
@@ -320,7 +321,8 @@ def document(gait: Gait) -> str:
         f'<material id="{name}" name="{name}"><instance_effect url="#{name}-effect"/></material>' for name in COLORS
     )
     groups = "".join(
-        f'<triangles material="{name}" count="{len(rows)}"><input semantic="VERTEX" source="#body-vertices" offset="0"/>'
+        f'<triangles material="{name}" count="{len(rows)}">'
+        f'<input semantic="VERTEX" source="#body-vertices" offset="0"/>'
         f"<p>{' '.join(str(i) for row in rows for i in row)}</p></triangles>"
         for name, rows in skin.triangles.items()
     )

@@ -73,7 +73,15 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
-    KEPT: ClassVar[tuple[str, ...]] = ("bodyName", "kinematic", "auto_disable", "diverged", "damping", "in_wind", "_given_mass")
+    KEPT: ClassVar[tuple[str, ...]] = (
+        "bodyName",
+        "kinematic",
+        "auto_disable",
+        "diverged",
+        "damping",
+        "in_wind",
+        "_given_mass",
+    )
 
     @built
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:

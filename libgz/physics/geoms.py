@@ -310,7 +310,8 @@ class SkinGeom(TriMeshGeom):
         moved = (frames @ self.inverse_binds)[:, :3]
         points = np.concatenate([self.rest, np.ones((len(self.rest), 1))], axis=1)
         blend = np.einsum("nj,njab->nab", self.weights, moved[self.places])
-        self.vertices = np.einsum("nab,nb->na", blend, points)
+        vertices: NDArray[np.float64] = np.einsum("nab,nb->na", blend, points)
+        self.vertices = vertices
         self.normals = vertex_normals(self.vertices, self.triangles)
         self.bends += 1
         return True

@@ -217,12 +217,15 @@ class Collada:
 
     @staticmethod
     def tag(element: Any) -> str:
+        """The name of an element."""
         return str(element.tag).rpartition("}")[2]
 
     def all(self, element: Any, name: str) -> list[Any]:
+        """The children of a name."""
         return [child for child in element if self.tag(child) == name]
 
     def deep(self, element: Any, name: str) -> Iterator[Any]:
+        """The element and all in it of a name."""
         return (child for child in element.iter() if self.tag(child) == name)
 
     def target(self, url: str | None) -> Any:
@@ -254,6 +257,7 @@ class Collada:
         return float(unit.get("meter", "1")) if unit is not None else 1.0
 
     def parts(self) -> Iterator[MeshPart]:
+        """The triangles of its scene."""
         scale = self.unit
         scenes = list(self.deep(self.root, "visual_scene"))
         if not scenes:
@@ -263,6 +267,7 @@ class Collada:
             yield from self.node(node, np.diag([scale, scale, scale, 1.0]))
 
     def node(self, node: Any, frame: Array) -> Iterator[MeshPart]:
+        """The triangles of a node and of all below it, in a frame."""
         self.nodes += 1
         if self.nodes > MOST_NODES:
             raise ValueError(f"its scene has more than {MOST_NODES} nodes")
@@ -303,6 +308,7 @@ class Collada:
         return result
 
     def geometry(self, geometry: Any, name: str, frame: Array, bound: dict[str, str]) -> Iterator[MeshPart]:
+        """The triangles of a geometry, by material."""
         for mesh in self.all(geometry, "mesh"):
             for kind in ("triangles", "polylist", "polygons"):
                 for group in self.all(mesh, kind):

@@ -326,7 +326,8 @@ class _Reader:
 
     def _channels(self) -> Iterator[tuple[int, list[tuple[str, Array, Array]]]]:
         """(bone, [(target within its node, times [s], values)]) of all bones that move."""
-        document, found = self.document, {}
+        document = self.document
+        found: dict[int, list[tuple[str, Array, Array]]] = {}
         places = {node.get("id"): place for place, node in enumerate(self.nodes) if node.get("id")}
         for channel in document.deep(document.root, "channel"):
             node, _, target = (channel.get("target") or "").partition("/")

@@ -75,8 +75,8 @@ class SdfActor(SdfModel):
     Attributes:
         active: whether the script runs.
         script_time: within the present trajectory of the script [s].
-        custom: the animation that is played while a plugin moves the actor, at the `script_time` that it sets; None while
-            the script moves it.
+        custom: the animation that is played while a plugin moves the actor, at the `script_time` that it sets; None
+            while the script moves it.
         clips: animations by name.
         loop: whether the script begins again at its end.
     """

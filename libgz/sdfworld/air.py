@@ -106,7 +106,7 @@ def read_atmosphere(world: Element, diagnostics: Diagnostics) -> Atmosphere:
     temperature, gradient, pressure = (element.Get(float, key) for key in keys)
     if not (0.0 <= temperature < math.inf and 0.0 <= pressure < math.inf and math.isfinite(gradient)):
         raise ParameterError(
-            f"temperature {temperature:g} K, temperature_gradient {gradient:g} K/m and pressure {pressure:g} Pa must be "
-            "finite, temperature and pressure not negative"
+            f"temperature {temperature:g} K, temperature_gradient {gradient:g} K/m and pressure {pressure:g} Pa must "
+            "be finite, temperature and pressure not negative"
         )
     return Atmosphere(temperature, gradient, pressure)

@@ -24,9 +24,9 @@ class SdfGripper:
     """Fixes a body to the palm while the gripper's links hold it.
 
     In each step the pairs of geoms are counted in which a link of the gripper touches something that can move. With
-    `min_contact_count` of them in more than `attach_steps` steps, a body that touches twice and rests in the palm's frame is
-    fixed to the palm by a joint; after more than `detach_steps` steps with fewer it is free again. Gazebo counts so, too,
-    but once in 0.75 s of wall-clock time instead of once in a step.
+    `min_contact_count` of them in more than `attach_steps` steps, a body that touches twice and rests in the palm's
+    frame is fixed to the palm by a joint; after more than `detach_steps` steps with fewer it is free again. Gazebo
+    counts so, too, but once in 0.75 s of wall-clock time instead of once in a step.
 
     Args:
         model: which it belongs to.
@@ -41,6 +41,7 @@ class SdfGripper:
         self.model = model
         self.sdf = element
         self.name = element.Get(str, "name")
+        self.facade: Any = None  # by which the API of a layer above presents it; set by that layer
         check = element.child("grasp_check")
         self.attach_steps, self.detach_steps = check.Get(int, "attach_steps"), check.Get(int, "detach_steps")
         self.min_contacts = check.Get(int, "min_contact_count")

@@ -69,8 +69,10 @@ def _places(element: Element, random: Random) -> Array:
         return _grid(distribution)
     count = element.Get(int, "model_count")
     if not 0 < count <= MOST_MODELS:
-        raise ParameterError(f"Trying to populate a non positive number of models [{count}]") if count <= 0 else (
-            ParameterError(f"<model_count> is {count}; {MOST_MODELS} at most are allowed")
+        raise (
+            ParameterError(f"Trying to populate a non positive number of models [{count}]")
+            if count <= 0
+            else (ParameterError(f"<model_count> is {count}; {MOST_MODELS} at most are allowed"))
         )
     if element.HasElement("box"):
         size = np.array(element.child("box").Get(GzVector, "size"))
@@ -96,7 +98,9 @@ def _grid(distribution: Element) -> Array:
         if value <= 0:
             raise ParameterError(f"Incorrect number of {what} while populating objects [{value}]")
     if rows * columns > MOST_MODELS:
-        raise ParameterError(f"{rows} rows and {columns} columns are {rows * columns} models; {MOST_MODELS} are allowed")
+        raise ParameterError(
+            f"{rows} rows and {columns} columns are {rows * columns} models; {MOST_MODELS} are allowed"
+        )
     step = distribution.Get(GzVector, "step")
     y, x = np.divmod(np.arange(rows * columns), columns)
     return np.stack([(x - 0.5 * (columns - 1)) * step.x, (y - 0.5 * (rows - 1)) * step.y, 0.0 * x], axis=1)

@@ -130,7 +130,9 @@ class SdfWorld(Era):
         self.settings = apply_settings(world, element, diagnostics)
         state = next(element.named("state"), None)
         built = [part for part in element.children if part.name in BUILT]
-        built += populate(element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics)
+        built += populate(
+            element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics
+        )
         document = Document(Source(BUILDER, 0, "", b""), [*built, element])
         self._documents.append(document)
         self._add(document, range(len(built)), diagnostics)

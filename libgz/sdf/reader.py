@@ -15,6 +15,7 @@ from libgz.files import read_limited, xml_parser
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
+from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.value import check
 
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
@@ -98,6 +99,8 @@ class SdfFile:
         blocks = describe(self.version)
         self.root = self._element(xml, blocks["sdf"])
         self._check_names()
+        if not self._depth:
+            warn_of_unsimulated(self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description applies: the file's, or the nearest one, with a warning."""

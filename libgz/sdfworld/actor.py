@@ -124,6 +124,7 @@ class SdfActor(SdfModel):
         script = element.child("script")
         self._guard(script, self._read_script, script)
         super().build(pose)
+        self._begin()
 
     def _add_part(self, name: str, pose: GzPose) -> Body:
         body = Body(self.world, name, dummy=True)
@@ -279,11 +280,26 @@ class SdfActor(SdfModel):
             self._framed, self.script_time = now, last.end - last.start
             self._play(last)
 
+    def _begin(self) -> None:
+        """Take the first pose: of the script if it begins at once, else of the animation where the actor stands."""
+        if not self.parts:
+            return
+        first = self.parts[0]
+        if self.active and self.delay <= 0.0:
+            self._play(first)
+        else:
+            self._show(first, self._still)
+
     def _play(self, part: _Part) -> None:
-        pose, clip = self._still, self.clips.get(part.kind)
+        pose = self._still
         if part.way is not None:
             pose = part.way.at(self.script_time)
             self._measure(part, pose.pos)
+        self._show(part, pose)
+
+    def _show(self, part: _Part, pose: GzPose) -> None:
+        """Take the pose of the present script time, in a frame."""
+        clip = self.clips.get(part.kind)
         if self.figure is None or clip is None:
             self.SetPose(pose)
             return

@@ -157,7 +157,7 @@ class Engine:
         self.erp = 0.2
         self.cfm = SMALLEST_CFM
         self.correcting_velocity = math.inf
-        self._surface_layer = DEFAULT_LAYER
+        self._surface_layer = DEFAULT_LAYER  # which acts as 0
         self.step_time = step_time
         self.solver = solver
         not_negative(seed, "seed")
@@ -264,8 +264,7 @@ class Engine:
     @exclusive
     def surface_layer(self, depth: float) -> None:
         self._surface_layer = finite(not_negative(depth, "contact_surface_layer [m]"), "contact_surface_layer [m]")
-        acting = 0.0 if self._surface_layer == DEFAULT_LAYER else self._surface_layer
-        self._ode.dWorldSetContactSurfaceLayer(self.world, acting)
+        self._context.surface_layer = 0.0 if self._surface_layer == DEFAULT_LAYER else self._surface_layer
 
     @property
     def count_turns(self) -> bool:

@@ -140,7 +140,7 @@ def _in_cylinder(kind: str, count: int, radius: float, length: float, random: Ra
 def _middles(points: Array, count: int, random: Random) -> Array:
     """The middles of so many clusters of points (k-means of Lloyd), which begin at points chosen at random."""
     if count > len(points):
-        raise ParameterError(f"there is room for {len(points)} models only, not for {count}")
+        raise ParameterError(f"only {len(points)} models fit into the region, not {count}")
     middles: Array = points[random.choice(len(points), count, replace=False)]
     before = None
     for _ in range(ROUNDS):

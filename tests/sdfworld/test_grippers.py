@@ -9,7 +9,7 @@ import libgz
 from libgz.classic.server import attach
 from libgz.errors import WorldFileError
 
-WORLD = Path(__file__).parents[1] / "data/worlds/gripper.world"
+WORLD = Path(__file__).parents[2] / "examples/sdf/gripper.world"
 WEIGHT = 9.8
 
 

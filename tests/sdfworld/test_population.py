@@ -131,7 +131,7 @@ def test_a_saved_world_has_the_models_and_no_population(tmp_path):
         (population("random", "<cylinder><radius>-1</radius><length>1</length></cylinder>", 5), "Incorrect radius"),
         (population("linear-x", CYLINDER, 5), "region [cylinder] and distribution [linear-x]"),
         (population("random", BOX, 5, model=""), "Unable to find <model>"),
-        (population("uniform", BOX, 5000), "room for 200 models only"),
+        (population("uniform", BOX, 5000), "only 200 models fit"),
         (population("random", BOX, 10**7), "100000 at most"),
     ],
 )

@@ -303,7 +303,7 @@ class SkinGeom(TriMeshGeom):
     def bend(self) -> bool:
         """Take the shape that the bones give it now (linear blend skinning); whether it is another one."""
         root, *poses = (_matrix(body.GetPose()) for body in (self.body, *self.bones))
-        frames = np.linalg.inv(root) @ np.stack(poses)
+        frames = np.asarray(np.linalg.inv(root) @ np.stack(poses), dtype=np.float64)
         if self._frames is not None and np.allclose(frames, self._frames, rtol=0.0, atol=1e-9):
             return False
         self._frames = frames

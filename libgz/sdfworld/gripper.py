@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from libgz.errors import NotFoundError, ParameterError
 from libgz.geometry import GzCoordPoseSub, GzVector
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
-
-if TYPE_CHECKING:
-    from libgz.sdfworld.model import SdfModel
+from libgz.sdfworld.joint import SdfJoint
+from libgz.simulation.world import World
 
 __all__ = ["SdfGripper"]
 
 CALM = 0.01  # [m/s] at which what is held may still move in the palm's frame
 CALM_STEPS = 10  # for so many steps
 LEAST_TOUCHES = 2  # of the geom that is fixed, with links of the gripper
+
+
+class Holder(Protocol):
+    """The part of a model that its grippers use."""
+
+    world: World
+    sdf_joints: dict[str, SdfJoint]
+
+    def find_link(self, name: str) -> Body:
+        """A link by name."""
+
+    def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: GzVector) -> SdfJoint:
+        """Join two links as they stand now."""
+
+    def remove_joint(self, name: str) -> bool:
+        """Destroy a joint."""
 
 
 class SdfGripper:
@@ -37,7 +52,7 @@ class SdfGripper:
         ParameterError: a number is negative.
     """
 
-    def __init__(self, model: SdfModel, element: Element) -> None:
+    def __init__(self, model: Holder, element: Element) -> None:
         self.model = model
         self.sdf = element
         self.name = element.Get(str, "name")

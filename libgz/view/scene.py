@@ -168,7 +168,7 @@ class SceneView:
         dense = np.zeros((len(weights), len(skin.bones)))
         np.add.at(dense, (np.arange(len(weights))[:, None], places), weights)
         binds = np.linalg.inv(np.asarray(arrays["inverse_binds"], dtype=float).reshape(-1, 4, 4))
-        color = tuple(round(255 * min(max(float(c), 0.0), 1.0)) for c in shape["material"]["diffuse"][:3])
+        red, green, blue = (round(255 * min(max(float(c), 0.0), 1.0)) for c in shape["material"]["diffuse"][:3])
         self._made += 1
         skin.handle = self.page.scene.add_mesh_skinned(
             f"/world/{self._made}",
@@ -177,7 +177,7 @@ class SceneView:
             bone_wxyzs=matrix_turns(binds),
             bone_positions=binds[:, :3, 3],
             skin_weights=dense,
-            color=color,
+            color=(red, green, blue),
             wireframe=self.look.wireframe,
             side="double",
         )

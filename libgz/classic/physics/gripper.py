@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.model import Model
+    from libgz.classic.physics.base import Base
     from libgz.sdfworld.gripper import SdfGripper
 
 __all__ = ["Gripper"]
@@ -14,7 +14,7 @@ __all__ = ["Gripper"]
 class Gripper:
     """A view on a gripper, which fixes what its links hold to its palm."""
 
-    def __init__(self, model: Model, core: SdfGripper) -> None:
+    def __init__(self, model: Base, core: SdfGripper) -> None:
         self._model, self.core = model, core
 
     def GetName(self) -> str:
@@ -23,7 +23,7 @@ class Gripper:
 
     Name = GetName
 
-    def GetModel(self) -> Model:
+    def GetModel(self) -> Base | Any:
         """The model that it belongs to."""
         return self._model
 

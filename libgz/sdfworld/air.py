@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 from libgz.errors import Diagnostics, ParameterError
 from libgz.geometry import GzVector
@@ -29,6 +30,7 @@ class Wind:
 
     velocity: GzVector = field(default_factory=GzVector)
     enabled: bool = True
+    facade: Any = None  # by which the API of a layer above presents it; set by that layer
 
 
 @dataclass
@@ -48,6 +50,7 @@ class Atmosphere:
     gradient: float = -0.0065
     pressure: float = 101325.0
     enabled: bool = True
+    facade: Any = None  # as that of the wind
 
     def temperature_at(self, altitude: float) -> float:
         """The temperature at an altitude [m] in K."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import ParameterError, nearest
@@ -96,7 +97,13 @@ class Atmosphere:
         Raises:
             ParameterError: another key.
         """
-        values = (self.Type, self.Temperature, self.TemperatureGradient, self.Pressure, self.MassDensity)
+        values: tuple[Callable[[], Any], ...] = (
+            self.Type,
+            self.Temperature,
+            self.TemperatureGradient,
+            self.Pressure,
+            self.MassDensity,
+        )
         if key not in self.KEYS:
             raise ParameterError(
                 f"atmosphere has no parameter {key!r}; it has {', '.join(self.KEYS)}{nearest(key, self.KEYS)}"

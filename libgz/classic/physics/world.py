@@ -62,7 +62,6 @@ class World(Base):
     def __init__(self, core: CoreWorld, server: WorldServices) -> None:
         self.core, self.server = core, server
         super().__init__(self, core.name, None)
-        self._wind, self._atmosphere = Wind(self), Atmosphere(self)
 
     def Name(self) -> str:
         """The name."""
@@ -420,7 +419,7 @@ class World(Base):
 
     def Wind(self) -> Wind:
         """The wind."""
-        return self._wind
+        return view_of(self.core.extension(SdfWorld).settings.wind, lambda: Wind(self))
 
     def WindEnabled(self) -> bool:
         """Whether there is wind."""
@@ -432,7 +431,7 @@ class World(Base):
 
     def Atmosphere(self) -> Atmosphere:
         """The air: temperature, pressure, density."""
-        return self._atmosphere
+        return view_of(self.core.extension(SdfWorld).settings.atmosphere, lambda: Atmosphere(self))
 
     def AtmosphereEnabled(self) -> bool:
         """Whether the atmosphere is enabled."""

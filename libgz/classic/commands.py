@@ -283,16 +283,49 @@ class Commands:
             raise NotFoundError(f"there is no {kind.__name__.lower()} {name!r}{nearest(name, names)}")
         return found
 
+    def wind(self, message: Any) -> None:
+        """~/wind: velocity, and whether there is any."""
+        if message.HasField("linear_velocity"):
+            self._world.Wind().SetLinearVel(msgs.ConvertIgn(message.linear_velocity))
+        if message.HasField("enable_wind"):
+            self._world.SetWindEnabled(message.enable_wind)
+
+    def atmosphere(self, message: Any) -> None:
+        """~/atmosphere: temperature and pressure at altitude 0, and whether it is enabled."""
+        air = self._world.Atmosphere()
+        if message.HasField("temperature"):
+            air.SetTemperature(message.temperature)
+        if message.HasField("pressure"):
+            air.SetPressure(message.pressure)
+        if message.HasField("enable_atmosphere"):
+            self._world.SetAtmosphereEnabled(message.enable_atmosphere)
+
+    def _atmosphere_info(self, _name: str) -> Any:
+        air = self._world.Atmosphere()
+        return msgs.Atmosphere(
+            temperature=air.Temperature(),
+            pressure=air.Pressure(),
+            mass_density=air.MassDensity(),
+            enable_atmosphere=self._world.AtmosphereEnabled(),
+        )
+
+    def _wind_info(self, _name: str) -> Any:
+        message = msgs.Wind(enable_wind=self._world.WindEnabled())
+        msgs.Set(message.linear_velocity, self._world.Wind().LinearVel())
+        return message
+
     # Requests ----------------------------------------------------------------------------------------------------
 
     def request(self, message: Any) -> None:
         """~/request: answer on ~/response, or delete an entity."""
         answers: dict[str, Callable[[str], Any]] = {
+            "atmosphere_info": self._atmosphere_info,
             "entity_delete": self._delete,
             "entity_info": lambda name: entity_message(self._world.BaseByName(name)),
             "entity_list": self._list,
             "physics_info": lambda _name: physics_message(self._world),
             "scene_info": lambda _name: scene_message(self._world),
+            "wind_info": self._wind_info,
             "world_sdf": lambda _name: msgs.GzString(data=self._sdf()),
         }
         if message.request not in answers:

@@ -72,6 +72,7 @@ class WorldTopics:
 
     def _subscribe(self, commands: Commands) -> list[Subscriber]:
         handlers = {
+            "~/atmosphere": commands.atmosphere,
             "~/factory": commands.factory,
             "~/factory/light": commands.factory_light,
             "~/joint": commands.joint,
@@ -79,6 +80,7 @@ class WorldTopics:
             "~/model/modify": commands.model_modify,
             "~/physics": commands.physics,
             "~/request": commands.request,
+            "~/wind": commands.wind,
             "~/world_control": commands.world_control,
             "/gazebo/server/control": commands.server_control,
         }

@@ -98,6 +98,7 @@ class StepContext(ctypes.Structure):
         ("touch_capacity", c_int64),
         ("touches", c_void_p),
         ("parted", c_int64),
+        ("surface_layer", c_double),
     ]
 
 

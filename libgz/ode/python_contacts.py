@@ -163,7 +163,8 @@ class FullContacts:
         if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
-            limits = _limits(a, b, body1, body2)
+            max_vel, min_depth = _limits(a, b, body1, body2)
+            limits = max_vel, max(min_depth, context.surface_layer)
             kept = self._make_rigid(a, b, (body1, body2), limits[1], surface)
             if not ghost:
                 self.touches.append((body1 or body2, body2 if body1 else 0, count))
@@ -240,6 +241,13 @@ class FullContacts:
         if aimed or (self._context.cone and self._sliding_direction(bodies, point)):
             surface.mode |= ContactMode.FDIR1
         _add_torsion(a, b, point)
+        stiffness = _elastic_stiffness(a, b, found)
+        if stiffness > 0.0:
+            spring, kd = self._context.step * stiffness, a[Surface.KD] + b[Surface.KD]
+            surface.soft_erp = spring / (spring + kd)
+            surface.soft_cfm = 1.0 / (spring + kd)
+            point.geom.depth = found
+            return
         point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
             surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
@@ -378,6 +386,17 @@ def _limits(a: list[float], b: list[float], body1: int, body2: int) -> tuple[flo
     limited = a[Surface.MAX_VEL] < math.inf and b[Surface.MAX_VEL] < math.inf
     max_vel = math.inf if body1 and body2 and not limited else _of_bodies(a, b, body1, body2, Surface.MAX_VEL)
     return max_vel, _of_bodies(a, b, body1, body2, Surface.MIN_DEPTH)
+
+
+def _elastic_stiffness(a: list[float], b: list[float], depth: float) -> float:
+    """elastic_stiffness in step.c."""
+    compliance = a[Surface.COMPLIANCE] + b[Surface.COMPLIANCE]
+    curvature = a[Surface.CURVATURE] + b[Surface.CURVATURE]
+    if a[Surface.COMPLIANCE] <= 0.0 or b[Surface.COMPLIANCE] <= 0.0 or depth <= 0.0:
+        return 0.0
+    if curvature > 0.0:
+        return 4.0 / 3.0 / compliance * math.sqrt(depth / curvature)
+    return 2.0 / compliance * max(a[Surface.PATCH_RADIUS], b[Surface.PATCH_RADIUS])
 
 
 def _of_bodies(a: list[float], b: list[float], body1: int, body2: int, column: int) -> float:

@@ -249,6 +249,7 @@ typedef struct {
     int64_t touch_count, touch_capacity;
     touch_record *touches;    /* of this step, where the quick solver needs them */
     int64_t parted;           /* 1: some bodies are set aside, while others are solved */
+    double surface_layer;     /* [m] of depth that is not corrected under the classic rule */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -282,6 +283,8 @@ enum {
     SURFACE_BY_PATCH, /* 1: torsion depends on the patch radius, 0: on the surface radius and depth */
     SURFACE_PATCH_RADIUS,
     SURFACE_RADIUS,
+    SURFACE_COMPLIANCE, /* [1/Pa] (1 - nu^2) / E; 0: not elastic */
+    SURFACE_CURVATURE,  /* [1/m] of its shape; 0: flat */
     SURFACE_COLUMNS = 24
 };
 /* A body beyond these has diverged. */
@@ -537,12 +540,12 @@ static double of_bodies(const touching *t, int column)
     return t->body2 ? smaller(t->a[column], t->b[column]) : t->a[column];
 }
 
-static void set_limits(touching *t)
+static void set_limits(const context *c, touching *t)
 {
     /* Geoms of legacy models have no limit; their contacts are so soft that with one they would sink into the other. */
     int limited = t->a[SURFACE_MAX_VEL] < HUGE_VAL && t->b[SURFACE_MAX_VEL] < HUGE_VAL;
     t->max_vel = t->body1 && t->body2 && !limited ? HUGE_VAL : of_bodies(t, SURFACE_MAX_VEL);
-    t->min_depth = of_bodies(t, SURFACE_MIN_DEPTH);
+    t->min_depth = larger(of_bodies(t, SURFACE_MIN_DEPTH), c->surface_layer);
 }
 
 /* Bodies that a joint connects with the world, by row, for the search of contacts; guarded by ode_lock. */
@@ -622,11 +625,32 @@ static void make_rigid(const context *c, touching *t, surface_parameters *s)
     s->soft_cfm = larger(s->soft_cfm, REST_CFM / mass);
 }
 
+/* The stiffness [N/m] of two elastic surfaces at a depth: F / depth of Hertz' contact, 4 / 3 E sqrt(R depth), or of a flat
+ * punch of a patch's radius, 2 E a; 0 if one surface is not elastic, or there is no radius. */
+static double elastic_stiffness(const touching *t, double depth)
+{
+    double compliance = t->a[SURFACE_COMPLIANCE] + t->b[SURFACE_COMPLIANCE];
+    double curvature = t->a[SURFACE_CURVATURE] + t->b[SURFACE_CURVATURE];
+    if (t->a[SURFACE_COMPLIANCE] <= 0.0 || t->b[SURFACE_COMPLIANCE] <= 0.0 || depth <= 0.0)
+        return 0.0;
+    if (curvature > 0.0)
+        return 4.0 / 3.0 / compliance * sqrt(depth / curvature);
+    return 2.0 / compliance * larger(t->a[SURFACE_PATCH_RADIUS], t->b[SURFACE_PATCH_RADIUS]);
+}
+
 /* What a contact point corrects: the depth that was found, without what is kept and min_depth, no faster than max_vel.
  * One that is not as deep as what is kept lets the bodies approach. */
 static void set_depth(const context *c, const touching *t, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
+    double stiffness = elastic_stiffness(t, found);
+    if (stiffness > 0.0) {
+        double spring = c->step * stiffness, kd = t->a[SURFACE_KD] + t->b[SURFACE_KD];
+        s->soft_erp = spring / (spring + kd);
+        s->soft_cfm = 1.0 / (spring + kd);
+        point->geom.depth = found;
+        return;
+    }
     point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
     if (point->geom.depth > 0.0)
         s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
@@ -782,7 +806,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
                                                     (double)c->max_contacts));
-        set_limits(&pair);
+        set_limits(c, &pair);
         make_rigid(c, &pair, &surface);
         if (!ghost && solves_islands(c))
             note_touch(c, body1, body2, count);

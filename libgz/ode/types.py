@@ -144,6 +144,8 @@ class Surface(enum.IntEnum):
     BY_PATCH = 18  # 1: torsion depends on the patch radius, 0: on the surface radius and the depth
     PATCH_RADIUS = 19  # [m]
     RADIUS = 20  # [m] of the surface's curvature; 0 is flat
+    COMPLIANCE = 21  # [1/Pa] (1 - nu^2) / E of an elastic surface; 0: not elastic
+    CURVATURE = 22  # [1/m] of the shape of an elastic surface; 0: flat
 
 
 SURFACE_COLUMNS = 24

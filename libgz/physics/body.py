@@ -64,6 +64,7 @@ class Body:
         kinematic: whether it moves by its velocity only.
         auto_disable: whether it sleeps when it rests.
         diverged: whether it ever diverged, which is reported once.
+        in_wind: whether wind acts on it, by what computes its force.
         facade: the object by which the API of a layer above presents this body; set by that layer.
 
     Args:
@@ -72,7 +73,15 @@ class Body:
         dummy: no ODE body: it has a pose, never moves by itself, and forces do nothing.
     """
 
-    KEPT: ClassVar[tuple[str, ...]] = ("bodyName", "kinematic", "auto_disable", "diverged", "damping", "_given_mass")
+    KEPT: ClassVar[tuple[str, ...]] = (
+        "bodyName",
+        "kinematic",
+        "auto_disable",
+        "diverged",
+        "damping",
+        "in_wind",
+        "_given_mass",
+    )
 
     @built
     def __init__(self, world: HasEngine, name: str | None = None, dummy: bool = False) -> None:
@@ -89,6 +98,7 @@ class Body:
         self._pose = GzPose()  # of a dummy
         self._given_mass: mass_.Mass | None = None
         self.damping = 0.0, 0.0
+        self.in_wind = False
         self._closed = False
         self._id: int | None = None
         self._table = self.engine.tables.bodies

@@ -38,6 +38,7 @@ MOST_COMPARED = 5_000  # geoms, when a crowd is searched for
 SMALLEST_CFM = 1e-10  # ODE's default with doubles; with none at all its solvers fail on redundant joints
 CELLS, WIDE_CELLS = (-3, 10), (2, 10)  # of the hash space, as powers of two [m]: ODE's default, and for far bodies
 SOLVERS = ("world", "quick")
+DEFAULT_LAYER = 0.001  # [m] of SDF
 
 
 class HasEngine(Protocol):
@@ -156,6 +157,7 @@ class Engine:
         self.erp = 0.2
         self.cfm = SMALLEST_CFM
         self.correcting_velocity = math.inf
+        self._surface_layer = DEFAULT_LAYER  # which acts as 0
         self.step_time = step_time
         self.solver = solver
         not_negative(seed, "seed")
@@ -249,6 +251,20 @@ class Engine:
         self._ode.dWorldSetERP(self.world, self.erp)
         self._ode.dWorldSetCFM(self.world, self.cfm)
         self._ode.dWorldSetContactMaxCorrectingVel(self.world, self.correcting_velocity)
+
+    @property
+    def surface_layer(self) -> float:
+        """Depth of contacts up to which bodies are not pushed out [m].
+
+        SDF's default of 1 mm, which every saved world has, stands for the depth that the step keeps by itself.
+        """
+        return self._surface_layer
+
+    @surface_layer.setter
+    @exclusive
+    def surface_layer(self, depth: float) -> None:
+        self._surface_layer = finite(not_negative(depth, "contact_surface_layer [m]"), "contact_surface_layer [m]")
+        self._context.surface_layer = 0.0 if self._surface_layer == DEFAULT_LAYER else self._surface_layer
 
     @property
     def count_turns(self) -> bool:

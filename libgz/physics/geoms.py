@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from libgz.errors import ParameterError
-from libgz.geometry import GzQuaternFromAxis, GzVector, VectorLike
+from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
 from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
@@ -17,7 +18,8 @@ from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, table, unit_axis
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
-from libgz.physics.meshes import Mesh
+from libgz.physics.meshes import Mesh, vertex_normals
+from libgz.physics.skeletons import SkinPart, turn_matrices
 from libgz.physics.space import Space
 
 __all__ = [
@@ -30,6 +32,7 @@ __all__ = [
     "LightGeom",
     "PlaneGeom",
     "RayGeom",
+    "SkinGeom",
     "SphereGeom",
     "TriMeshGeom",
     "WheelGeom",
@@ -275,6 +278,49 @@ class TriMeshGeom(Geom):
         self.normals = self.texture_coordinates = self.colors = None
         self._mesh = self._first_mesh = None
         self._ode_vertices = self._ode_triangles = None
+
+
+class SkinGeom(TriMeshGeom):
+    """A mesh that bones bend, as a skin; it is only rendered.
+
+    Args:
+        body: the body it belongs to.
+        part: of a figure's skin.
+        bones: the bodies that are the figure's bones, in its order.
+    """
+
+    def __init__(self, body: Body, part: SkinPart, bones: Sequence[Body]) -> None:
+        used, self.places = np.unique(part.bones, return_inverse=True)
+        self.places = self.places.reshape(part.bones.shape)
+        self.bones = [bones[bone] for bone in used]
+        self.inverse_binds = part.inverse_binds[used]
+        self.weights, self.rest = part.weights, part.vertices
+        self.bends = 0  # how often it was bent into another shape
+        self._frames: NDArray[np.float64] | None = None
+        super().__init__(body, None, part.vertices, part.triangles)
+        self.bend()
+
+    def bend(self) -> bool:
+        """Take the shape that the bones give it now (linear blend skinning); whether it is another one."""
+        root, *poses = (_matrix(body.GetPose()) for body in (self.body, *self.bones))
+        frames = np.asarray(np.linalg.inv(root) @ np.stack(poses), dtype=np.float64)
+        if self._frames is not None and np.allclose(frames, self._frames, rtol=0.0, atol=1e-9):
+            return False
+        self._frames = frames
+        moved = (frames @ self.inverse_binds)[:, :3]
+        points = np.concatenate([self.rest, np.ones((len(self.rest), 1))], axis=1)
+        blend = np.einsum("nj,njab->nab", self.weights, moved[self.places])
+        vertices: NDArray[np.float64] = np.einsum("nab,nb->na", blend, points)
+        self.vertices = vertices
+        self.normals = vertex_normals(self.vertices, self.triangles)
+        self.bends += 1
+        return True
+
+
+def _matrix(pose: GzPose) -> NDArray[np.float64]:
+    matrix: NDArray[np.float64] = turn_matrices(np.array([*pose.rot]))
+    matrix[:3, 3] = (*pose.pos,)
+    return matrix
 
 
 def _halved(triangle: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import struct
 from collections.abc import Iterable, Iterator
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 from libgz.errors import GazeboError
 from libgz.files import is_file
 
-__all__ = ["MeshPart", "read_mesh", "trimesh_parts"]
+__all__ = ["Collada", "MeshPart", "read_mesh", "reading", "step_matrix", "trimesh_parts", "used"]
 
 Array = NDArray[np.float64]
 
@@ -42,13 +43,16 @@ def read_mesh(path: Path) -> list[MeshPart]:
     return _read(path.resolve(), path.stat().st_mtime_ns if is_file(path) else 0)
 
 
-@functools.lru_cache(maxsize=32)
-def _read(path: Path, _changed: int) -> list[MeshPart]:
-    readers = {".stl": _read_stl, ".obj": _read_obj, ".dae": _read_dae}
-    reader = readers.get(path.suffix.lower(), _read_by_trimesh)
+@contextlib.contextmanager
+def reading(path: Path) -> Iterator[None]:
+    """Whatever is raised while a mesh file is read becomes an error of the file.
+
+    Raises:
+        GazeboError: it cannot be read.
+    """
     try:
-        with np.errstate(all="ignore"):  # what is not finite is found below
-            parts = [part for part in _bounded(reader(path), path) if len(part.triangles)]
+        with np.errstate(all="ignore"):  # what is not finite is found afterwards
+            yield
     except OSError as error:
         raise GazeboError(f"mesh {path} cannot be read: {error.strerror}") from None
     except GazeboError:
@@ -60,6 +64,14 @@ def _read(path: Path, _changed: int) -> list[MeshPart]:
     except Exception as error:  # noqa: BLE001 - damaged files have wrong things in any place
         reason = str(error) or type(error).__name__
         raise GazeboError(f"mesh {path} cannot be read: it is damaged ({reason})") from None
+
+
+@functools.lru_cache(maxsize=32)
+def _read(path: Path, _changed: int) -> list[MeshPart]:
+    readers = {".stl": _read_stl, ".obj": _read_obj, ".dae": _read_dae}
+    reader = readers.get(path.suffix.lower(), _read_by_trimesh)
+    with reading(path):
+        parts = [part for part in _bounded(reader(path), path) if len(part.triangles)]
     if not parts:
         raise GazeboError(f"mesh {path} holds no triangles")
     for part in parts:
@@ -161,7 +173,7 @@ def _read_obj(path: Path) -> Iterator[MeshPart]:
             groups.setdefault((name, material), []).append(face)
     points = np.array(vertices, dtype=np.float64).reshape(-1, 3)
     for (part, look), faces in groups.items():
-        yield _used(part, points, _fans(faces), colors.get(look))
+        yield used(part, points, _fans(faces), colors.get(look))
 
 
 def _read_mtl(path: Path) -> dict[str, tuple[float, ...]]:
@@ -178,7 +190,7 @@ def _read_mtl(path: Path) -> dict[str, tuple[float, ...]]:
     return found
 
 
-def _used(name: str, points: Array, triangles: NDArray[np.int64], color: tuple[float, ...] | None) -> MeshPart:
+def used(name: str, points: Array, triangles: NDArray[np.int64], color: tuple[float, ...] | None) -> MeshPart:
     """A part with only the vertices that its triangles name."""
     if len(triangles) and not 0 <= triangles.min() <= triangles.max() < len(points):
         raise ValueError(f"a triangle names a vertex that does not exist; there are {len(points)}")
@@ -189,7 +201,7 @@ def _used(name: str, points: Array, triangles: NDArray[np.int64], color: tuple[f
 # COLLADA ---------------------------------------------------------------------------------------------------------
 
 
-class _Collada:
+class Collada:
     """A COLLADA document. Its unit is honoured, its up axis is not: classic took coordinates as they are."""
 
     def __init__(self, path: Path) -> None:
@@ -205,12 +217,15 @@ class _Collada:
 
     @staticmethod
     def tag(element: Any) -> str:
+        """The name of an element."""
         return str(element.tag).rpartition("}")[2]
 
     def all(self, element: Any, name: str) -> list[Any]:
+        """The children of a name."""
         return [child for child in element if self.tag(child) == name]
 
     def deep(self, element: Any, name: str) -> Iterator[Any]:
+        """The element and all in it of a name."""
         return (child for child in element.iter() if self.tag(child) == name)
 
     def target(self, url: str | None) -> Any:
@@ -235,9 +250,15 @@ class _Collada:
             raise ValueError(f"{what} is missing")
         return found
 
-    def parts(self) -> Iterator[MeshPart]:
+    @property
+    def unit(self) -> float:
+        """The document's unit of length [m]."""
         unit = next(self.deep(self.root, "unit"), None)
-        scale = float(unit.get("meter", "1")) if unit is not None else 1.0
+        return float(unit.get("meter", "1")) if unit is not None else 1.0
+
+    def parts(self) -> Iterator[MeshPart]:
+        """The triangles of its scene."""
+        scale = self.unit
         scenes = list(self.deep(self.root, "visual_scene"))
         if not scenes:
             for geometry in self.deep(self.root, "geometry"):
@@ -246,6 +267,7 @@ class _Collada:
             yield from self.node(node, np.diag([scale, scale, scale, 1.0]))
 
     def node(self, node: Any, frame: Array) -> Iterator[MeshPart]:
+        """The triangles of a node and of all below it, in a frame."""
         self.nodes += 1
         if self.nodes > MOST_NODES:
             raise ValueError(f"its scene has more than {MOST_NODES} nodes")
@@ -254,39 +276,46 @@ class _Collada:
         for instance in self.all(node, "instance_geometry"):
             bound = {m.get("symbol"): m.get("target", "") for m in self.deep(instance, "instance_material")}
             yield from self.geometry(self.target(instance.get("url")), name, frame, bound)
+        for instance in self.all(node, "instance_controller"):
+            bound = {m.get("symbol"): m.get("target", "") for m in self.deep(instance, "instance_material")}
+            for skin in self.all(self.target(instance.get("url")), "skin"):
+                place = np.diag([self.unit] * 3 + [1.0]) @ self.bind_shape(skin)  # a node does not move its skin
+                yield from self.geometry(self.target(skin.get("source")), name, place, bound)
         for instance in self.all(node, "instance_node"):
             yield from self.node(self.target(instance.get("url")), frame)
         for child in self.all(node, "node"):
             yield from self.node(child, frame)
 
+    def bind_shape(self, skin: Any) -> Array:
+        """The transformation of a skin's mesh before bones move it."""
+        for matrix in self.all(skin, "bind_shape_matrix"):
+            return np.array([float(word) for word in (matrix.text or "").split()]).reshape(4, 4)
+        return np.eye(4)
+
+    def steps(self, node: Any) -> list[tuple[str, str, Array]]:
+        """A node's transformations in their order: (sid, kind, numbers)."""
+        return [
+            (child.get("sid", ""), self.tag(child), np.array([float(word) for word in (child.text or "").split()]))
+            for child in node
+            if self.tag(child) in ("matrix", "translate", "scale", "rotate")
+        ]
+
     def transform(self, node: Any) -> Array:
         """The product of a node's transformations, in their order."""
         result = np.eye(4)
-        for child in node:
-            kind, values = self.tag(child), child.text or ""
-            if kind not in ("matrix", "translate", "scale", "rotate"):
-                continue
-            numbers = np.array([float(word) for word in values.split()])
-            step = np.eye(4)
-            if kind == "matrix":
-                step = numbers.reshape(4, 4)
-            elif kind == "translate":
-                step[:3, 3] = numbers
-            elif kind == "scale":
-                step[[0, 1, 2], [0, 1, 2]] = numbers
-            else:
-                step[:3, :3] = _turn(numbers[:3], np.radians(numbers[3]))
-            result = result @ step
+        for _, kind, numbers in self.steps(node):
+            result = result @ step_matrix(kind, numbers)
         return result
 
     def geometry(self, geometry: Any, name: str, frame: Array, bound: dict[str, str]) -> Iterator[MeshPart]:
+        """The triangles of a geometry, by material."""
         for mesh in self.all(geometry, "mesh"):
             for kind in ("triangles", "polylist", "polygons"):
                 for group in self.all(mesh, kind):
                     points, triangles = self.primitive(group, kind)
                     points = points @ frame[:3, :3].T + frame[:3, 3]
                     color = self.color(bound.get(group.get("material"), ""))
-                    yield _used(name or geometry.get("name", ""), points, triangles, color)
+                    yield used(name or geometry.get("name", ""), points, triangles, color)
 
     def primitive(self, group: Any, kind: str) -> tuple[Array, NDArray[np.int64]]:
         """(positions, triangles) of one group of faces."""
@@ -321,6 +350,20 @@ class _Collada:
         return None
 
 
+def step_matrix(kind: str, numbers: Array) -> Array:
+    """The matrix of one transformation: matrix, translate, scale, or rotate with degrees; shape (4, 4)."""
+    step = np.eye(4)
+    if kind == "matrix":
+        step = numbers.reshape(4, 4)
+    elif kind == "translate":
+        step[:3, 3] = numbers
+    elif kind == "scale":
+        step[[0, 1, 2], [0, 1, 2]] = numbers
+    else:
+        step[:3, :3] = _turn(numbers[:3], np.radians(numbers[3]))
+    return step
+
+
 def _turn(axis: Array, angle: float) -> Array:
     """The rotation matrix about an axis of any length by an angle [rad] (Rodrigues' formula)."""
     x, y, z = axis / max(float(np.linalg.norm(axis)), 1e-12)
@@ -330,4 +373,4 @@ def _turn(axis: Array, angle: float) -> Array:
 
 
 def _read_dae(path: Path) -> Iterator[MeshPart]:
-    return _Collada(path).parts()
+    return Collada(path).parts()

@@ -51,6 +51,7 @@ SETTINGS = (
     "record_contacts",
     "record_motion",
     "exact_rest",
+    "surface_layer",
 )
 _POSE = struct.Struct("7d")
 _settings = attrgetter(*SETTINGS)

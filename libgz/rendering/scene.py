@@ -16,7 +16,7 @@ from libgz.geometry import GzColor, GzCoordPositionAdd, GzQuaternMul, rotate
 from libgz.physics.appearance import RENDER_TRANSPARENT, Backdrop
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom
+from libgz.physics.geoms import DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom, SkinGeom
 from libgz.rendering.context import open_context
 from libgz.rendering.overlay import overlay_lines
 from libgz.rendering.render_thread import RenderThread
@@ -166,8 +166,13 @@ class Scene:
             self._geoms = [geom for _, geom in sorted(engine.geoms.items())]
             self._geoms.sort(key=lambda geom: geom.body.number)
             self._looks = [geom.appearance for geom in self._geoms]
+            self._skins = [geom for geom in self._geoms if isinstance(geom, SkinGeom)]
             self._versions = None
         versions = [look.version for look in self._looks]
+        if self._skins:
+            for skin in self._skins:
+                skin.bend()
+            versions += [skin.bends for skin in self._skins]
         if versions != self._versions:
             self._versions = versions
             self._collect()
@@ -193,7 +198,7 @@ class Scene:
             for group in (*groups, *([geom] for geom in clear)):
                 if group:
                     casts = group[0] not in clear and group[0].appearance.cast_shadows
-                    key = tuple(n for g in group for n in (g.number, g.appearance.version))
+                    key = tuple(n for g in group for n in (g.number, g.appearance.version, getattr(g, "bends", 0)))
                     items.append(Item(tuple(group), owner.get(body, 0), key, group[0] in clear, casts))
                     bodies.append(body)
         self._content = Content(tuple(items))

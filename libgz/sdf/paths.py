@@ -30,8 +30,8 @@ def model_directories() -> list[Path]:
 
 
 def resource_directories() -> list[Path]:
-    """Folders of files: the current directory, GAZEBO_RESOURCE_PATH and added ones, and the usual folders in these."""
-    folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources]
+    """Folders of files: the current directory, GAZEBO_RESOURCE_PATH, added ones and libgz's, and the usual in these."""
+    folders = [*_listed("GAZEBO_RESOURCE_PATH"), *added_resources, BUILT_IN.parent]
     return [Path.cwd(), *(folder / sub for folder in folders for sub in MEDIA)]
 
 

@@ -15,12 +15,13 @@ from libgz.files import read_limited, xml_parser
 from libgz.sdf.description import UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.paths import find_model
+from libgz.sdf.unsimulated import warn_of_unsimulated
 from libgz.sdf.value import check
 
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
 DEEPEST_INCLUDE = 20
-UNIQUE = ("model", "light", "collision", "visual")  # whose names must differ; models check links and joints
+UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
     ("contact", "collision"),
@@ -98,6 +99,8 @@ class SdfFile:
         blocks = describe(self.version)
         self.root = self._element(xml, blocks["sdf"])
         self._check_names()
+        if not self._depth:
+            warn_of_unsimulated(self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description applies: the file's, or the nearest one, with a warning."""
@@ -178,10 +181,6 @@ class SdfFile:
             self._include(xml, parent, description.children["include"])
             return
         known = description.children.get(name) if description is not None and not description.open else None
-        if name == "actor" and known is None and parent.name in ("world", "sdf"):
-            self._warn(xml, "actors are not simulated; it has no effect")
-            parent.InsertElement(self._element(xml, None))
-            return
         if name == "frame" and known is None and description is not None and not description.open:
             self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
             return

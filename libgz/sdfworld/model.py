@@ -15,6 +15,7 @@ from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
+from libgz.sdfworld.gripper import SdfGripper
 from libgz.sdfworld.joint import Place, SdfJoint
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
@@ -45,6 +46,7 @@ class SdfModel(Entity):
         self.links: dict[str, Body] = {}
         self.nested: dict[str, SdfModel] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
+        self.grippers: dict[str, SdfGripper] = {}
         self.geom_names: dict[Geom, str] = {}
         self.visual_elements: dict[Geom, Element] = {}
         self._frame_in_canonical = GzPose()
@@ -80,6 +82,8 @@ class SdfModel(Entity):
         # Gears search for the hinges of the links they join.
         for element in sorted(self.sdf.named("joint"), key=lambda e: e.Get(str, "type") == "gearbox"):
             self._guard(element, self.add_joint, element)
+        for element in self.sdf.named("gripper"):
+            self._guard(element, self._add_gripper, element)
         for model in self.nested.values():
             model.build_joints()
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
@@ -144,6 +148,7 @@ class SdfModel(Entity):
         body.SetMassMatrix(given_mass(inertial.Get(float, "mass"), moments, inertial.Get(GzPose, "pose")))
         body.SetGravityMode(element.Get(bool, "gravity"))
         body.set_damping(*self._decay(element))
+        body.in_wind = self._in_wind(element)
         if element.Get(bool, "kinematic"):
             body.set_kinematic(True)
 
@@ -176,6 +181,11 @@ class SdfModel(Entity):
         if link.HasElement("self_collide"):
             return link.Get(bool, "self_collide")
         return self.sdf.Get(bool, "self_collide")
+
+    def _in_wind(self, link: Element) -> bool:
+        """Whether wind acts on a link; its own setting overrides the model's."""
+        holder = link if link.HasElement("enable_wind") else self.sdf
+        return holder.Get(bool, "enable_wind")
 
     @staticmethod
     def _decay(link: Element) -> tuple[float, float]:
@@ -287,6 +297,11 @@ class SdfModel(Entity):
                 body.set_auto_disable(False)
         return joint
 
+    def _add_gripper(self, element: Element) -> None:
+        if not self.static:
+            gripper = SdfGripper(self, element)
+            self.grippers[gripper.name] = gripper
+
     def remove_joint(self, name: str) -> bool:
         """Destroy a joint; false if there is none of this name."""
         joint = self.sdf_joints.pop(name, None)
@@ -296,11 +311,14 @@ class SdfModel(Entity):
         return True
 
     def MasterUpdate(self, step: float) -> None:
-        """Apply damping, springs, threads and gears of the joints."""
+        """Apply damping, springs, threads and gears of the joints; let grippers hold what they touch."""
         if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
                     joint.update()
+        if self.grippers and step > 0.0:
+            for gripper in self.grippers.values():
+                gripper.update()
 
     def MasterPlace(self) -> str:
         """``file:line: <tag>: `` of its element, for messages."""
@@ -309,11 +327,12 @@ class SdfModel(Entity):
     # State -------------------------------------------------------------------------------------------------------
 
     def SaveState(self) -> tuple[Any, ...]:
-        """Links that were added, joints, and where the frame is of a model without links."""
+        """Links that were added, joints, grippers, and where the frame is of a model without links."""
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
-        return frame, added, joints
+        grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
+        return frame, added, joints, grippers
 
     def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
         """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
@@ -326,7 +345,7 @@ class SdfModel(Entity):
 
     def LoadState(self, state: Sequence[Any]) -> None:
         """Take what SaveState returned: links and joints that came since go, those that went are made again."""
-        frame, added, joints = state
+        frame, added, joints, grippers = state
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())
@@ -341,6 +360,8 @@ class SdfModel(Entity):
             local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         load_joints(self.world, self.sdf_joints, joints or ())
+        for gripper, one in zip(self.grippers.values(), grippers or (), strict=False):
+            gripper.load(one)
 
     def MasterJoints(self) -> list[Joint]:
         """What ODE has of the joints of the file."""

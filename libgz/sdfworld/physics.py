@@ -75,6 +75,10 @@ def _set_correcting_velocity(world: World, value: float) -> None:
     world.engine.set_constraints(world.engine.erp, world.engine.cfm, value)
 
 
+def _set_surface_layer(world: World, value: float) -> None:
+    world.engine.surface_layer = value
+
+
 _SOLVER = ("ode", "solver")
 _CONSTRAINTS = ("ode", "constraints")
 
@@ -97,6 +101,9 @@ PHYSICS = {
         float,
         lambda world: world.engine.correcting_velocity,
         _set_correcting_velocity,
+    ),
+    "contact_surface_layer": Parameter(
+        (*_CONSTRAINTS, "contact_surface_layer"), float, lambda world: world.engine.surface_layer, _set_surface_layer
     ),
 }
 

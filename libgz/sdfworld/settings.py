@@ -1,4 +1,4 @@
-"""Settings of an SDF world: physics and its profiles, gravity, scene, magnetic field, place on Earth."""
+"""Settings of an SDF world: physics and its profiles, gravity, scene, air, magnetic field, place on Earth."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from libgz.errors import Diagnostics, ParameterError
 from libgz.geometry import GzVector
 from libgz.sdf.description import VERSIONS, describe
 from libgz.sdf.element import Element
+from libgz.sdfworld.air import Atmosphere, Wind, read_atmosphere, read_wind
 from libgz.sdfworld.physics import apply_physics
 from libgz.sdfworld.visual import apply_scene
 from libgz.simulation.world import World
@@ -19,7 +20,7 @@ __all__ = ["SdfSettings", "apply_settings", "default_settings"]
 class SdfSettings:
     """What a `<world>` says beside its entities."""
 
-    STATE = ("magnetic_field",)
+    STATE = ("magnetic_field", "wind", "atmosphere")
 
     element: Element  # the `<world>`
     physics: Element  # the profile that is applied
@@ -27,6 +28,8 @@ class SdfSettings:
     magnetic_field: GzVector = field(default_factory=lambda: GzVector(5.5645e-6, 22.8758e-6, -42.3884e-6))  # [T], now
     spherical_coordinates: Element | None = None
     scene: Element | None = None
+    wind: Wind = field(default_factory=Wind)
+    atmosphere: Atmosphere = field(default_factory=Atmosphere)
 
 
 def default_settings() -> SdfSettings:
@@ -53,6 +56,10 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
             settings.magnetic_field = holder.Get(GzVector, "magnetic_field")
     if element.HasElement("spherical_coordinates"):
         settings.spherical_coordinates = element.child("spherical_coordinates")
+    try:
+        settings.wind, settings.atmosphere = read_wind(element), read_atmosphere(element, diagnostics)
+    except ParameterError as error:
+        diagnostics.failure(next((e for e in element.children if e.name in ("wind", "atmosphere")), element), error)
     settings.scene = element.child("scene")
     apply_scene(world, settings.scene)
     try:

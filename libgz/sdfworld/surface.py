@@ -10,6 +10,7 @@ from libgz.geometry import GzVector
 from libgz.ode.types import Surface
 from libgz.physics.check import LARGEST, finite, finite_tuple
 from libgz.physics.geom import Geom
+from libgz.physics.geoms import CapsuleGeom, CylinderGeom, SphereGeom
 from libgz.sdf.element import Element
 
 __all__ = ["set_body_surface", "set_surface"]
@@ -46,8 +47,22 @@ def set_surface(geom: Geom, element: Element) -> None:
             Surface.PATCH_RADIUS: _size(torsional, "patch_radius"),
             Surface.RADIUS: _size(torsional, "surface_radius"),
         }
+    values |= _elasticity(geom, contact, values.get(Surface.RADIUS, 0.0))
     for column, value in values.items():
         geom.set_surface(column, float(value))
+
+
+def _elasticity(geom: Geom, contact: Element, radius: float) -> dict[int, float]:
+    """Of an `elastic_modulus`: the compliance, and the curvature of the surface, or else of a round shape."""
+    modulus, poisson = _size(contact, "elastic_modulus"), finite(contact.Get(float, "poissons_ratio"), "poissons_ratio")
+    if modulus <= 0.0:
+        return {}
+    if not -1.0 < poisson < 0.5 + 1e-9:
+        raise ParameterError(f"poissons_ratio is {poisson:g}; it must be between -1 and 0.5")
+    if radius <= 0.0 and isinstance(geom, SphereGeom | CylinderGeom | CapsuleGeom):
+        radius = geom.radius
+    curvature = 1.0 / radius if radius > 0.0 else 0.0
+    return {Surface.COMPLIANCE: (1.0 - poisson**2) / modulus, Surface.CURVATURE: curvature}
 
 
 def _size(element: Element, key: str) -> float:

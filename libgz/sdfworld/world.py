@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import zlib
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
 from libgz.geometry import GzPose
@@ -13,10 +16,12 @@ from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.checks import warn_of_contacts
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
+from libgz.sdfworld.population import populate
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
@@ -30,7 +35,9 @@ __all__ = ["SdfWorld"]
 log = logging.getLogger("libgz.simulation")
 
 BUILDER = "sdf"  # in the journal
-BUILT = ("model", "light")
+BUILT = ("model", "actor", "light")
+MODELS = {"model": SdfModel, "actor": SdfActor}
+POPULATION = (zlib.crc32(b"population"),)  # its random numbers are its own: equal seeds place equal models
 FAMILY = 1 << 16  # places of a model and those nested in it; more than that a file cannot have
 
 
@@ -104,7 +111,7 @@ class SdfWorld(Era):
         """
         self.take_over(file)
         root, diagnostics = file.root, file.diagnostics
-        if not any(child.name in ("world", "model", "light") for child in root.children):
+        if not any(child.name in ("world", *BUILT) for child in root.children):
             diagnostics.raise_errors()
             raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
         element = next(root.named("world"), None) or _world_around(root)
@@ -123,6 +130,9 @@ class SdfWorld(Era):
         self.settings = apply_settings(world, element, diagnostics)
         state = next(element.named("state"), None)
         built = [part for part in element.children if part.name in BUILT]
+        built += populate(
+            element, np.random.default_rng(np.random.SeedSequence(world.seed, spawn_key=POPULATION)), diagnostics
+        )
         document = Document(Source(BUILDER, 0, "", b""), [*built, element])
         self._documents.append(document)
         self._add(document, range(len(built)), diagnostics)
@@ -181,8 +191,8 @@ class SdfWorld(Era):
         for top in tops:
             element = document.elements[top]
             try:
-                if element.name == "model":
-                    model = SdfModel(self.world, element, diagnostics)
+                if element.name in MODELS:
+                    model = MODELS[element.name](self.world, element, diagnostics)
                     model.build(model_pose(element))
                     models.append(model)
                     self._register_family(model, document, top)

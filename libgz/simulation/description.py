@@ -29,6 +29,7 @@ from libgz.physics.geoms import (
     LightGeom,
     PlaneGeom,
     RayGeom,
+    SkinGeom,
     SphereGeom,
     TriMeshGeom,
     WheelGeom,
@@ -82,6 +83,13 @@ def _mesh(geom: TriMeshGeom, store: Store) -> dict[str, Any]:
     return {"data": store({name: array for name, array in arrays.items() if array is not None})}
 
 
+def _skin(geom: SkinGeom, store: Store) -> dict[str, Any]:
+    """The mesh as it is bent now, and what bends it."""
+    arrays = {"rest": geom.rest, "weights": geom.weights, "places": geom.places, "inverse_binds": geom.inverse_binds}
+    bones = {"bodies": [body.number for body in geom.bones], "data": store(arrays)}
+    return {**_mesh(geom, store), "bones": bones}
+
+
 def _heightfield(geom: HeightfieldGeom, store: Store) -> dict[str, Any]:
     return {"size": geom.size, "data": store({"heights": geom.heights})}
 
@@ -99,6 +107,7 @@ SHAPES: dict[type[Geom], tuple[str, Callable[[Any, Store], dict[str, Any]]]] = {
     CapsuleGeom: ("capsule", lambda geom, _: {"radius": geom.radius, "length": geom.length}),
     WheelGeom: ("wheel", lambda geom, _: {"radius": geom.radius, "tire_radius": geom.tire_radius}),
     PlaneGeom: ("plane", lambda geom, _: {"normal": geom.normal, "altitude": geom.altitude}),
+    SkinGeom: ("mesh", _skin),
     TriMeshGeom: ("mesh", _mesh),
     HeightfieldGeom: ("heightfield", _heightfield),
     RayGeom: ("ray", _ray),

@@ -13,6 +13,7 @@ import viser
 from numpy.typing import NDArray
 
 from libgz.errors import NotFoundError
+from libgz.physics.skeletons import matrix_turns
 from libgz.transport.observer import ObservedState
 from libgz.view.shapes import Form, Instance, Shapes, compose, extent_corners
 from libgz.view.source import Source
@@ -53,6 +54,23 @@ class _Batch:
     shown: tuple[NDArray[Any], NDArray[Any]] | None = None
 
 
+@dataclass
+class _Skin:
+    """A mesh that bones bend.
+
+    Attributes:
+        bones: the rows of the bodies that are its bones.
+        signature: what it is made from.
+    """
+
+    owner: int
+    shape: dict[str, Any]
+    bones: list[int]
+    signature: Any
+    handle: Any = None
+    shown: NDArray[Any] | None = None
+
+
 class SceneView:
     """Shows a scene.
 
@@ -73,6 +91,7 @@ class SceneView:
         self.shadows = True
         self._on_click = on_click
         self._batches: dict[Any, _Batch] = {}
+        self._skins: list[_Skin] = []
         self._leaving: list[Any] = []  # nodes that the next state replaces
         self._made = 0
         self._moving: tuple[NDArray[Any], ...] = ()
@@ -99,14 +118,20 @@ class SceneView:
 
     def _fill(self, bodies: list[tuple[dict[str, Any], dict[str, Any]]]) -> None:
         batches: dict[Any, _Batch] = {}
+        skins: list[_Skin] = []
         self.extents = {}
         for entity, body in bodies:
             for shape in body["shapes"]:
+                bent = "bones" in shape and not self.look.collisions
                 still = bool(entity["static"] or body["static"])
                 try:
                     found = list(self.shapes.instances(shape, self.look.collisions))
                 except NotFoundError:
                     continue  # the scene has changed meanwhile; the next one follows
+                if bent and found:
+                    skins.append(self._skin(entity, shape))
+                    self.extents.setdefault(entity["number"], []).extend((body["row"], one) for one in found)
+                    continue
                 for instance in found:
                     key = (instance.form.key, still, self.look)
                     batch = batches.setdefault(key, _Batch(instance.form))
@@ -123,7 +148,65 @@ class SceneView:
                 former.handle = None
         self._leaving += [old.handle for old in self._batches.values() if old.handle is not None]
         self._batches = batches
+        former_skins = {skin.shape["id"]: skin for skin in self._skins}
+        for skin in skins:
+            old = former_skins.get(skin.shape["id"])
+            if old is not None and old.signature == skin.signature:
+                skin.handle, skin.shown, old.handle = old.handle, old.shown, None
+        self._leaving += [skin.handle for skin in self._skins if skin.handle is not None]
+        self._skins = skins
         self._gather()
+
+    def _skin(self, entity: dict[str, Any], shape: dict[str, Any]) -> _Skin:
+        bones = [self.rows.get(body, -1) for body in shape["bones"]["bodies"]]
+        signature = shape["id"], shape["material"], len(bones), self.look
+        return _Skin(entity["number"], shape, bones, signature)
+
+    def _make_skin(self, skin: _Skin) -> None:
+        """Add the node of a skin, as its bones are bound to it."""
+        shape = skin.shape
+        arrays = self.source.data(shape["bones"]["data"])
+        places, weights = np.asarray(arrays["places"], dtype=int), np.asarray(arrays["weights"], dtype=float)
+        dense = np.zeros((len(weights), len(skin.bones)))
+        np.add.at(dense, (np.arange(len(weights))[:, None], places), weights)
+        binds = np.linalg.inv(np.asarray(arrays["inverse_binds"], dtype=float).reshape(-1, 4, 4))
+        red, green, blue = (round(255 * min(max(float(c), 0.0), 1.0)) for c in shape["material"]["diffuse"][:3])
+        self._made += 1
+        skin.handle = self.page.scene.add_mesh_skinned(
+            f"/world/{self._made}",
+            np.asarray(arrays["rest"], dtype=np.float32),
+            np.asarray(self.source.data(shape["data"])["triangles"], dtype=np.uint32),
+            bone_wxyzs=matrix_turns(binds),
+            bone_positions=binds[:, :3, 3],
+            skin_weights=dense,
+            color=(red, green, blue),
+            wireframe=self.look.wireframe,
+            side="double",
+        )
+        owner = skin.owner
+
+        def clicked(event: Any) -> None:
+            entity = self.entities.get(owner)
+            self._on_click("" if entity is None else entity["id"], event.client_id)
+
+        skin.handle.on_click(clicked)
+
+    def _move_skins(self, state: ObservedState) -> None:
+        for skin in self._skins:
+            rows = np.array(skin.bones, dtype=int)
+            if len(rows) == 0 or rows.min() < 0 or rows.max() >= len(state.bodies):
+                continue
+            if skin.handle is None:
+                try:
+                    self._make_skin(skin)
+                except NotFoundError:
+                    continue  # the scene has changed meanwhile; the next one follows
+            poses = np.array(state.bodies[rows, :7])
+            if skin.shown is not None and np.array_equal(poses, skin.shown):
+                continue
+            skin.shown = poses
+            for bone, pose in zip(skin.handle.bones, poses, strict=True):
+                bone.position, bone.wxyz = pose[:3], pose[3:]
 
     def _gather(self) -> None:
         """Put the poses of all instances into common arrays, so that a state moves all of them at once."""
@@ -309,6 +392,7 @@ class SceneView:
                 elif not np.array_equal(here[1], batch.shown[1]):
                     batch.handle.batched_wxyzs = here[1]
                 batch.shown = here
+            self._move_skins(state)
             self._move_lights(state)
 
     def _move_lights(self, state: ObservedState) -> None:
@@ -368,8 +452,12 @@ class SceneView:
         for batch in self._batches.values():
             if batch.handle is not None:
                 batch.handle.remove()
+        for skin in self._skins:
+            if skin.handle is not None:
+                skin.handle.remove()
         for handle, _, _ in self._lights:
             handle.remove()
+        self._skins = []
         self._batches, self._lights, self._light_signature, self._surroundings = {}, [], [], None
         self.shapes.clear()
 

@@ -37,6 +37,7 @@ NOT_MADE = {
     common.ConsoleFormatter: "a formatter of logging",
     common.ConsoleHandler: "a handler of logging",
     common.LogFormatter: "a formatter of logging",
+    common.SkeletonAnimation: "a view of an actor's, without setters",
     common.SystemPaths: "has no setters, and is one of the process",
 }
 

@@ -380,10 +380,10 @@ def test_profiles_are_created_used_and_suggested(view):
 
 def test_parameters_without_effect_are_kept_and_reported(view, caplog):
     engine = view.Physics()
-    assert engine.GetParam("contact_surface_layer") == 0.001
-    engine.SetParam("contact_surface_layer", 0.002)
-    assert engine.GetParam("contact_surface_layer") == 0.002
-    assert "contact_surface_layer is kept, and has no effect" in caplog.text
+    assert engine.GetParam("precon_iters") == 0
+    engine.SetParam("precon_iters", 2)
+    assert engine.GetParam("precon_iters") == 2
+    assert "precon_iters is kept, and has no effect" in caplog.text
     engine.SetParam("magnetic_field", Vector3d(1, 2, 3))
     assert view.MagneticField() == Vector3d(1, 2, 3)
 

@@ -328,6 +328,25 @@ def test_elements_of_one_kind_and_name_in_one_parent_are_a_warning():
     ]
 
 
-def test_actors_are_a_warning():
-    file = world("<actor name='a'><skin><filename>a.dae</filename></skin></actor>")
-    assert texts(file) == ["<string>:1: <actor>: actors are not simulated; it has no effect"]
+def test_what_is_not_simulated_is_one_warning_for_each_kind():
+    projector = "<projector name='p'><texture>x.png</texture></projector>"
+    camera = "<sensor name='{}' type='camera'><camera><distortion><k1>{}</k1></distortion></camera></sensor>"
+    wide = (
+        "<sensor name='w' type='wideanglecamera'/><sensor name='t' type='wireless_transmitter'><transceiver/></sensor>"
+    )
+    link = f"<link name='l'>{projector}{projector}{camera.format('a', -0.1)}{camera.format('b', 0)}{wide}</link>"
+    assert texts(world(f"<model name='m'>{link}</model>")) == [
+        "<string>:1: <projector>: projectors are not simulated: nothing is projected (1 more in this world)",
+        "<string>:1: <distortion>: images are rendered without it",
+        "<string>:1: <sensor>: type 'wideanglecamera' is not simulated; the sensor is left out",
+        "<string>:1: <sensor>: type 'wireless_transmitter' is not simulated; the sensor is left out",
+    ]
+
+
+def test_air_population_and_actors_are_part_of_all_versions():
+    parts = "<wind><linear_velocity>1 0 0</linear_velocity></wind><atmosphere type='adiabatic'/><actor name='a'/>"
+    population = "<population name='p'><model name='m'><link name='l'/></model><distribution/></population>"
+    for version in ("1.4", "1.5", "1.6"):
+        file = SdfFile.from_string(f"<sdf version='{version}'><world name='w'>{parts}{population}</world></sdf>")
+        assert not file.diagnostics.warnings
+        assert not file.diagnostics.errors

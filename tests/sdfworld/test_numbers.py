@@ -358,3 +358,40 @@ def test_what_sleeps_wakes_when_its_support_goes(load):
     made.SetModelPose(made.model("other"), GzPose(GzVector(9, 0, 0.5)))
     made.run(0.3)
     assert made.body("b5").GetPosition().z < 1.2
+
+
+ELASTIC = (
+    "<contact><elastic_modulus>{}</elastic_modulus><poissons_ratio>{}</poissons_ratio><ode><kd>500</kd></ode></contact>"
+)
+
+
+@pytest.mark.parametrize("form", ["native", "python"])
+@pytest.mark.parametrize(("below", "nu"), [(2e6, 0.3), (5e6, 0.45)])
+def test_an_elastic_ball_is_pressed_in_as_hertz_says(load, monkeypatch, form, below, nu):
+    """F = 4/3 E sqrt(R) d^1.5, with 1/E = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."""
+    if form == "python":
+        monkeypatch.setenv("LIBGZ_STEP", "python")
+    radius, mass, g = 0.5, 20.0, 9.81
+    ball = link("link", inertial(mass), collision("sphere", ELASTIC.format(1e6, 0.3)))
+    floor = model("floor", link("link", collision("<plane><normal>0 0 1</normal></plane>", ELASTIC.format(below, nu))))
+    floor = floor.replace("<pose>", "<static>true</static><pose>", 1)
+    made = load(world(floor, model("ball", ball, pose="0 0 0.5 0 0 0"), gravity=f"0 0 {-g}"))
+    made.run(3.0 if form == "native" else 1.5)
+    modulus = 1.0 / ((1 - 0.3**2) / 1e6 + (1 - nu**2) / below)
+    depth = (0.75 * mass * g / (modulus * math.sqrt(radius))) ** (2 / 3)
+    assert radius - made.body("ball").GetPose().pos.z == pytest.approx(depth, rel=1e-3)
+    assert depth > 1e-4
+
+
+def test_a_flat_punch_on_its_patch_and_rigid_surfaces(load):
+    """k = 2 E a for flat surfaces with a patch radius; without a modulus on both sides nothing changes."""
+    torsion = "<friction><torsional><patch_radius>0.3</patch_radius></torsional></friction>"
+    soft, plane = ELASTIC.format(1e5, 0.3), "<plane><normal>0 0 1</normal></plane>"
+    for surface, stiffness in ((soft, 4 * 2 * 0.3 / (2 * (1 - 0.09) / 1e5)), ("", math.inf)):
+        floor = model("floor", link("link", collision(plane, torsion + surface)))
+        floor = floor.replace("<pose>", "<static>true</static><pose>", 1)
+        box = link("link", inertial(10.0, (2, 2, 2)), collision("box", torsion + soft))
+        made = load(world(floor, model("box", box, pose="0 0 0.5 0 0 0")))
+        made.run(3.0)
+        depth = 10.0 * 9.8 / stiffness
+        assert 0.5 - made.body("box").GetPose().pos.z == pytest.approx(depth, rel=1e-3, abs=1e-5)

@@ -18,6 +18,7 @@ from libgz.classic.common.console import (
     gzwarn,
 )
 from libgz.classic.common.key_frame import KeyFrame, NumericKeyFrame, PoseKeyFrame
+from libgz.classic.common.skeleton_animation import SkeletonAnimation
 from libgz.classic.common.spherical_coordinates import SphericalCoordinates
 from libgz.classic.common.system_paths import SystemPaths
 from libgz.classic.common.time import Time
@@ -40,6 +41,7 @@ __all__ = [
     "NumericKeyFrame",
     "PoseAnimation",
     "PoseKeyFrame",
+    "SkeletonAnimation",
     "SphericalCoordinates",
     "SystemPaths",
     "Time",

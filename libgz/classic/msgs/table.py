@@ -18,6 +18,7 @@ ENUMS = {
     "Light.LightType": "POINT SPOT DIRECTIONAL",
     "Material.ShaderType": "VERTEX PIXEL NORMAL_MAP_OBJECT_SPACE NORMAL_MAP_TANGENT_SPACE",
     "Physics.Type": "ODE BULLET SIMBODY DART",
+    "Atmosphere.Type": "ADIABATIC",
     "SphericalCoordinates.SurfaceModel": "EARTH_WGS84",
     "Visual.Type": "ENTITY MODEL LINK VISUAL COLLISION SENSOR GUI PHYSICS",
 }
@@ -160,6 +161,8 @@ MESSAGES = {
         double sor, double cfm, double erp, double contact_max_correcting_vel, double contact_surface_layer,
         Vector3d gravity, bool enable_physics, double real_time_factor, double real_time_update_rate,
         double max_step_size, string profile_name, Vector3d magnetic_field""",
+    "Atmosphere": """Atmosphere.Type type = ADIABATIC, double temperature, double pressure, double mass_density,
+        bool enable_atmosphere""",
     "Wind": "Vector3d linear_velocity, bool enable_wind",
     # Control of the world and the server
     "Factory": """string sdf, string sdf_filename, Pose pose, string edit_name, string clone_model_name,

@@ -6,11 +6,14 @@ and SDF element, a Link whether it is kinematic, and a Collision its bitmask whi
 such as joint controllers, batteries and animations, is kept by its `libgz.classic.server.WorldServer`.
 """
 
+from libgz.classic.physics.actor import Actor, TrajectoryInfo
+from libgz.classic.physics.atmosphere import Atmosphere
 from libgz.classic.physics.base import Base, Entity
 from libgz.classic.physics.collision import Collision, FrictionPyramid, SurfaceParams
 from libgz.classic.physics.contact import Contact, JointWrench
 from libgz.classic.physics.contact_manager import ContactManager
 from libgz.classic.physics.engine import PhysicsEngine
+from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.inertial import Inertial
 from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.joint_controller import JointController
@@ -22,9 +25,12 @@ from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
 from libgz.classic.physics.registry import get_world, has_world, worlds
 from libgz.classic.physics.shape import BoxShape, CylinderShape, MeshShape, PlaneShape, Shape, SphereShape
 from libgz.classic.physics.state import WorldState
+from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world import World
 
 __all__ = [
+    "Actor",
+    "Atmosphere",
     "Base",
     "BoxShape",
     "Collision",
@@ -33,6 +39,7 @@ __all__ = [
     "CylinderShape",
     "Entity",
     "FrictionPyramid",
+    "Gripper",
     "Inertial",
     "Joint",
     "JointController",
@@ -49,6 +56,8 @@ __all__ = [
     "Shape",
     "SphereShape",
     "SurfaceParams",
+    "TrajectoryInfo",
+    "Wind",
     "World",
     "WorldState",
     "get_world",

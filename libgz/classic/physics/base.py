@@ -38,6 +38,7 @@ class Base:
     LIGHT: ClassVar[int] = 0x00000010
     VISUAL: ClassVar[int] = 0x00000020
     JOINT: ClassVar[int] = 0x00000040
+    ACTOR: ClassVar[int] = 0x00008000
     SHAPE: ClassVar[int] = 0x00010000
 
     entity_type: ClassVar[int] = 0

@@ -33,7 +33,6 @@ _numbers = itertools.count(1)
 PARAMETERS = ("type", "gravity", "magnetic_field", *PHYSICS)
 # Parameters of Gazebo's without effect here: the path of their element in <physics>, and their defaults.
 WITHOUT_EFFECT: dict[str, tuple[tuple[str, ...], Any]] = {
-    "contact_surface_layer": (("ode", "constraints"), 0.001),
     "island_threads": (("ode", "solver"), 0),
     "min_step_size": (("ode", "solver"), 0.0001),
     "precon_iters": (("ode", "solver"), 0),

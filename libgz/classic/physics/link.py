@@ -270,6 +270,24 @@ class Link(Entity):
         """Whether gravity acts on it."""
         return bool(self.body.GetGravityMode())
 
+    def SetWindMode(self, mode: bool) -> None:
+        """Put it into the wind, or out of it."""
+        self.body.in_wind = bool(mode)
+
+    def WindMode(self) -> bool:
+        """Whether it is in the wind."""
+        return self.body.in_wind
+
+    def WorldWindLinearVel(self) -> Vector3d:
+        """The wind that acts on it [m/s], in the world frame; zero if it is not in the wind, or wind is disabled."""
+        return self._world.Wind().at_link(self)
+
+    def RelativeWindLinearVel(self) -> Vector3d:
+        """The wind that acts on it [m/s], in its own frame."""
+        return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldWindLinearVel()))
+
+    SetWindEnabled = SetWindMode
+
     def SetKinematic(self, kinematic: bool) -> None:
         """Make it kinematic: moved by its velocity only, not by forces."""
         self.body.set_kinematic(kinematic)

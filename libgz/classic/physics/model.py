@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
+from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.shape import shape_of
@@ -349,6 +351,33 @@ class Model(Entity):
         for link in self.family_links():
             for geom in link.body.geoms:
                 shape_of(geom).SetScale(scale)
+
+    def SetWindMode(self, mode: bool) -> None:
+        """Put all its links into the wind, or out of it."""
+        for link in self.family_links():
+            link.SetWindMode(mode)
+
+    def WindMode(self) -> bool:
+        """Whether all its links are in the wind."""
+        links = list(self.family_links())
+        return bool(links) and all(link.WindMode() for link in links)
+
+    # Grippers ----------------------------------------------------------------------------------------------------
+
+    def GetGripperCount(self) -> int:
+        """The number of its grippers."""
+        return len(self._grippers())
+
+    def GetGripper(self, which: int | str) -> Gripper | Any:
+        """A gripper by index or name; None if there is none."""
+        found = self._grippers()
+        if isinstance(which, int):
+            return found[which] if 0 <= which < len(found) else None
+        return next((gripper for gripper in found if gripper.GetName() == which), None)
+
+    def _grippers(self) -> list[Gripper]:
+        cores = self.core.grippers.values() if isinstance(self.core, SdfModel) else ()
+        return [view_of(core, functools.partial(Gripper, self, core)) for core in cores]
 
     # Sensors and plugins -----------------------------------------------------------------------------------------
 

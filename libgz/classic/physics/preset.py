@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import NotFoundError, nearest
-from libgz.sdf.element import Element
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
 
@@ -13,14 +12,6 @@ if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
 __all__ = ["PresetManager"]
-
-SURFACE_LAYER = "contact_surface_layer"  # has no effect, but is kept
-
-
-def read_profile(element: Element) -> dict[str, Any]:
-    """The parameters of a `<physics>` element."""
-    constraints = element.child("ode").child("constraints")
-    return {**read_physics(element), SURFACE_LAYER: constraints.Get(float, SURFACE_LAYER)}
 
 
 class PresetManager:
@@ -34,7 +25,7 @@ class PresetManager:
         self._current = ""
         self._settings = world.core.extension(SdfWorld).settings
         for name, element in self._settings.profiles.items():
-            self._profiles[name] = read_profile(element)
+            self._profiles[name] = read_physics(element)
             if element is self._settings.physics:
                 self._current = name
 
@@ -72,7 +63,7 @@ class PresetManager:
     def CreateProfile(self, name: str) -> str:
         """Add a profile with the present parameters; returns its name."""
         physics = self._world.Physics()
-        self._profiles[name] = {key: physics.GetParam(key) for key in (*PHYSICS, SURFACE_LAYER)}
+        self._profiles[name] = {key: physics.GetParam(key) for key in PHYSICS}
         return name
 
     def RemoveProfile(self, name: str) -> None:

@@ -54,6 +54,9 @@ class WorldState:
                     link.body.SetAngularVel(known[2])
 
 
+MADE = ("model", "actor", "light", "population", "state")  # of what entities are made; they are written as they are now
+
+
 def world_text(world: World, folder: Path | None = None) -> str:
     """A world as an SDF document with the present poses.
 
@@ -68,7 +71,7 @@ def world_text(world: World, folder: Path | None = None) -> str:
     if sdf is None:
         raise WorldFileError(f"world {world.Name()!r} was not made from SDF")
     copy = upgraded(sdf, folder)
-    for element in [child for child in copy.children if child.name in ("model", "light", "state")]:
+    for element in [child for child in copy.children if child.name in MADE]:
         copy.RemoveChild(element)
     for part in (*world.Models(), *world.Lights()):
         own = part.GetSDF()

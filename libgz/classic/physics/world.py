@@ -15,6 +15,8 @@ import numpy as np
 
 from libgz.classic.common import SphericalCoordinates, Time
 from libgz.classic.math import Vector3d
+from libgz.classic.physics.actor import Actor
+from libgz.classic.physics.atmosphere import Atmosphere
 from libgz.classic.physics.base import Base, Entity, find_named, view_of
 from libgz.classic.physics.engine import PhysicsEngine
 from libgz.classic.physics.insertion import insert_document, insert_file, insert_text
@@ -24,11 +26,13 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.state import WorldState, save_world
+from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world_services import WorldServices
 from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzVector, VectorLike
 from libgz.physics.check import LARGEST, finite_tuple
 from libgz.sdf.element import Element
+from libgz.sdfworld.actor import SdfActor
 from libgz.sdfworld.light import SdfLight
 from libgz.sdfworld.model import SdfModel
 from libgz.sdfworld.world import SdfWorld
@@ -193,7 +197,8 @@ class World(Base):
 
     def view(self, core: CoreModel) -> Model:
         """The view on a model of the engine."""
-        return view_of(core, lambda: Model(self, core, self._parent_of(core)))
+        kind = Actor if isinstance(core, SdfActor) else Model
+        return view_of(core, lambda: kind(self, core, self._parent_of(core)))
 
     def _parent_of(self, core: CoreModel) -> Model | None:
         return self.view(core.parent) if isinstance(core.parent, SdfModel) else None
@@ -411,6 +416,30 @@ class World(Base):
             ParameterError: it is not three finite numbers.
         """
         self.core.extension(SdfWorld).settings.magnetic_field = GzVector(*finite_tuple(field, 3, "magnetic field [T]"))
+
+    def Wind(self) -> Wind:
+        """The wind."""
+        return view_of(self.core.extension(SdfWorld).settings.wind, lambda: Wind(self))
+
+    def WindEnabled(self) -> bool:
+        """Whether there is wind."""
+        return self.core.extension(SdfWorld).settings.wind.enabled
+
+    def SetWindEnabled(self, enable: bool) -> None:
+        """Enable or disable the wind."""
+        self.core.extension(SdfWorld).settings.wind.enabled = bool(enable)
+
+    def Atmosphere(self) -> Atmosphere:
+        """The air: temperature, pressure, density."""
+        return view_of(self.core.extension(SdfWorld).settings.atmosphere, lambda: Atmosphere(self))
+
+    def AtmosphereEnabled(self) -> bool:
+        """Whether the atmosphere is enabled."""
+        return self.core.extension(SdfWorld).settings.atmosphere.enabled
+
+    def SetAtmosphereEnabled(self, enable: bool) -> None:
+        """Enable or disable the atmosphere: a mark for plugins, which its numbers do not depend on."""
+        self.core.extension(SdfWorld).settings.atmosphere.enabled = bool(enable)
 
     def SphericalCoords(self) -> SphericalCoordinates:
         """The world's position and orientation on Earth, from its file."""

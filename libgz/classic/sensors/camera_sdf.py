@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import math
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 __all__ = ["CameraPlan", "image_message"]
-
-log = logging.getLogger("libgz.classic")
 
 C = TypeVar("C", bound=Camera)
 
@@ -80,13 +77,6 @@ class CameraPlan:
         if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
             distances = first(element.child("depth_camera"), "clip") or distances
         self.near, self.far = clip(distances, "near", "far")
-        for key in ("distortion", "lens"):
-            if element.HasElement(key) and self._matters(element.child(key)):
-                log.warning("%s: <%s>: images are rendered without it", element.child(key).where, key)
-
-    @staticmethod
-    def _matters(element: Element) -> bool:
-        return element.name != "distortion" or any(element.Get(float, key) for key in ("k1", "k2", "k3", "p1", "p2"))
 
     def make(self, world: World, name: str, kind: type[C]) -> C:
         """A camera of the given class."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 
 from libgz.classic.sensors.sensor import Sensor
+from libgz.sdf.unsimulated import ABSENT_SENSORS
 
 __all__ = ["ABSENT", "CLASSES", "KINDS", "ON_JOINTS", "sensor_class"]
 
@@ -29,8 +30,7 @@ KINDS = {
 }
 CLASSES = {target.partition(":")[2]: kind for kind, target in KINDS.items()}  # class -> type
 ON_JOINTS = ("force_torque",)  # all others are carried by links
-# Known to Gazebo, and not simulated here.
-ABSENT = ("rfid", "rfidtag", "wideanglecamera", "wireless_receiver", "wireless_transmitter")
+ABSENT = ABSENT_SENSORS  # known to Gazebo, and not simulated here
 
 
 def sensor_class(kind: str) -> type[Sensor]:

@@ -59,8 +59,7 @@ class WorldSensors:
         """Make the sensor of a `<sensor>`; None if its type is not simulated, or after an error, which is kept."""
         kind = element.Get(str, "type")
         if kind in ABSENT:
-            log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out", element.where, kind)
-            return None
+            return None  # a warning of the file
         try:
             if kind not in KINDS:
                 raise ParameterError(

@@ -11,7 +11,7 @@ from accessor_pairs import accessor_pairs
 
 import libgz
 from libgz.classic import physics, rendering, sensors
-from libgz.classic.math import Matrix3d, Pose3d
+from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.server import attach
 
 BALL = "<sphere><radius>0.5</radius></sphere>"
@@ -91,6 +91,8 @@ def camera(world):
 HOLDERS = {
     physics.World: lambda world: world,
     physics.Model: robot,
+    physics.Wind: lambda world: world.Wind(),
+    physics.Atmosphere: lambda world: world.Atmosphere(),
     physics.Link: base,
     physics.Collision: lambda world: base(world).GetCollision("box"),
     physics.Joint: lambda world: robot(world).GetJoint("hinge"),
@@ -154,6 +156,8 @@ VALUES: dict[type, dict[str, tuple]] = {
         **{f"Set{name}": (2.5, 3.0) for name in ("HighStop", "UpperLimit")},
     },
     physics.PhysicsEngine: {"SetParam": (30, 40)},
+    physics.Wind: {"SetParam": (Vector3d(1, 2, 3), Vector3d(0, 1, 0))},
+    physics.Atmosphere: {"SetParam": (290.0, 300.0)},
     physics.PresetManager: {
         "CurrentProfile": ("default_physics",),
         "SetCurrentProfileParam": (30, 40),
@@ -171,6 +175,8 @@ VALUES: dict[type, dict[str, tuple]] = {
 BEFORE: dict[type, dict[str, tuple]] = {
     physics.Joint: {"SetAttribute": ("fmax", 0), "SetParam": ("fmax", 0)},
     physics.PhysicsEngine: {"SetParam": ("iters",)},
+    physics.Wind: {"SetParam": ("linear_velocity",)},
+    physics.Atmosphere: {"SetParam": ("temperature",)},
     physics.PresetManager: {"SetCurrentProfileParam": ("iters",), "SetProfileParam": ("default_physics", "iters")},
 }
 # Arguments of getters, by name; elsewhere 0 for an int.
@@ -188,6 +194,8 @@ ARGUMENTS: dict[type, dict[str, tuple]] = {
     },
     physics.Joint: {"GetAttribute": ("fmax", 0), "GetParam": ("fmax", 0)},
     physics.PhysicsEngine: {"CreateJoint": ("revolute",), "CreateShape": ("ray",), "GetParam": ("iters",)},
+    physics.Wind: {"GetParam": ("linear_velocity",), "Param": ("linear_velocity",)},
+    physics.Atmosphere: {"GetParam": ("temperature",), "Param": ("temperature",)},
     physics.PresetManager: {"CreateProfile": ("made",), "ProfileParam": ("default_physics", "iters")},
     physics.ContactManager: {"CreateFilter": ("made", "robot::base::box"), "HasFilter": ("made",)},
     physics.WorldState: {"LinkPose": ("robot::base",)},
@@ -200,6 +208,7 @@ ARGUMENTS: dict[type, dict[str, tuple]] = {
 }
 # Methods that return a value and are not called here, with the reason.
 NOT_CALLED: dict[type, dict[str, str]] = {
+    physics.Wind: dict.fromkeys(("RelativeLinearVel", "WorldLinearVel"), "test_air.py calls them for links"),
     rendering.Visual: {"AttachMesh": "tests of rendering attach meshes"},
     rendering.Scene: {"GetModelVisualAt": "tests of rendering pick visuals"},
     rendering.Camera: {"SaveFrame": "there is no frame"},
@@ -215,6 +224,9 @@ NOT_HELD = {
     physics.MeshShape,  # it has no accessors of its own
     physics.Contact,  # dataclasses
     physics.JointWrench,
+    physics.TrajectoryInfo,
+    physics.Gripper,  # it has no setters
+    physics.Actor,  # a Model; test_actor.py has what it adds
 }
 INFINITE = {"Range": "a light without a <range>", "DepthData": "there is nothing to see"}
 # Names that types have in annotations of classes with a method of the type's own name.

@@ -1,0 +1,50 @@
+"""Elements that SDF knows and libgz does not simulate: one warning for each kind of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from libgz.errors import Diagnostics
+from libgz.sdf.element import Element
+
+__all__ = ["ABSENT_SENSORS", "warn_of_unsimulated"]
+
+# Types of sensors that Gazebo has.
+ABSENT_SENSORS = ("rfid", "rfidtag", "wideanglecamera", "wireless_receiver", "wireless_transmitter")
+PARTS = {
+    "audio": "sound is not simulated",
+    "audio_sink": "sound is not simulated",
+    "audio_source": "sound is not simulated",
+    "projector": "projectors are not simulated: nothing is projected",
+    "distortion": "images are rendered without it",
+    "lens": "images are rendered without it",
+}
+COEFFICIENTS = ("k1", "k2", "k3", "p1", "p2")
+
+
+def warn_of_unsimulated(root: Element, diagnostics: Diagnostics) -> None:
+    """Warn of all kinds, each at its first place, with the number of further ones."""
+    places: dict[str, list[Element]] = {}
+    for element, message in _found(root):
+        places.setdefault(message, []).append(element)
+    for message, elements in places.items():
+        more = f" ({len(elements) - 1} more in this world)" if len(elements) > 1 else ""
+        diagnostics.warn(elements[0], message + more)
+
+
+def _found(element: Element) -> Iterator[tuple[Element, str]]:
+    for child in element.children:
+        if child.name == "plugin":
+            continue
+        kind = child.Get(str, "type") if child.name == "sensor" else ""
+        if kind in ABSENT_SENSORS:
+            yield child, f"type {kind!r} is not simulated; the sensor is left out"
+        elif child.name in PARTS and _acts(child):
+            yield child, PARTS[child.name]
+        else:
+            yield from _found(child)
+
+
+def _acts(element: Element) -> bool:
+    """Whether an element would change anything."""
+    return element.name != "distortion" or any(element.Get(float, key) for key in COEFFICIENTS)

@@ -16,6 +16,7 @@ from libgz.errors import LibraryError
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
+from libgz.records import check_sizes
 
 __all__ = ["NativeStep", "native_path"]
 
@@ -78,6 +79,7 @@ class NativeStep:
         sizes = library.gz_step_context_size(), library.gz_parts_size()
         if sizes != (ctypes.sizeof(StepContext), ctypes.sizeof(Parts)):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+        check_sizes(library)
         names = []
         for name in library.gz_step_needs():
             if name is None:
@@ -141,6 +143,12 @@ class NativeStep:
 
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c caches no geoms."""
+
+    def updates(self) -> Callable[..., int]:
+        """The function that does rows; see `libgz.records`."""
+        function = self._shared["gz_updates_run"]
+        function.argtypes, function.restype = [c_void_p, c_int64, c_int64], c_int64
+        return function
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A prepared scan whose arguments were converted to C once; they keep the arrays alive."""

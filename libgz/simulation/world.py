@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import itertools
 import logging
 import sys
@@ -48,6 +49,7 @@ from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.state import undeclared
+from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -115,6 +117,7 @@ class World:
         era: how time is counted, and what a reset does.
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
+        rows: what the entities do in a step, for native code.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
 
@@ -174,7 +177,7 @@ class World:
         self.physics_enabled = True
         self.starts_paused = False
         self.facade: Any = None
-        self._updating: list[Entity] = []
+        self.rows = UpdateRows(self)
         self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
         self._fallen: set[int] = set()  # numbers of bodies that were reported
@@ -387,7 +390,6 @@ class World:
         self.entities.append(entity)
         if entity.is_model:
             self.models.append(entity)
-        self._updating.append(entity)
         if entity.follows:
             self.followers.append(entity)
         self._entities_changed()
@@ -399,6 +401,7 @@ class World:
         """Let an entity that was attached at run time, and without a joint, follow its parent."""
         if entity in self.entities and entity not in self.followers:
             self.followers.append(entity)
+            self.update_rows_changed()
 
     @exclusive
     def DeleteModel(self, model: Entity | str) -> None:
@@ -418,7 +421,7 @@ class World:
             entity.MasterFini(removed=True)
             for interface in self._interfaces_of(entity):  # that its Fini forgot
                 interface.destroy()
-        for kept in (self.entities, self.models, self._updating, self.followers):
+        for kept in (self.entities, self.models, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
         self._entities_changed()
         for companion in self.companions:
@@ -429,6 +432,7 @@ class World:
             entity.close()
 
     def _entities_changed(self) -> None:
+        self.update_rows_changed()
         if self._publication is not None:
             self._publication.changed = True
 
@@ -469,6 +473,7 @@ class World:
             PluginError: a model's Init failed.
         """
         self.clock.start()
+        self.update_rows_changed()
         add_running(self)
         self.gz_server.start()
         self.initialize(self.entities)
@@ -499,6 +504,7 @@ class World:
         if self.gz_server.shared is None:
             self.gz_server.shared = LocalTables()
         if self._publication is None:
+            self.update_rows_changed()
             self._publication = Publication(self, self.gz_server.shared)
             self._publication.publish(self._paused)
         return self.gz_server.shared
@@ -523,6 +529,7 @@ class World:
         self.clock.stop()
         remove_running(self)
         self._publication = None
+        self.rows.clear()
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
@@ -667,41 +674,130 @@ class World:
             raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
 
     def _step(self) -> None:
-        agenda, clock = self.agenda, self.clock
-        paused = self._read_buttons()
-        agenda.stepping = True
-        if paused:
-            self._update_entities(0.0)
-            clock.pause_time += self.engine.step_time
+        rows = self.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.native and not self._has_listeners() and self.physics_enabled:
+            self.engine.enter()
+            number = rows.run(0, rows.count)
+            if number < rows.count:
+                self._continue_natively(number)
+        elif self._read_buttons():
+            self._pause()
         else:
+            self.agenda.stepping = True
+            self._begin_step()
             self._advance()
-        if agenda.deferred:
-            agenda.act()
+            self._act()
+            self._end_step(paused=False)
+
+    def _has_listeners(self) -> bool:
+        """Whether something beside the entities has to do in a step."""
+        return bool(self.companions or self._begin or self._contact or self._end)
+
+    def _continue_natively(self, number: int) -> None:
+        """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
+        rows = self.rows
+        if number < rows.begin:
+            if number == 0 and self._read_buttons():
+                self._pause()
+                return
+            if rows.run(1, rows.begin) < rows.begin:
+                self._begin_step()
+            number = rows.begin
+        if number < rows.tail:
+            self.agenda.stepping = True
+            if number < rows.end:
+                self._run_rows(number, rows.end)
+                number = rows.end
+            self._run_own_rows(number, rows.tail)
+            self._act()
+            number = rows.tail
+            if not rows.valid:  # what changed may be the interface that the last rows write to
+                self._end_step(paused=False)
+                return
+        self._run_own_rows(number, rows.count)
+
+    def _run_own_rows(self, begin: int, end: int) -> None:
+        """Do rows of the world itself."""
+        rows = self.rows
+        number = rows.run(begin, end)
+        while number < end:
+            rows.line(number).twin(self.engine.step_time)
+            number = rows.run(number + 1, end)
+
+    def _build_rows(self) -> None:
+        """Describe a step as rows, and find out which entities have something to do in it."""
+        buttons, times = Exchange(self.sim), Exchange(self.sim)
+        if self.sim.link.memory:
+            for name in ("pause", "reset", "save"):
+                buttons.expect(name, ctypes.c_int64(0))
+            times.doubles("sim_time", (self.clock, "sim_time"))
+            times.doubles("pause_time", (self.clock, "pause_time"))
+            times.real_time("real_time")
+        with self.rows.building() as rows:
+            rows.share(lambda _: None, buttons)
+            rows.begin_step(FALL_PERIOD, self.era.counts_at_start)
+            rows.entities()
+            rows.advance(lambda _: self.engine.finish())
+            if self.followers:
+                rows.python(lambda _: self._follow())
+            rows.end_physics()
+            rows.share(lambda _: self._write_times(), times)
+            if self._publication is not None:
+                publication = self._publication
+                rows.publish(lambda _: publication.publish(paused=False), publication.record)
+            rows.post(lambda _: self.gz_server.post())
+
+    def _pause(self) -> None:
+        """What a step does while the world is paused."""
+        self.agenda.stepping = True
+        self._update_entities(0.0)
+        self.clock.pause_time += self.engine.step_time
+        self._act()
+        self._end_step(paused=True)
+
+    def _act(self) -> None:
+        """Make the changes that were deferred to the end of the updates and of physics."""
+        if self.agenda.deferred:
+            self.agenda.act()
+        self.agenda.stepping = False
+
+    def _end_step(self, paused: bool) -> None:
+        """Update companions, and let others know of the step."""
+        agenda = self.agenda
         agenda.stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
         if agenda.deferred:
             agenda.act()
-        if self.sim.lock():
-            data = self.sim.data
-            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
-            self.sim.unlock()
+        self._write_times()
         if self._publication is not None:
             self._publication.publish(paused)
         self.gz_server.post()
 
-    def _advance(self) -> None:
-        """Advance everything by one step of sim time, and signal the events of a step."""
-        engine, clock, step = self.engine, self.clock, self.engine.step_time
+    def _write_times(self) -> None:
+        clock = self.clock
+        if self.sim.lock():
+            data = self.sim.data
+            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
+            self.sim.unlock()
+
+    def _begin_step(self) -> None:
+        """Count the step, and look for bodies that fell out of the world now and then."""
+        engine, clock = self.engine, self.clock
         clock.iterations += 1
         if not clock.iterations % FALL_PERIOD and engine.lowest < LOWEST:
             self._report_fallen()
-        at_start = self.era.counts_at_start
-        clock.sim_time += step if at_start else 0.0
+        clock.sim_time += engine.step_time if self.era.counts_at_start else 0.0
+
+    def _advance(self) -> None:
+        """Advance everything by one step of sim time, and signal the events of a step."""
+        engine, clock, step = self.engine, self.clock, self.engine.step_time
         if self._begin:
             self._begin(self._update_info())
         self._update_entities(step)
-        clock.sim_time += 0.0 if at_start else step
+        clock.sim_time += 0.0 if self.era.counts_at_start else step
         for companion in self.companions:
             companion.update()
         if self._contact and self.physics_enabled:
@@ -710,13 +806,17 @@ class World:
             engine.solve()
         elif self.physics_enabled:
             engine.advance()
+        self._follow()
+        if self._end:
+            self._end()
+
+    def _follow(self) -> None:
+        """Move the entities that follow their parents without a joint."""
         try:
             for entity in self.followers:
                 entity.follow()
         except ParameterError as error:
             raise GazeboError(f"{entity.MasterPlace()}{error}") from error
-        if self._end:
-            self._end()
 
     def _report_fallen(self) -> None:
         """Warn once of each body that has fallen out of the world."""
@@ -752,28 +852,62 @@ class World:
 
     def _update_entities(self, step: float) -> None:
         """Update all entities in order. One that raises is reported and stopped; the others are still updated."""
-        failed = False
-        for entity in self._updating:
-            try:
-                entity.MasterUpdate(step)
-            except USER_ERRORS as error:
-                pass_interrupt(error)
-                failed = True
-                entity.failed = error
-                note(f"model {entity.GetId()!r}", "its Update", error)
-                log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s",
-                    entity.GetId(),
-                    own_traceback(error),
-                    extra=NOTED,
-                )
-        if failed:
-            for entity in self._updating:
-                if isinstance(entity.failed, BaseException):  # a subclass may mean something else by it
-                    entity.motors_off()
-                    for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
-                        interface.unlock()
-            self.find_updated()
+        rows = self.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.native and step > 0.0:
+            self.engine.enter()
+            self._run_rows(rows.begin, rows.end)
+            return
+        for entity in rows.updating:
+            self._call(entity, entity.MasterUpdate, step)
+        if not rows.valid:
+            self._stop_failed(rows.updating)
+
+    def _run_rows(self, begin: int, end: int) -> None:
+        """Do rows of the entities; those that the native code cannot do, by their twins in Python."""
+        rows, step = self.rows, self.engine.step_time
+        number = rows.run(begin, end)
+        while number < end:
+            entity, twin = rows.line(number)
+            if not rows.valid and entity not in self.entities:
+                number = rows.end_of(entity)  # it was removed meanwhile
+                continue
+            done = self._call(entity, twin, step)
+            number = rows.run(number + 1 if done else rows.end_of(entity), end)
+        if not rows.valid:
+            self._stop_failed(rows.updating)
+
+    @staticmethod
+    def _call(entity: Entity, update: Callable[[float], object], step: float) -> bool:
+        """Call the update of an entity, or a part of it; whether that succeeded. If not, it is not updated any more."""
+        try:
+            update(step)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            entity.failed = error
+            entity.world.update_rows_changed()
+            note(f"model {entity.GetId()!r}", "its Update", error)
+            log.error(
+                "model %r stopped, its motors off: its Update failed with\n%s",
+                entity.GetId(),
+                own_traceback(error),
+                extra=NOTED,
+            )
+            return False
+        return True
+
+    def _stop_failed(self, entities: Iterable[Entity]) -> None:
+        """Switch off the motors of those whose update has just failed."""
+        for entity in entities:
+            if isinstance(entity.failed, BaseException):  # a subclass may mean something else by it
+                entity.motors_off()
+                for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
+                    interface.unlock()
+
+    def update_rows_changed(self) -> None:
+        """Build the rows again before the next step; called after a change of what `MasterRows` depends on."""
+        self.rows.valid = False
 
     # State -----------------------------------------------------------------------------------------------------------
 
@@ -939,10 +1073,6 @@ class World:
         self._numbers += 1
         return self._numbers
 
-    def find_updated(self) -> None:
-        """Update from now on all entities but those whose update has failed."""
-        self._updating = [e for e in self.entities if not isinstance(e.failed, BaseException)]
-
     # Changes ---------------------------------------------------------------------------------------------------------
 
     def after_step(self, action: Callable[[], object]) -> None:
@@ -1024,5 +1154,5 @@ def _of_kind(found: E, kind: type[Any], what: str) -> E:
     return found
 
 
-names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")
+names(World._call, lambda values: f"Update of model {values['entity'].GetId()!r}")
 names(World.Step, lambda _: "", outermost=True)

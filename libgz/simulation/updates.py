@@ -116,6 +116,7 @@ class _Line(NamedTuple):
 
     entity: Any
     twin: Twin
+    rate: Any = None  # of a row that is about one
 
 
 class Exchange:
@@ -167,8 +168,9 @@ class Exchange:
         """Write ranges, none larger than a limit [m]."""
         self._add(What.NEAREST, self._place(name), ranges, len(ranges), 8, limit)
 
-    def readings(self, name: str, scanner: ScannerRecord, count: int) -> None:
-        """Write the readings of a scanner."""
+    def readings(self, name: str, scanner: ScannerRecord, count: int, *kept: object) -> None:
+        """Write the readings of a scanner, which points into what is `kept`."""
+        self.kept.append(kept)
         self._add(What.READINGS, self._place(name), scanner, count, 8)
 
     def _is_double(self, name: str) -> bool:
@@ -230,7 +232,8 @@ class UpdateRows:
         self._rows: list[Row] = []
         self._lines: list[_Line] = []
         self._kept: list[object] = []
-        self._ends: dict[int, int] = {}  # the row after the last one of each entity
+        self._starts: dict[int, int] = {}  # the first row of each entity that has one
+        self._ends: dict[int, int] = {}  # the row after its last one
         self.updating = []
         self.begin = self.end = self.tail = self.count = 0
 
@@ -249,6 +252,7 @@ class UpdateRows:
     def due(self, rate: UpdateRate) -> Iterator[None]:
         """The rows that are added inside are done only when a rate is due."""
         self._add(Kind.DUE, rate, _nothing)
+        self._lines[-1] = self._lines[-1]._replace(rate=rate)
         head = self._rows[-1]
         yield
         head.jump = len(self._rows)
@@ -412,7 +416,7 @@ class UpdateRows:
             entity.MasterRows(self)
             if len(self._rows) > start:
                 self.updating.append(entity)
-                self._ends[id(entity)] = len(self._rows)
+                self._starts[id(entity)], self._ends[id(entity)] = start, len(self._rows)
         self._entity = None
         self.end = len(self._rows)
 
@@ -444,9 +448,26 @@ class UpdateRows:
         """Whose a row is, and how Python does it."""
         return self._lines[number]
 
+    def next_in_python(self, number: int) -> int:
+        """The row after one, where Python does all: what is not due is left out."""
+        number += 1
+        while number < self.end and self._rows[number].kind == Kind.DUE:
+            row = self._rows[number]
+            due = self._lines[number].rate.due(self.world.clock.sim_time)
+            number = number + 1 if due else row.jump
+        return number
+
     def end_of(self, entity: Updated) -> int:
         """The number of the row after the last one of an entity."""
         return self._ends[id(entity)]
+
+    def after(self, entity: Updated) -> list[Any]:
+        """The entities that are updated after one."""
+        return self.updating[self.updating.index(entity) + 1 :]
+
+    def first_of(self, entities: Sequence[Updated]) -> int:
+        """The number of the first row of those of the entities that have rows."""
+        return next((self._starts[id(entity)] for entity in entities if id(entity) in self._starts), self.end)
 
 
 def _what_runs(values: Mapping[str, Any]) -> str:

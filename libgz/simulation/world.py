@@ -708,7 +708,7 @@ class World:
         if number < rows.tail:
             self.agenda.stepping = True
             if number < rows.end:
-                self._run_rows(number, rows.end)
+                self._run_rows(number)
                 number = rows.end
             self._run_own_rows(number, rows.tail)
             self._act()
@@ -857,26 +857,34 @@ class World:
             self._build_rows()
         if rows.native and step > 0.0:
             self.engine.enter()
-            self._run_rows(rows.begin, rows.end)
+            self._run_rows(rows.begin)
             return
+        failed = []
         for entity in rows.updating:
-            self._call(entity, entity.MasterUpdate, step)
-        if not rows.valid:
-            self._stop_failed(rows.updating)
+            present = rows.valid or entity in self.entities
+            if present and not self._call(entity, entity.MasterUpdate, step):
+                failed.append(entity)
+        self._stop_failed(failed)
 
-    def _run_rows(self, begin: int, end: int) -> None:
-        """Do rows of the entities; those that the native code cannot do, by their twins in Python."""
-        rows, step = self.rows, self.engine.step_time
-        number = rows.run(begin, end)
-        while number < end:
-            entity, twin = rows.line(number)
-            if not rows.valid and entity not in self.entities:
-                number = rows.end_of(entity)  # it was removed meanwhile
-                continue
+    def _run_rows(self, number: int) -> None:
+        """Do rows of the entities from one on; those that the native code cannot do, by their twins in Python."""
+        rows, step, failed = self.rows, self.engine.step_time, []
+        number = rows.run(number, rows.end)
+        while number < rows.end:
+            entity, twin, _ = rows.line(number)
             done = self._call(entity, twin, step)
-            number = rows.run(number + 1 if done else rows.end_of(entity), end)
-        if not rows.valid:
-            self._stop_failed(rows.updating)
+            if rows.valid:
+                number = rows.run(number + 1, rows.end)
+                continue
+            # What rows depend on has changed: Python does what is left of this entity, and new rows are for the others.
+            while done and (number := rows.next_in_python(number)) < rows.end_of(entity):
+                done = self._call(entity, rows.line(number).twin, step)
+            if not done:
+                failed.append(entity)
+            following = rows.after(entity)
+            self._build_rows()
+            number = rows.run(rows.first_of(following), rows.end)
+        self._stop_failed(failed)
 
     @staticmethod
     def _call(entity: Entity, update: Callable[[float], object], step: float) -> bool:
@@ -900,10 +908,9 @@ class World:
     def _stop_failed(self, entities: Iterable[Entity]) -> None:
         """Switch off the motors of those whose update has just failed."""
         for entity in entities:
-            if isinstance(entity.failed, BaseException):  # a subclass may mean something else by it
-                entity.motors_off()
-                for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
-                    interface.unlock()
+            entity.motors_off()
+            for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
+                interface.unlock()
 
     def update_rows_changed(self) -> None:
         """Build the rows again before the next step; called after a change of what `MasterRows` depends on."""

@@ -81,7 +81,7 @@ class CarChassis(MobileRobot):
         """Odometry."""
         self.odometry.publish(data)
 
-    def run(self, speed: float, angle: float) -> None:  # type: ignore[override]
+    def run(self, speed: float, angle: float) -> None:
         """Run the rear wheels at a speed [m/s], and steer to an angle [rad]."""
         self._steering[0] = clamp(angle, STEERING_STOP)
         for wheel in self.rear:

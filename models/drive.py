@@ -167,7 +167,7 @@ class DifferentialRobot(MobileRobot):
         self.odometry.share(exchange)
         return True
 
-    def run(self, speed: float, turn: float) -> None:  # type: ignore[override]
+    def run(self, speed: float, turn: float) -> None:
         """Drive at a speed [m/s] and a turn [rad/s]."""
         self.wheels.run(speed, turn)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
@@ -50,6 +50,8 @@ class MobileRobot(Model):
 
     ROW_PARTS = Model.ROW_PARTS | {"rate", "position", "devices", "measure", "publish", "drive", "act"}
 
+    _driven: tuple[float, ...] | None  # the command that the motors were last set to
+
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     interfaces: ClassVar[tuple[str, ...]] = ("position",)
@@ -75,7 +77,7 @@ class MobileRobot(Model):
             self._driven = wanted
             self.run(*wanted)
 
-    def run(self, *wanted: float) -> None:
+    def run(self, *wanted: Any, **_options: Any) -> None:
         """Drive as a command, in the order of `commands`, requests; called when it changed."""
 
     def act(self, step: float) -> None:
@@ -86,7 +88,7 @@ class MobileRobot(Model):
         self.rate = UpdateRate(self.values.updateRate)
         self.position = PositionServer(self, self.commands)
         self.devices: list[Device] = []
-        self._driven: tuple[float, ...] | None = None  # the command that the motors were last set to
+        self._driven = None
         self.build()
 
     @property

@@ -311,7 +311,8 @@ class Joint:
     @property
     def setter(self) -> int:
         """The address of ODE's function that sets a parameter, for native updates."""
-        return ctypes.cast(self._set_param, ctypes.c_void_p).value or 0
+        function: Any = self._set_param
+        return ctypes.cast(function, ctypes.c_void_p).value or 0
 
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""

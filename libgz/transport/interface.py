@@ -569,7 +569,7 @@ class Interface(Generic[D]):
         """Let native updates exchange numbers with the memory; until `_unmap`, which they notice."""
         link, memory = self.link, segment.memory
         places = commands_of(self.layout)
-        self._spans = (SpanRecord * len(places))(*((p.start, p.stop - p.start, text) for p, text in places))
+        self._spans = (SpanRecord * len(places))(*(SpanRecord(p.start, p.stop - p.start, text) for p, text in places))
         size = sum(span.size for span in self._spans)
         self._kept, self._found = bytearray(size), ctypes.create_string_buffer(size)
         link.kept = ctypes.addressof(ctypes.c_char.from_buffer(self._kept)) if size else None

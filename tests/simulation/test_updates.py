@@ -3,7 +3,9 @@
 import fcntl
 import math
 import random
+import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -36,12 +38,19 @@ ROBOTS = (
     "<model:CarChassis><id>car</id><xyz>5 6 0</xyz></model:CarChassis>",
     "<model:Blimp><id>blimp</id><xyz>9 6 10</xyz></model:Blimp>",
     "<model:Bandit><id>bandit</id><xyz>9 0 0.8</xyz></model:Bandit>",
-    "<model:SimpleSolid><id>post</id><xyz>1.5 0.2 0.5</xyz><shape>box</shape><size>0.2 0.2 1</size></model:SimpleSolid>",
+    "<model:SimpleSolid><id>post</id><xyz>1.5 0.2 0.5</xyz><size>0.2 0.2 1</size></model:SimpleSolid>",
+    "<model:Pioneer2AT><id>old</id><xyz>0 -4 0</xyz><model:Pioneer2Sonars><id>ring</id></model:Pioneer2Sonars>"
+    "<model:WiFi><id>w1</id></model:WiFi></model:Pioneer2AT><model:WiFi><id>w2</id><xyz>0 -6 1</xyz></model:WiFi>",
     "<model:SimpleSolid><id>mark</id><xyz>3.4 0 0.5</xyz><shape>box</shape><size>0.2 1 1</size>"
     "<fiducial>7</fiducial><retro>1</retro></model:SimpleSolid>",
 )
+NEW = f"<model:Pioneer2AT><id>new</id><xyz>-3 0 0</xyz>{SICK.format('l9', 0.311, 20)}</model:Pioneer2AT>"
 WORLD = f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS)}</gz:world>"
 DRIVEN = ("at", "dx", "people", "b21r", "atrv", "roomba", "segway", "clod", "raw", "shrimp", "chair", "car", "blimp")
+
+
+def pose_at(x, y, z):
+    return libgz.GzPose(libgz.GzVector(x, y, z), libgz.GzQuatern(1, 0, 0, 0))
 
 
 @contextmanager
@@ -90,7 +99,7 @@ def kinds(world):
 def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
     rng = random.Random(5)
     with pair(WORLD) as worlds:
-        states = []
+        states, seen = [], set()
         for step in range(520):
             if rng.random() < 0.08:
                 name, values = rng.choice(DRIVEN), [rng.uniform(-0.5, 0.5) for _ in range(2)]
@@ -107,6 +116,14 @@ def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
             if rng.random() < 0.02:
                 scan = (-rng.uniform(0.1, 2.0), rng.uniform(0.1, 2.0), rng.uniform(1.0, 9.0), rng.randrange(1, 400))
                 together(worlds, lambda world, scan=scan: world.interface("laser", "l1").configure(*scan))
+            if rng.random() < 0.05:
+                angles = [rng.choice((rng.uniform(-1, 1), math.nan)) for _ in range(11)]
+
+                def bend(world, angles=angles):
+                    for joint, angle in zip(world.interface("joint", "bandit").data.joints, angles, strict=False):
+                        joint.cmd_angle = joint.cmd_angle2 = angle
+
+                together(worlds, bend)
             if step % 97 == 50:
                 pose = libgz.GzPose(
                     libgz.GzVector(rng.uniform(-1, 1), rng.uniform(-1, 1), 0.2), libgz.GzQuatern(1, 0, 0, 0)
@@ -120,6 +137,7 @@ def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
                 together(worlds, lambda world: setattr(world.sim.data, "reset", 1))
             together(worlds, lambda world: world.step())
             compare(worlds)
+            seen.update(worlds[0].interface("laser", "l2").intensities.tolist())
             if step % 100 == 37:
                 states.append([world.get_state() for world in worlds])
                 assert states[-1][0] == states[-1][1]
@@ -130,8 +148,7 @@ def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
             together(worlds, lambda world: world.step())
             compare(worlds)
         assert native.get_state() == twin.get_state()
-        assert max(native.interface("laser", "l2").intensities) == 1, "no laser detects the reflector"
-        assert native.interface("fiducial", "l2").data.fid_count >= 1
+        assert seen == {0, 1}, "no laser detects the reflector, or one always does"
 
 
 def test_the_rows_of_a_robot_are_native():
@@ -263,7 +280,7 @@ class Meddler(Model):
         if count == 11:
             self.world.model("at").rate = libgz.UpdateRate(31.0)
         if count == 20:
-            self.world.model("at").SetPose(libgz.GzPose(libgz.GzVector(0.5, 0.5, 0.1), libgz.GzQuatern(1, 0, 0, 0)))
+            self.world.model("at").SetPose(pose_at(0.5, 0.5, 0.1))
         if count == 31:
             self.world.DeleteModel("dx")
         if count == 40:
@@ -307,7 +324,7 @@ def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire)
         together(worlds, lambda world: world.step(3))
 
         def file_of(world, name):
-            return open(f"{world.gz_server.path}/{name}", "r+b", buffering=0)
+            return Path(f"{world.gz_server.path}/{name}").open("r+b", buffering=0)
 
         held = []
         for step in range(150):
@@ -328,7 +345,9 @@ def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire)
                         file.write(b"\xff" * 152)
             if step == 100:
                 together(worlds, lambda world: world.interface("position", "at").command(vx=0.2))
-            if step == 110:
+            if step == 105:
+                time.sleep(0.06)  # after that commands are kept, with the next exchange
+            if step == 117:
                 for world in worlds:
                     with file_of(world, "position.at") as file:
                         file.write(b"\xff" * 312)
@@ -352,7 +371,7 @@ def test_other_processes_see_every_step_of_a_native_world(wire):
                 assert observer.pose("at").pos == world.model("at").GetPose().pos
                 assert observer.state().sim_time == world.GetSimTime() == client.sim().data.sim_time
             assert world.model("at").position.command == (0.4, 0.0)
-            world.model("at").SetPose(libgz.GzPose(libgz.GzVector(3, 0, 0.1), libgz.GzQuatern(1, 0, 0, 0)))
+            world.model("at").SetPose(pose_at(3, 0, 0.1))
             world.step()
             assert observer.pose("at").pos == world.model("at").GetPose().pos
 

@@ -64,7 +64,7 @@ class Kind(IntEnum):
 
 
 class What(IntEnum):
-    """What a transfer is: conditions, then numbers that are written."""
+    """What a transfer is: conditions, then numbers that are written or read."""
 
     REQUIRE = 0
     EXPECT_INT = 1
@@ -76,6 +76,8 @@ class What(IntEnum):
     DOUBLES = 7
     NEAREST = 8
     READINGS = 9
+    STORE = 10
+    FETCH = 11
 
 
 @cache
@@ -284,6 +286,7 @@ class TransferRecord(ctypes.Structure):
         ("stride", c_int64),
         ("source", c_void_p),
         ("limit", c_double),
+        ("type", c_int64),
     ]
 
 

@@ -365,15 +365,16 @@ static int hits_marked(const tables *t, const cast *c)
 
 /* What is exchanged with an interface. First come the conditions: where one is not met, Python does the row. */
 /* What in records.py. */
-enum { REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS };
+enum { REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH };
 
 typedef struct {
     int64_t what;
     int64_t offset; /* in the interface's memory */
     int64_t count;
     int64_t stride; /* in the interface's memory [byte] */
-    const void *source;
+    void *source;
     double limit;
+    int64_t type; /* of what is stored or fetched, as numpy's letters: d f i I H B */
 } transfer;
 
 typedef struct {
@@ -381,6 +382,26 @@ typedef struct {
     const transfer *transfers;
     int64_t count;
 } share;
+
+/* Numbers of any type as doubles. */
+#define TYPES(X) X('d', double) X('f', float) X('i', int32_t) X('I', uint32_t) X('H', uint16_t) X('B', uint8_t)
+
+static void store(int64_t type, char *to, double value)
+{
+#define STORE_AS(letter, kind) case letter: { kind number = (kind)value; memcpy(to, &number, sizeof number); break; }
+    switch (type) {
+        TYPES(STORE_AS)
+    }
+}
+
+static double fetch(int64_t type, const char *from)
+{
+#define FETCH_AS(letter, kind) case letter: { kind number; memcpy(&number, from, sizeof number); return (double)number; }
+    switch (type) {
+        TYPES(FETCH_AS)
+    }
+    return 0.0;
+}
 
 static int is_met(const tables *t, const transfer *x, const char *memory)
 {
@@ -401,7 +422,7 @@ static int is_met(const tables *t, const transfer *x, const char *memory)
     return 1;
 }
 
-static void put(const clock_record *clock, const transfer *x, char *memory)
+static void move(const clock_record *clock, const transfer *x, char *memory)
 {
     char *to = memory + x->offset;
     int64_t i;
@@ -429,6 +450,14 @@ static void put(const clock_record *clock, const transfer *x, char *memory)
             memcpy(to + x->stride * i, &range, sizeof range);
         }
         break;
+    case STORE:
+        for (i = 0; i < x->count; i++)
+            store(x->type, to + x->stride * i, ((const double *)x->source)[i]);
+        break;
+    case FETCH:
+        for (i = 0; i < x->count; i++)
+            ((double *)x->source)[i] = fetch(x->type, to + x->stride * i);
+        break;
     case READINGS:
         for (i = 0; i < x->count; i++) {
             double range = reading(x->source, i);
@@ -449,7 +478,7 @@ static int exchange(const tables *t, const clock_record *clock, const share *s)
             return 0;
         }
     for (i = 0; i < s->count; i++)
-        put(clock, s->transfers + i, s->link->memory);
+        move(clock, s->transfers + i, s->link->memory);
     give_back(s->link);
     return 1;
 }

@@ -46,7 +46,7 @@ from libgz.simulation.running_code import names
 from libgz.transport.interface import Interface
 from libgz.transport.server import LocalServer
 
-__all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "set_part"]
+__all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "run_shares", "set_part"]
 
 
 class Updated(Protocol):
@@ -172,6 +172,20 @@ class Exchange:
         """Write the readings of a scanner, which points into what is `kept`."""
         self.kept.append(kept)
         self._add(What.READINGS, self._place(name), scanner, count, 8)
+
+    def store(self, target: NDArray[Any], source: Any) -> None:
+        """Write doubles to a view of the interface's memory, as numbers of its type."""
+        self._view(What.STORE, target, source)
+
+    def fetch(self, target: Any, source: NDArray[Any]) -> None:
+        """Read a view of the interface's memory, as doubles."""
+        self._view(What.FETCH, source, target)
+
+    def _view(self, what: What, view: NDArray[Any], numbers: Any) -> None:
+        """Transfer the numbers of a view of one dimension."""
+        offset = view.ctypes.data - int(self.interface.link.memory)
+        self._add(what, offset, numbers, len(view), view.strides[0])
+        self.transfers[-1].type = ord(view.dtype.char)
 
     def _is_double(self, name: str) -> bool:
         return bool(self.interface.layout.declared[name].ctype is ctypes.c_double)
@@ -468,6 +482,41 @@ class UpdateRows:
     def first_of(self, entities: Sequence[Updated]) -> int:
         """The number of the first row of those of the entities that have rows."""
         return next((self._starts[id(entity)] for entity in entities if id(entity) in self._starts), self.end)
+
+
+class HasRows(Protocol):
+    """A world, as exchanges outside of steps use it."""
+
+    engine: Engine
+    clock: Clock
+    rows: UpdateRows
+
+
+def run_shares(world: HasRows, shares: Sequence[tuple[Exchange, Callable[[], object]]]) -> Callable[[], None]:
+    """A function that does exchanges now, each of them natively or by its twin in Python; the caller holds the lock."""
+    records, kept = [], []
+    for exchange, _ in shares:
+        transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
+        link = exchange.interface.link
+        records.append(ShareRecord(_address(link), _address(transfers), len(transfers)))
+        kept.append((transfers, link, exchange.interface.memory))
+    rows = (Row * len(records))(*(Row(Kind.SHARE, 0, _address(record)) for record in records))
+    tables, clock, count = world.engine.tables.record, world.clock, len(records)
+    record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
+    form = world.engine.step_form
+    function = form.updates() if isinstance(form, NativeStep) else None
+
+    def run(number: int) -> int:
+        """The number of the next exchange that Python has to do."""
+        return int(function(ctypes.byref(record), number, count)) if function and world.rows.native else number
+
+    def share(_kept: object = (records, kept, rows)) -> None:
+        number = run(0)
+        while number < count:
+            shares[number][1]()
+            number = run(number + 1)
+
+    return share
 
 
 def _what_runs(values: Mapping[str, Any]) -> str:

@@ -36,6 +36,7 @@ from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
 from libgz.simulation import snapshot
 from libgz.simulation.agenda import Agenda
+from libgz.simulation.batch import Batch, Columns
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.entity import Entity
@@ -608,6 +609,29 @@ class World:
                 if lock.waiting:
                     lock.pass_on()
                 self.Step()
+
+    def batch(self, commands: Iterable[Columns] = (), readings: Iterable[Columns] = ()) -> Batch:
+        """Commands and readings of many interfaces as two arrays, for loops that learn::
+
+            batch = world.batch(
+                commands=[("position.*", "cmd_vel_pos[0]", "cmd_vel_rot[2]")],
+                readings=[("position.*", "pos[0]", "pos[1]", "rot[2]"), ("laser.*", "ranges")],
+            )
+            readings = batch.step([0.3, 0.1], steps=5)
+
+        Args:
+            commands: entries that are written before a step: a target, such as ``position.robot1`` or ``position.*``,
+                and fields of it, such as ``cmd_vel_pos`` or ``cmd_vel_rot[2]``; see docs/interfaces.md.
+            readings: entries that are read after it, likewise.
+
+        Raises:
+            NotFoundError: nothing serves a target.
+            ParameterError: an interface has no such field, or none of these numbers yet; or a command is a field that
+                the server writes.
+            ClosedError: the world is closed, or `Initialize` was not called.
+        """
+        self._check_ready("controlled")
+        return Batch(self, commands, readings)
 
     def run(self, seconds: float) -> None:
         """Run until that much more sim time [s] has passed, as fast as possible.

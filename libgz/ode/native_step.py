@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from ctypes import c_int64, c_void_p
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,11 +145,15 @@ class NativeStep:
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c caches no geoms."""
 
-    def updates(self) -> Callable[..., int]:
-        """The function that does rows; see `libgz.records`."""
-        function = self._shared["gz_updates_run"]
-        function.argtypes, function.restype = [c_void_p, c_int64, c_int64], c_int64
-        return function
+    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int], Callable[[], int]]]:
+        """The function that does rows, see `libgz.records`; and one that prepares a call of it for the first rows."""
+        checked, quick = self._shared["gz_updates_run"], self._shared["gz_updates_run"]
+        checked.argtypes, checked.restype, quick.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
+
+        def prepare(record: Any, count: int) -> Callable[[], int]:
+            return functools.partial(quick, record, c_int64(0), c_int64(count))
+
+        return checked, prepare
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A prepared scan whose arguments were converted to C once; they keep the arrays alive."""

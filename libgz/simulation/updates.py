@@ -223,19 +223,23 @@ class UpdateRows:
         updating: the entities that have something to do in a step, in order.
         begin, end: where the rows of the entities are.
         tail: where the rows begin that report the step.
+        run_all: does all rows natively; the number of the one that Python has to do, or `count`.
         count: of all rows.
         native: whether native code does the rows.
-        enabled: false: Python does all, for tests.
     """
 
     def __init__(self, world: HasUpdates) -> None:
         self.world = world
         self.valid = False
-        self.enabled = True
+        self._enabled = True
         self.updating: list[Any] = []
         self.begin = self.end = self.tail = self.count = 0
         form = world.engine.step_form
-        self._run = form.updates() if isinstance(form, NativeStep) else None
+        self._run: Callable[..., int] | None = None
+        self._prepare: Callable[[Any, int], Callable[[], int]] | None = None
+        if isinstance(form, NativeStep):
+            self._run, self._prepare = form.updates()
+        self.native = self._run is not None
         self._entity: Updated | None = None
         self.clear()
 
@@ -243,6 +247,7 @@ class UpdateRows:
         """Drop all rows, and what they point to."""
         self.valid = False
         self._record: Any = None
+        self.run_all: Callable[[], int] = lambda: 0
         self._rows: list[Row] = []
         self._lines: list[_Line] = []
         self._kept: list[object] = []
@@ -252,9 +257,14 @@ class UpdateRows:
         self.begin = self.end = self.tail = self.count = 0
 
     @property
-    def native(self) -> bool:
-        """Whether native code does the rows."""
-        return self._run is not None and self.enabled
+    def enabled(self) -> bool:
+        """Whether native code does the rows where it can; off for tests."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, value: bool) -> None:
+        self._enabled = value
+        self.native = value and self._run is not None
 
     # What entities add -----------------------------------------------------------------------------------------------
 
@@ -409,6 +419,8 @@ class UpdateRows:
         record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
         self._kept.append((rows, record, tables, clock))
         self._record = ctypes.byref(record)
+        if self._prepare is not None:
+            self.run_all = self._prepare(self._record, self.count)
 
     def begin_step(self, period: int, at_start: bool) -> None:
         """Count the step.
@@ -504,7 +516,7 @@ def run_shares(world: HasRows, shares: Sequence[tuple[Exchange, Callable[[], obj
     tables, clock, count = world.engine.tables.record, world.clock, len(records)
     record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
     form = world.engine.step_form
-    function = form.updates() if isinstance(form, NativeStep) else None
+    function = form.updates()[0] if isinstance(form, NativeStep) else None
 
     def run(number: int) -> int:
         """The number of the next exchange that Python has to do."""

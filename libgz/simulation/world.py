@@ -192,6 +192,8 @@ class World:
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
+        events = (self._begin, self._contact, self._end)
+        self._signals = [event for one in events for event in (one, one.above) if event is not None]
         # Surroundings, by the old API's names.
         self.simSpeed = 1.0  # simulated seconds per second of real time; 0: as fast as possible
         self.utcOffset = 0.0  # UTC at sim time 0 [s]
@@ -701,9 +703,9 @@ class World:
         rows = self.rows
         if not rows.valid:
             self._build_rows()
-        if rows.native and not self._has_listeners() and self.physics_enabled:
+        if rows.native and not self._has_listeners():
             self.engine.enter()
-            number = rows.run(0, rows.count)
+            number = rows.run_all()
             if number < rows.count:
                 self._continue_natively(number)
         elif self._read_buttons():
@@ -716,8 +718,10 @@ class World:
             self._end_step(paused=False)
 
     def _has_listeners(self) -> bool:
-        """Whether something beside the entities has to do in a step."""
-        return bool(self.companions or self._begin or self._contact or self._end)
+        """Whether a step is more than what rows do."""
+        if self.companions or not self.physics_enabled:
+            return True
+        return any(signal.own for signal in self._signals)
 
     def _continue_natively(self, number: int) -> None:
         """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
@@ -734,7 +738,10 @@ class World:
             if number < rows.end:
                 self._run_rows(number)
                 number = rows.end
-            self._run_own_rows(number, rows.tail)
+            if number == rows.end and self._has_listeners():  # since an entity has connected to an event
+                self._advance_physics()
+            else:
+                self._run_own_rows(number, rows.tail)
             self._act()
             number = rows.tail
             if not rows.valid:  # what changed may be the interface that the last rows write to
@@ -817,11 +824,15 @@ class World:
 
     def _advance(self) -> None:
         """Advance everything by one step of sim time, and signal the events of a step."""
-        engine, clock, step = self.engine, self.clock, self.engine.step_time
         if self._begin:
             self._begin(self._update_info())
-        self._update_entities(step)
-        clock.sim_time += 0.0 if self.era.counts_at_start else step
+        self._update_entities(self.engine.step_time)
+        self._advance_physics()
+
+    def _advance_physics(self) -> None:
+        """The part of a step after the updates of the entities."""
+        engine, clock = self.engine, self.clock
+        clock.sim_time += 0.0 if self.era.counts_at_start else engine.step_time
         for companion in self.companions:
             companion.update()
         if self._contact and self.physics_enabled:

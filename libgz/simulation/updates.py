@@ -11,11 +11,13 @@ from __future__ import annotations
 import contextlib
 import ctypes
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
 from libgz.ode.native_step import NativeStep
 from libgz.physics.check import LARGEST
 from libgz.physics.engine import Engine
@@ -44,6 +46,7 @@ from libgz.simulation.clock import Clock
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.simulation.running_code import names
 from libgz.transport.interface import Interface
+from libgz.transport.layout import Field, fields_of
 from libgz.transport.server import LocalServer
 
 __all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "run_shares", "set_part"]
@@ -107,6 +110,10 @@ def set_part(model: Any, name: str, value: object) -> None:
         model.world.update_rows_changed()
 
 
+def _raise(error: BaseException, _step: float) -> None:
+    raise error
+
+
 def _nothing(_step: float) -> None:
     """The twin of rows that native code can always do."""
 
@@ -125,6 +132,8 @@ class Exchange:
     Where a condition is not met, nothing is written, and the twin of the row does all. `source` is what the row reads
     in each step: a ctypes object; a number in one, as ``(object, field)``, ``(object, field, index)`` or
     ``(array, index)``; or a numpy array.
+
+    Methods that name a field raise ParameterError if the interface has no such field, or the numbers do not fit in it.
 
     Args:
         interface: which is open on a server.
@@ -158,20 +167,22 @@ class Exchange:
 
     def integer(self, name: str, value: int, count: int = 1) -> None:
         """Write a constant to an int, or to the first `count` of an array."""
-        self._add(What.INTS, self._place(name), ctypes.c_int32(value), count, 4)
+        self._add(What.INTS, self._place(name, 0, count), ctypes.c_int32(value), count, 4)
 
     def doubles(self, name: str, source: Any, count: int = 1, index: int = 0, stride: int = 1) -> None:
         """Write doubles, from `index` on, at every `stride`-th place."""
-        self._add(What.DOUBLES, self._place(name, index), source, count, 8 * stride)
+        _check_size(source, count)
+        self._add(What.DOUBLES, self._place(name, index, count, stride), source, count, 8 * stride)
 
     def nearest(self, name: str, ranges: NDArray[np.float64], limit: float) -> None:
         """Write ranges, none larger than a limit [m]."""
-        self._add(What.NEAREST, self._place(name), ranges, len(ranges), 8, limit)
+        _check_size(ranges, len(ranges))
+        self._add(What.NEAREST, self._place(name, 0, len(ranges)), ranges, len(ranges), 8, limit)
 
     def readings(self, name: str, scanner: ScannerRecord, count: int, *kept: object) -> None:
         """Write the readings of a scanner, which points into what is `kept`."""
         self.kept.append(kept)
-        self._add(What.READINGS, self._place(name), scanner, count, 8)
+        self._add(What.READINGS, self._place(name, 0, count), scanner, count, 8)
 
     def store(self, target: NDArray[Any], source: Any) -> None:
         """Write doubles to a view of the interface's memory, as numbers of its type."""
@@ -183,20 +194,57 @@ class Exchange:
 
     def _view(self, what: What, view: NDArray[Any], numbers: Any) -> None:
         """Transfer the numbers of a view of one dimension."""
+        _check_size(numbers, len(view))
         offset = view.ctypes.data - int(self.interface.link.memory)
         self._add(what, offset, numbers, len(view), view.strides[0])
         self.transfers[-1].type = ord(view.dtype.char)
 
     def _is_double(self, name: str) -> bool:
-        return bool(self.interface.layout.declared[name].ctype is ctypes.c_double)
+        return bool(self._field(name).ctype is ctypes.c_double)
 
-    def _place(self, name: str, index: int = 0) -> int:
-        layout: Any = self.interface.layout
-        return int(getattr(layout, name).offset) + index * ctypes.sizeof(layout.declared[name].ctype)
+    def _field(self, name: str) -> Field:
+        """The declaration of a field.
+
+        Raises:
+            ParameterError: the interface has none of this name.
+        """
+        known = fields_of(self.interface.layout)
+        if name not in known:
+            what = f"{self.interface.type}.{self.interface.id}"
+            raise ParameterError(f"{what} has no field {name!r}; it has {', '.join(known)}{nearest(name, known)}")
+        return known[name]
+
+    def _place(self, name: str, index: int = 0, count: int = 1, stride: int = 1) -> int:
+        """Where numbers of a field begin.
+
+        Raises:
+            ParameterError: there is no such field, or it has not so many numbers.
+        """
+        field, layout = self._field(name), self.interface.layout
+        size = ctypes.sizeof(field.ctype)
+        if index < 0 or (index + (count - 1) * stride + 1) * size > getattr(layout, name).size:
+            raise ParameterError(f"{name} has the shape {field.shape}: {count} numbers from {index} on do not fit")
+        return int(getattr(layout, name).offset) + index * size
 
     def _add(self, what: What, offset: int, source: Any, count: int = 1, stride: int = 0, limit: float = 0.0) -> None:
         self.kept.append(source)
         self.transfers.append(TransferRecord(what, offset, count, stride, _address(source), limit))
+
+
+def _check_size(source: Any, count: int) -> None:
+    """Check that a source holds so many doubles.
+
+    Raises:
+        ParameterError: it does not.
+    """
+    if isinstance(source, np.ndarray):
+        fits = source.dtype == np.float64 and source.flags.c_contiguous and source.size >= count
+    else:
+        record = source[0] if isinstance(source, tuple) else source
+        first = _address(source) or 0
+        fits = first + 8 * count <= ctypes.addressof(record) + ctypes.sizeof(record)
+    if not fits:
+        raise ParameterError(f"{count} doubles, one after the other, are needed; the source has fewer or others")
 
 
 def _address(source: Any) -> int | None:
@@ -439,7 +487,12 @@ class UpdateRows:
             if isinstance(entity.failed, BaseException):
                 continue
             self._entity, start = entity, len(self._rows)
-            entity.MasterRows(self)
+            try:
+                entity.MasterRows(self)
+            except USER_ERRORS as error:
+                pass_interrupt(error)
+                del self._rows[start:], self._lines[start:]
+                self.python(partial(_raise, error))  # in the step, so that the model is stopped like others that fail
             if len(self._rows) > start:
                 self.updating.append(entity)
                 self._starts[id(entity)], self._ends[id(entity)] = start, len(self._rows)

@@ -3,6 +3,7 @@
 import fcntl
 import math
 import random
+import re
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -10,10 +11,11 @@ from pathlib import Path
 import pytest
 
 import libgz
+from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.pioneer2at import Pioneer2AT
 from libgz.ode.native_step import native_path
-from libgz.records import Kind
+from libgz.records import Kind, numbers
 from libgz.simulation.updates import Exchange
 
 pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
@@ -385,10 +387,10 @@ def test_a_plugin_can_use_the_rows():
         def Load(self, file, node):
             self.AddBody(libgz.Body(self.world, dummy=True), True)
             self.rate = libgz.UpdateRate(10.0)
-            self.level = libgz.records.numbers(1)(3.5)
+            self.level = numbers(1)(3.5)
 
         def Init(self, file, node):
-            self.power = libgz.interfaces.power.Power()
+            self.power = Power()
             self.power.create(self.world.gz_server, self.GetId())
 
         def MasterRows(self, rows):
@@ -408,3 +410,60 @@ def test_a_plugin_can_use_the_rows():
         world.step(6)
         assert world.interface("power", "own").data.time == pytest.approx(0.1)
         assert world.interface("power", "own").level == 3.5
+
+
+@pytest.mark.parametrize(
+    ("add", "message"),
+    [
+        (
+            lambda exchange: exchange.doubles("level", numbers(1)()),
+            "power.p has no field 'level'.*did you mean 'levels'",
+        ),
+        (lambda exchange: exchange.doubles("levels", numbers(11)(), 11), "11 numbers from 0 on do not fit"),
+        (lambda exchange: exchange.doubles("levels", numbers(3)(), 3, stride=5), "3 numbers from 0 on do not fit"),
+        (lambda exchange: exchange.doubles("levels", numbers(1)(), index=10), "1 numbers from 10 on do not fit"),
+    ],
+)
+def test_rows_that_cannot_be_stop_their_model_only(add, message):
+    class Wrong(Model):
+        STATE = ()
+
+        def Load(self, file, node):
+            self.AddBody(libgz.Body(self.world, dummy=True), True)
+
+        def Init(self, file, node):
+            self.power = Power()
+            self.power.create(self.world.gz_server, "p")
+
+        def MasterRowsOfUpdate(self, rows):
+            rows.python(lambda step: None)
+            exchange = Exchange(self.power)
+            add(exchange)
+            rows.share(lambda step: None, exchange)
+            return True
+
+    with made(f"<model:Wrong><id>wrong</id></model:Wrong>{ROBOTS[2]}", Wrong=Wrong) as world:
+        world.Initialize()
+        world.step(7)
+        assert isinstance(world.model("wrong").failed, libgz.GazeboError)
+        assert re.search(message, str(world.model("wrong").failed))
+        assert world.interface("position", "people").data.time == pytest.approx(0.1)
+
+
+def test_an_update_may_connect_to_an_event_of_the_same_step():
+    class Connecting(Model):
+        STATE = ()
+
+        def Load(self, file, node):
+            self.AddBody(libgz.Body(self.world, dummy=True), True)
+            self.seen = []
+
+        def Update(self, step):
+            if self.world.iterations == 3:
+                end = self.world.events["WorldUpdateEnd"]
+                self.connection = end.Connect(lambda: self.seen.append(self.world.iterations))
+
+    with made("<model:Connecting><id>c</id></model:Connecting>", Connecting=Connecting) as world:
+        world.Initialize()
+        world.step(5)
+        assert world.model("c").seen == [3, 4, 5]

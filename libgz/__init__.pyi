@@ -399,7 +399,13 @@ from libgz.physics.two_axes import (
     Hinge2Joint as Hinge2Joint,
     UniversalJoint as UniversalJoint,
 )
+from libgz.simulation.batch import Batch as Batch
 from libgz.simulation.rate import UpdateRate as UpdateRate
+from libgz.simulation.updates import (
+    Exchange as Exchange,
+    JointAxis as JointAxis,
+    UpdateRows as UpdateRows,
+)
 from libgz.transport.layout import (
     GAZEBO_MAX_MODEL_TYPE as GAZEBO_MAX_MODEL_TYPE,
     LIBGAZEBO_VERSION as LIBGAZEBO_VERSION,

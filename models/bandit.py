@@ -6,7 +6,7 @@ libgz.
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from libgz.geometry import GzColor, GzPose, GzVectorMul, VectorLike
 from libgz.interfaces.joint import JointData, Joints
@@ -19,7 +19,9 @@ from libgz.physics.body import Body
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import FixedJoint, HingeJoint
 from libgz.physics.two_axes import UniversalJoint
+from libgz.records import numbers
 from libgz.simulation.rate import UpdateRate
+from libgz.simulation.updates import UpdateRows, is_plain, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -43,24 +45,34 @@ HINGES = (("SHOULDER", SHOULDER, Y), ("UPPERARM", SHOULDER, X), ("ELBOW", ELBOW,
 
 
 class JointServo:
-    """A joint whose axes follow the commands of a client.
-
-    Attributes:
-        command: wanted angle of each axis [rad].
-    """
+    """A joint whose axes follow the commands of a client."""
 
     STATE: ClassVar[tuple[str, ...]] = ("command",)
 
     def __init__(self, joint: HingeJoint | UniversalJoint) -> None:
         self.joint = joint
-        self.command = (0.0, 0.0)
-        numbers = (1, 2) if isinstance(joint, UniversalJoint) else (1,)
-        self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in numbers]
+        self._command = numbers(2)()
+        axes = (1, 2) if isinstance(joint, UniversalJoint) else (1,)
+        self._servos = [Servo(Axis(joint, number), GAIN, TORQUE) for number in axes]
+
+    @property
+    def command(self) -> Any:
+        """Wanted angle of each axis [rad]."""
+        return self._command
+
+    @command.setter
+    def command(self, angles: tuple[float, float]) -> None:
+        self._command[:] = angles
 
     def turn(self) -> None:
         """Turn the axes towards the commanded angles; call it every step."""
         for servo, angle in zip(self._servos, self.command, strict=False):
             servo.turn_to(angle)
+
+    def add_rows(self, rows: UpdateRows) -> None:
+        """Describe `turn` as rows."""
+        for i, servo in enumerate(self._servos):
+            servo.add_row(rows, self._command, i)
 
     def publish(self, data: JointData) -> None:
         """Fill in one joint of the interface."""
@@ -86,6 +98,7 @@ class Bandit(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "servos")
+    ROW_PARTS = Model.ROW_PARTS | {"rate", "servos"}
 
     behaviour = "motors that move and hold its joints (arms and head hang down)"
     example = """
@@ -164,6 +177,17 @@ class Bandit(Model):
             self._exchange(now)
         for servo in self.servos:
             servo.turn()
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: the servos natively."""
+        plain = rows.knows(self.rate) and all(is_plain(servo, JointServo, "turn") for servo in self.servos)
+        if replaced(self, Bandit, "Update") or not plain:
+            return False
+        with rows.due(self.rate):
+            rows.python(lambda _: self._exchange(self.world.GetSimTime()))
+        for servo in self.servos:
+            servo.add_rows(rows)
+        return True
 
     def _exchange(self, now: float) -> None:
         """Publish the joints and take the commands; numbers that are not finite are ignored."""

@@ -7,11 +7,13 @@ from typing import ClassVar
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
 from libgz.models.serving import serve
+from libgz.records import BatteryRecord
+from libgz.simulation.updates import Exchange, UpdateRows, is_plain
 
 __all__ = ["Battery"]
 
 
-class Battery:
+class Battery(BatteryRecord):
     """A robot's battery. Its voltage does not fall below zero; an empty battery does not stop the robot.
 
     Args:
@@ -23,9 +25,8 @@ class Battery:
     STATE: ClassVar[tuple[str, ...]] = ("level",)
 
     def __init__(self, model: Model, level: float, curve: tuple[float, ...]) -> None:
+        super().__init__(level=level, curve=tuple(curve))
         self.model = model
-        self.level = level  # [V]
-        self.curve = curve
         self.interface = Power()
 
     def Init(self) -> None:
@@ -45,6 +46,19 @@ class Battery:
             self.interface.data.time = now
             self.interface.data.levels[0] = self.level
             self.interface.unlock()
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Describe `Update` as a row."""
+        if not is_plain(self, Battery, "Update"):
+            rows.python(self._update)
+            return
+        exchange = Exchange(self.interface)
+        exchange.now()
+        exchange.doubles("levels", (self, "level"))
+        rows.share(self._update, exchange)
+
+    def _update(self, _step: float) -> None:
+        self.Update(self.model.world.GetSimTime())
 
     def Fini(self) -> None:
         """Destroy the interface."""

@@ -19,6 +19,8 @@ from libgz.models.robot import MobileRobot, RobotAttributes, clamp
 from libgz.models.skin import SkinAttributes, add_skin
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge, on_hinge2
 from libgz.physics.geoms import BoxGeom
+from libgz.records import numbers
+from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.worldfile.attributes import color
 
 RADIUS, WHEEL_BASE = 0.25, 1.4  # [m]
@@ -44,7 +46,8 @@ class CarChassis(MobileRobot):
     Dimensions and layout chosen for libgz.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("odometry",)
+    STATE: ClassVar[tuple[str, ...]] = ("odometry", "_steering")
+    ROW_PARTS = MobileRobot.ROW_PARTS | {"odometry", "front", "rear"}
 
     behaviour = "motors that drive and steer its wheels, and hold the steering straight; odometry"
     attributes: ClassVar[type[RobotAttributes]] = CarChassisAttributes
@@ -56,6 +59,7 @@ class CarChassis(MobileRobot):
             BoxGeom(chassis, self.modelSpaceId, 2.0, 0.90, 0.30), (0.0, 0.0, 0.40), 16.0, GzColor(*self.values.color)
         )
         self.odometry = Odometry()
+        self._steering = numbers(1)()  # wanted angle of the front wheels [rad]
         self.rear: list[Wheel] = []
         self.front: list[Servo] = []
         for side, y in (("left", HALF_TRACK), ("right", -HALF_TRACK)):
@@ -77,14 +81,37 @@ class CarChassis(MobileRobot):
         """Odometry."""
         self.odometry.publish(data)
 
-    def drive(self) -> None:
-        """Run the rear wheels."""
-        speed, _ = self.position.wanted
+    def run(self, speed: float, angle: float) -> None:
+        """Run the rear wheels at a speed [m/s], and steer to an angle [rad]."""
+        self._steering[0] = clamp(angle, STEERING_STOP)
         for wheel in self.rear:
             wheel.run(speed / RADIUS, DRIVE_TORQUE)
 
     def act(self, step: float) -> None:
         """Steer."""
-        _, angle = self.position.wanted
         for steering in self.front:
-            steering.turn_to(clamp(angle, STEERING_STOP))
+            steering.turn_to(self._steering[0])
+
+    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
+        """Describe `measure` as a row."""
+        plain = is_plain(self.odometry, Odometry, "advance")
+        if replaced(self, CarChassis, "measure") or not plain:
+            super().MasterRowsOfMeasure(rows)
+            return
+        driven, steered = ([part.axis.joint_axis for part in parts] for parts in (self.rear, self.front))
+        rows.bicycle(self.measure, self.odometry, driven, steered, RADIUS, WHEEL_BASE)
+
+    def MasterPublished(self, exchange: Exchange) -> bool:
+        """Describe `publish` as numbers."""
+        if replaced(self, CarChassis, "publish") or not is_plain(self.odometry, Odometry, "publish"):
+            return False
+        self.odometry.share(exchange)
+        return True
+
+    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
+        """Describe `act` as rows."""
+        if replaced(self, CarChassis, "act"):
+            super().MasterRowsOfAct(rows)
+            return
+        for steering in self.front:
+            steering.add_row(rows, self._steering)

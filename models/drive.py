@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from libgz.geometry import NORMALIZE, VectorLike
 from libgz.interfaces.position import PositionData
@@ -14,6 +14,7 @@ from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.models.wheels import Tire, Wheel, add_tire, on_hinge
 from libgz.physics.body import Body
 from libgz.physics.joint import HingeJoint
+from libgz.simulation.updates import Exchange, JointAxis, UpdateRows, is_plain, replaced
 from libgz.worldfile.attributes import number, numbers
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -57,6 +58,14 @@ class DifferentialDrive:
         """Mean rate of the wheels of the left and the right side [rad/s]."""
         return _mean_rate(self.left), _mean_rate(self.right)
 
+    def sides(self) -> tuple[list[JointAxis], list[JointAxis]] | None:
+        """The axes of the wheels of the left and the right side; None if one of them is of another kind."""
+        wheels = (*self.left, *self.right)
+        if not all(is_plain(wheel, Wheel) and wheel.rate == wheel.axis.rate for wheel in wheels):
+            return None
+        left, right = ([wheel.axis.joint_axis for wheel in side] for side in (self.left, self.right))
+        return left, right
+
     def run(self, speed: float, turn: float) -> None:
         """Set the wheels' motors for a speed [m/s] and a turn [rad/s]."""
         half = turn * self.separation / 2.0
@@ -68,7 +77,10 @@ class DifferentialDrive:
 class DifferentialRobot(MobileRobot):
     """A robot with a differential drive; it has a battery if its attributes are BatteryAttributes."""
 
-    STATE: ClassVar[tuple[str, ...]] = ("odometry", "_driven")
+    STATE: ClassVar[tuple[str, ...]] = ("odometry",)
+    ROW_PARTS = MobileRobot.ROW_PARTS | {
+        *("odometry", "battery", "wheels", "wheelSep", "wheelDiam", "normaliseYaw", "wheel_rates")
+    }
 
     attributes: ClassVar[type[RobotAttributes]] = BatteryAttributes
     wheelSep: ClassVar[float]  # between left and right wheels [m]
@@ -80,7 +92,6 @@ class DifferentialRobot(MobileRobot):
         self.wheels = DifferentialDrive(self.wheelSep, self.wheelDiam, self.maxTorque)
         self.odometry = Odometry()
         self.battery: Battery | None = None
-        self._driven: tuple[float, ...] | None = None  # the command that the motors were last set to
         super().Load(file, node)
         if isinstance(self.values, BatteryAttributes):
             self.battery = Battery(self, self.values.batteryLevel, self.values.batteryCurve)
@@ -124,12 +135,37 @@ class DifferentialRobot(MobileRobot):
         """Odometry."""
         self.odometry.publish(data)
 
-    def drive(self) -> None:
-        """Run the wheels, if the command changed."""
-        wanted = self.position.wanted
-        if wanted != self._driven:
-            self._driven = wanted
-            self.run(*wanted)
+    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
+        """Describe `measure` as a row."""
+        if replaced(self, DifferentialRobot, "measure", "wheel_rates"):
+            super().MasterRowsOfMeasure(rows)
+        else:
+            self.add_measuring(rows)
+
+    def add_measuring(self, rows: UpdateRows, encoders: tuple[Any, float] | None = None) -> None:
+        """Add a row for `measure`, and for encoders; see `UpdateRows.differential`."""
+        sides = self.wheels.sides() if is_plain(self.wheels, DifferentialDrive, "rates") else None
+        drained = self.battery is None or is_plain(self.battery, Battery, "drain")
+        if sides is None or not drained or not is_plain(self.odometry, Odometry, "advance"):
+            rows.python(self.measure)
+            return
+        rows.differential(
+            self.measure,
+            self.odometry,
+            self.battery,
+            sides,
+            diameter=self.wheelDiam,
+            separation=self.wheelSep,
+            normalise=self.normaliseYaw,
+            encoders=encoders,
+        )
+
+    def MasterPublished(self, exchange: Exchange) -> bool:
+        """Describe `publish` as numbers."""
+        if replaced(self, DifferentialRobot, "publish") or replaced(self.odometry, Odometry, "publish"):
+            return False
+        self.odometry.share(exchange)
+        return True
 
     def run(self, speed: float, turn: float) -> None:
         """Drive at a speed [m/s] and a turn [rad/s]."""

@@ -13,6 +13,7 @@ from libgz.models.serving import serve
 from libgz.models.utm import utm_to_geodetic
 from libgz.physics.geoms import CylinderGeom
 from libgz.simulation.rate import OldRate, UpdateRate
+from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import color, lengths, number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -38,6 +39,7 @@ class GarminGPS(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "zone")
+    ROW_PARTS = Model.ROW_PARTS | {"rate"}
 
     attributes = GarminGPSAttributes
     interfaces = ("gps",)
@@ -77,9 +79,20 @@ class GarminGPS(Model):
         self.gps.destroy()
 
     def Update(self, step: float) -> None:  # noqa: D102
+        if step != 0.0 and self.rate.due(self.world.GetSimTime()):
+            self._publish()
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: Python publishes when a fix is due."""
+        if replaced(self, GarminGPS, "Update") or not rows.knows(self.rate):
+            return False
+        with rows.due(self.rate):
+            rows.python(lambda _: self._publish())
+        return True
+
+    def _publish(self) -> None:
+        """Publish where it is."""
         now = self.world.GetSimTime()
-        if step == 0.0 or not self.rate.due(now):
-            return
         here, offset = self.GetPose().pos, self.world.utmOffset
         east, north = here.x + offset.x, here.y + offset.y
         in_range = max(abs(east), abs(north)) <= FARTHEST

@@ -6,11 +6,13 @@ import math
 from typing import ClassVar
 
 from libgz.interfaces.position import PositionData
+from libgz.records import OdometryRecord
+from libgz.simulation.updates import Exchange
 
 __all__ = ["Odometry"]
 
 
-class Odometry:
+class Odometry(OdometryRecord):
     """Pose and velocity by dead reckoning. Starts at zero; moving the model by other means does not change it.
 
     Attributes:
@@ -19,10 +21,6 @@ class Odometry:
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("pose", "velocity")
-
-    def __init__(self) -> None:
-        self.pose = [0.0, 0.0, 0.0]
-        self.velocity = (0.0, 0.0)
 
     def advance(self, travel: float, turn: float, step: float) -> None:
         """Add a travel [m] in the present direction and then a turn [rad], made in a step [s]."""
@@ -37,3 +35,10 @@ class Odometry:
         pos, vel_pos = data.pos, data.vel_pos
         pos[0], pos[1], data.rot[2] = self.pose
         vel_pos[0], data.vel_rot[2] = self.velocity
+
+    def share(self, exchange: Exchange) -> None:
+        """Describe `publish` as numbers of an exchange."""
+        exchange.doubles("pos", (self, "pose"), 2)
+        exchange.doubles("rot", (self, "pose", 2), index=2)
+        exchange.doubles("vel_pos", (self, "velocity"))
+        exchange.doubles("vel_rot", (self, "velocity", 1), index=2)

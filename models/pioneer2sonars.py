@@ -8,6 +8,7 @@ from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.sonars import PIONEER2AT_RING, PIONEER2DX_RING, SonarRing
 from libgz.simulation.rate import UpdateRate
+from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
@@ -21,6 +22,7 @@ class Pioneer2Sonars(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "sonars")
+    ROW_PARTS = Model.ROW_PARTS | {"rate", "sonars"}
 
     interfaces = ("sonar",)
     example = """
@@ -49,3 +51,11 @@ class Pioneer2Sonars(Model):
         now = self.world.GetSimTime()
         if step > 0.0 and self.rate.due(now):
             self.sonars.Update(now)
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows."""
+        if replaced(self, Pioneer2Sonars, "Update") or not rows.knows(self.rate):
+            return False
+        with rows.due(self.rate):
+            self.sonars.MasterRows(rows)
+        return True

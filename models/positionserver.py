@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from typing import ClassVar
 
 from libgz.interfaces.position import Position, PositionData
 from libgz.legacy.model import Model
 from libgz.models.serving import serve
+from libgz.simulation.updates import Exchange
 from libgz.transport.guard import Guard
 
 __all__ = ["PositionServer"]
 
 LARGEST_COMMAND = 100.0  # [m/s] or [rad/s]; ten times what the fastest robot here reaches
+
+
+MOST_FIELDS = 6  # of the interface
+
+
+class _Expected(ctypes.Structure):
+    """What the interface holds as long as no client changes the command; for native updates."""
+
+    _fields_ = [
+        ("command", ctypes.c_double * MOST_FIELDS),
+        ("enabled", ctypes.c_int64),
+        ("settled", ctypes.c_int64),  # whether `wanted` follows from both
+    ]
 
 
 class PositionServer:
@@ -21,11 +36,6 @@ class PositionServer:
     Args:
         model: the robot.
         fields: the command fields that the robot obeys: name and index.
-
-    Attributes:
-        command: the client's last command, in the order of `fields` [m/s], [rad/s].
-        enabled: whether the client has the motors switched on.
-        wanted: the command in force: `command`, or zeros while the motors are off.
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("command", "enabled", "wanted")
@@ -33,9 +43,42 @@ class PositionServer:
     def __init__(self, model: Model, fields: tuple[tuple[str, int], ...]) -> None:
         self.model, self.fields = model, fields
         self.interface = Position()
-        self.enabled = True
+        self._expected = _Expected()
         self._zeros = (0.0,) * len(fields)
+        self.enabled = True
         self.wanted = self.command = self._zeros
+
+    @property
+    def command(self) -> tuple[float, ...]:
+        """The client's last command, in the order of `fields` [m/s], [rad/s]."""
+        return self._command
+
+    @command.setter
+    def command(self, value: tuple[float, ...]) -> None:
+        self._command = value
+        self._expected.command[: len(value)] = value
+        self._expected.settled = 0
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the client has the motors switched on."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, value: bool) -> None:
+        self._enabled = value
+        self._expected.enabled = value
+        self._expected.settled = 0
+
+    @property
+    def wanted(self) -> tuple[float, ...]:
+        """The command in force: `command`, or zeros while the motors are off."""
+        return self._wanted
+
+    @wanted.setter
+    def wanted(self, value: tuple[float, ...]) -> None:
+        self._wanted = value
+        self._expected.settled = 0
 
     def Init(self) -> None:
         """Create the interface under the model's id."""
@@ -64,7 +107,21 @@ class PositionServer:
         self.interface.unlock()
         if (wishes != self.command or enabled != self.enabled) and self.interface.intact():
             self._take(enabled, wishes)
-        self.wanted = self.command if self.enabled else self._zeros
+        wanted = self.command if self.enabled else self._zeros
+        if wanted is not self._wanted:
+            self.wanted = wanted
+        self._expected.settled = 1
+
+    def unchanged(self) -> Exchange:
+        """An exchange, for `UpdateRows.share`, as long as the command does not change; what is published is missing."""
+        exchange, expected = Exchange(self.interface), self._expected
+        exchange.require((expected, "settled"))
+        exchange.expect("cmd_enable_motors", (expected, "enabled"))
+        for i, (name, index) in enumerate(self.fields):
+            exchange.expect(name, (expected, "command", i), index)
+        exchange.now()
+        exchange.integer("stall", 0)
+        return exchange
 
     def _take(self, enabled: int, wishes: tuple[float, ...]) -> None:
         """Check what the client wants, and take it; an unchanged command was checked before."""

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from functools import partial
+from typing import Any, ClassVar, Protocol
 
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
 from libgz.models.positionserver import PositionServer
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.worldfile.attributes import number, read
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -44,7 +46,11 @@ class MobileRobot(Model):
     publishes. A command holds until the next one.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices")
+    STATE: ClassVar[tuple[str, ...]] = ("rate", "position", "_kept_devices", "_driven")
+
+    ROW_PARTS = Model.ROW_PARTS | {"rate", "position", "devices", "measure", "publish", "drive", "act"}
+
+    _driven: tuple[float, ...] | None  # the command that the motors were last set to
 
     behaviour = "motors that drive and hold its wheels; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -65,7 +71,14 @@ class MobileRobot(Model):
         raise NotImplementedError
 
     def drive(self) -> None:
-        """Apply `position.wanted` to the motors; called at the update rate."""
+        """Apply `position.wanted` to the motors; called at the update rate. By default `run`, if it changed."""
+        wanted = self.position.wanted
+        if wanted != self._driven:
+            self._driven = wanted
+            self.run(*wanted)
+
+    def run(self, *wanted: Any, **_options: Any) -> None:
+        """Drive as a command, in the order of `commands`, requests; called when it changed."""
 
     def act(self, step: float) -> None:
         """Run the controllers that need every step [s]."""
@@ -75,6 +88,7 @@ class MobileRobot(Model):
         self.rate = UpdateRate(self.values.updateRate)
         self.position = PositionServer(self, self.commands)
         self.devices: list[Device] = []
+        self._driven = None
         self.build()
 
     @property
@@ -103,6 +117,58 @@ class MobileRobot(Model):
             for device in self.devices:
                 device.Update(now)
         self.act(step)
+
+    # As rows ------------------------------------------------------------------------------------------------------
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows. What a subclass replaces is done in Python."""
+        if replaced(self, MobileRobot, "Update") or not rows.knows(self.rate):
+            return False
+        self.MasterRowsOfMeasure(rows)
+        with rows.due(self.rate):
+            self._add_exchange(rows)
+            for device in self.devices:
+                add = getattr(device, "MasterRows", None)
+                if add is None:
+                    rows.python(partial(self._update_device, device))
+                else:
+                    add(rows)
+        self.MasterRowsOfAct(rows)
+        return True
+
+    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:
+        """Describe `measure` as rows."""
+        rows.python(self.measure)
+
+    def MasterPublished(self, exchange: Exchange) -> bool:
+        """Describe `publish` as numbers of an exchange; false where `publish` itself is to be called."""
+        return False
+
+    def MasterRowsOfAct(self, rows: UpdateRows) -> None:
+        """Describe `act` as rows."""
+        if replaced(self, MobileRobot, "act"):
+            rows.python(self.act)
+
+    def _add_exchange(self, rows: UpdateRows) -> None:
+        own_drive = replaced(self, MobileRobot, "drive")
+        position, twin = self.position, self._exchange if own_drive else self._exchange_and_drive
+        exchange = None if replaced(position, PositionServer, "exchange") else position.unchanged()
+        if exchange is not None and self.MasterPublished(exchange):
+            rows.share(twin, exchange)
+        else:
+            rows.python(twin)
+        if own_drive:
+            rows.python(lambda _: self.drive())
+
+    def _exchange(self, _step: float) -> None:
+        self.position.exchange(self.world.GetSimTime(), self.publish)
+
+    def _exchange_and_drive(self, step: float) -> None:
+        self._exchange(step)
+        self.drive()
+
+    def _update_device(self, device: Device, _step: float) -> None:
+        device.Update(self.world.GetSimTime())
 
 
 def clamp(value: float, limit: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import math
 from dataclasses import dataclass
 from typing import ClassVar
@@ -18,7 +19,9 @@ from libgz.models.serving import serve
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom
 from libgz.physics.rays import RayProximity
+from libgz.records import CastRecord, ScannerRecord
 from libgz.simulation.rate import OldRate, UpdateRate
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.attributes import angle, integer, length, number, read
 from libgz.worldfile.file import WorldFile
@@ -29,6 +32,9 @@ EYE_HEIGHT = 0.07  # of the beams above the origin [m]
 SMOOTH = 0.10  # [m]; neighbouring rays are interpolated if they differ by less
 MOST_READINGS = GZ_LASER_MAX_RANGES - 1
 FARTHEST = 1000.0  # [m]
+
+# Parts of an update that subclasses may replace.
+_STEPS = ("_take_command", "_publish_laser", "_publish_fiducials", "_intensities")
 
 Hit = tuple[int, int, Geom | None]  # of `RayProximity.hits`
 
@@ -50,6 +56,10 @@ class SickLMS200(Model):
     """SICK's scanning laser range-finder with a mass of 7 kg; the origin is the centre of its bottom."""
 
     STATE: ClassVar[tuple[str, ...]] = ("rate", "_wanted_scan", "rays")
+    ROW_PARTS = Model.ROW_PARTS | {
+        *("rate", "rays", "laser", "fiducial", "rangeMin", "rangeMax", "minAngle", "maxAngle", "rangeCount"),
+        *("readings", "fiducials"),
+    }
 
     attributes = SickAttributes
     interfaces = ("laser", "fiducial")
@@ -100,7 +110,7 @@ class SickLMS200(Model):
             near, far = self.rangeMin, self.rangeMax
             self.rays.SetRay(i, (near * x, near * y, EYE_HEIGHT), (far * x, far * y, EYE_HEIGHT))
         place = np.arange(self.rangeCount) * ((count - 1) / max(self.rangeCount - 1, 1))
-        self._first: NDArray[np.intp] = np.floor(place).astype(np.intp)
+        self._first: NDArray[np.int64] = np.floor(place).astype(np.int64)
         self._second = np.minimum(self._first + 1, count - 1)
         self._share = place - self._first
 
@@ -140,6 +150,57 @@ class SickLMS200(Model):
         self._publish_fiducials(now, hits)
         self.laser.post()
 
+    # As rows -----------------------------------------------------------------------------------------------------
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: without a request of a client, and where no ray hits a marked object, natively."""
+        own = ("Update", "readings", "fiducials", *_STEPS)
+        if replaced(self, SickLMS200, *own) or not rows.knows(self.rate):
+            return False
+        requests = Exchange(self.laser)
+        for name in ("cmd_new_angle", "cmd_new_length"):
+            requests.expect(name, ctypes.c_int64(0))
+        with rows.due(self.rate):
+            rows.share(lambda _: self._take_command(), requests)
+            cast = rows.cast(lambda _: self.rays.Update(), self.rays)
+            if cast is None:
+                rows.python(self._publish)
+            else:
+                rows.share(lambda _: self._publish_laser(self.world.GetSimTime(), self.rays.hits()), self._scan(cast))
+                nothing = Exchange(self.fiducial)
+                nothing.unmarked(cast)
+                nothing.now()
+                nothing.integer("fid_count", 0)
+                rows.share(lambda _: self._publish_fiducials(self.world.GetSimTime(), self.rays.hits()), nothing)
+            rows.post(lambda _: self.laser.post())
+        return True
+
+    def _publish(self, _step: float) -> None:
+        now, hits = self.world.GetSimTime(), self.rays.hits()
+        self._publish_laser(now, hits)
+        self._publish_fiducials(now, hits)
+
+    def _scan(self, cast: CastRecord) -> Exchange:
+        """What `_publish_laser` writes where no ray hit a reflector."""
+        exchange, count = Exchange(self.laser), self.rangeCount
+        exchange.unmarked(cast)
+        exchange.now()
+        exchange.doubles("max_range", np.array([self.rangeMax]))
+        exchange.integer("range_count", count)
+        exchange.doubles("min_angle", np.array([self.minAngle]))
+        exchange.doubles("max_angle", np.array([self.maxAngle]))
+        exchange.doubles("res_angle", np.array([self._resolution]))
+        kept = (cast, self._first, self._second, self._share)
+        exchange.readings("ranges", self._interpolation(cast), count, kept)
+        exchange.integer("intensity", 0, count)
+        return exchange
+
+    def _interpolation(self, cast: CastRecord) -> ScannerRecord:
+        """What `readings` computes."""
+        far, near, offset = self._limits
+        arrays = (array.ctypes.data for array in (self._first, self._second, self._share))
+        return ScannerRecord(ctypes.addressof(cast), *arrays, far, near, offset, SMOOTH)
+
     # Commands ----------------------------------------------------------------------------------------------------
 
     def _take_command(self) -> None:
@@ -173,14 +234,24 @@ class SickLMS200(Model):
         self.rangeCount = int(number("cmd_range_count", wanted[3], self.rangeCount, MOST_READINGS))
         self._aim()
 
+    @property
+    def _limits(self) -> tuple[float, float, float]:
+        """The largest range of a ray, what is added to it, and what is added to readings [m]."""
+        if "laserNoHitOffset" in self.world.engine.quirks:
+            return self.rangeMax, 0.0, self.rangeMin
+        return self.rangeMax - self.rangeMin, self.rangeMin, 0.0
+
+    @property
+    def _resolution(self) -> float:
+        """The angle between readings [rad]."""
+        return (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
+
     # Readings ----------------------------------------------------------------------------------------------------
 
     def readings(self) -> NDArray[np.float64]:
         """Distances from the sensor's centre [m]: interpolated between two rays, or the shorter one of them."""
-        if "laserNoHitOffset" in self.world.engine.quirks:
-            distance, offset = np.minimum(self.rays.ranges, self.rangeMax), self.rangeMin
-        else:
-            distance, offset = np.minimum(self.rays.ranges, self.rangeMax - self.rangeMin) + self.rangeMin, 0.0
+        far, near, offset = self._limits
+        distance = np.minimum(self.rays.ranges, far) + near
         a, b = distance[self._first], distance[self._second]
         between: NDArray[np.float64] = (1.0 - self._share) * a + self._share * b
         return np.where(np.abs(a - b) < SMOOTH, between, np.minimum(a, b)) + offset
@@ -191,7 +262,7 @@ class SickLMS200(Model):
         data = self.laser.data
         data.time, data.max_range, data.range_count = now, self.rangeMax, self.rangeCount
         data.min_angle, data.max_angle = self.minAngle, self.maxAngle
-        data.res_angle = (self.maxAngle - self.minAngle) / max(self.rangeCount - 1, 1)
+        data.res_angle = self._resolution
         count = self.rangeCount  # not that of the interface: a client may have overwritten it
         self.laser.all_ranges[:count] = self.readings()
         self.laser.all_intensities[:count] = self._intensities(hits)

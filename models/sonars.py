@@ -13,6 +13,7 @@ from libgz.legacy.model import Model
 from libgz.models.serving import serve
 from libgz.physics.body import Body
 from libgz.physics.rays import RayProximity
+from libgz.simulation.updates import Exchange, UpdateRows, is_plain
 
 __all__ = ["PIONEER2AT_RING", "PIONEER2DX_RING", "SonarRing", "pioneer_ring"]
 
@@ -74,12 +75,31 @@ class SonarRing:
     def Update(self, now: float) -> None:
         """Cast the rays and publish, at sim time `now` [s]."""
         self.rays.Update()
+        self.publish(now)
+
+    def publish(self, now: float) -> None:
+        """Publish what the rays measured last, at sim time `now` [s]."""
         if self.interface.lock():
             data = self.interface.data
             data.time = now
             self._describe(data)  # a client may have overwritten them
             np.minimum(self.rays.ranges, MAX_RANGE, out=self.interface.sonar_ranges[: len(self.poses)])
             self.interface.unlock()
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Describe `Update` as rows."""
+        if not is_plain(self, SonarRing, "Update", "publish"):
+            rows.python(lambda _: self.Update(self.model.world.GetSimTime()))
+            return
+        count, exchange = len(self.poses), Exchange(self.interface)
+        exchange.now()
+        exchange.integer("sonar_count", count)
+        exchange.doubles("max_range", np.array([MAX_RANGE]))
+        exchange.doubles("sonar_pos", self._own_places, 3 * count)
+        exchange.doubles("sonar_rot", self._own_yaws, count, index=2, stride=3)
+        exchange.nearest("sonar_ranges", self.rays.ranges, MAX_RANGE)
+        rows.cast(lambda _: self.rays.Update(), self.rays)
+        rows.share(lambda _: self.publish(self.model.world.GetSimTime()), exchange)
 
     def Fini(self) -> None:
         """Destroy the interface."""

@@ -50,10 +50,12 @@ class Wheel:
     """A driven wheel.
 
     Attributes:
+        axis: that it turns about.
         rate: a function, how fast the wheel rolls [rad/s], forward positive.
     """
 
     def __init__(self, axis: Axis) -> None:
+        self.axis = axis
         self.joint, self.rate = axis.joint, axis.rate
         self._velocity, self._torque = axis.velocity, axis.force
 

@@ -12,6 +12,7 @@ from libgz.legacy.model import Model
 from libgz.models.parts import add_body
 from libgz.models.serving import serve
 from libgz.simulation.rate import UpdateRate
+from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import number, read, text
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -43,6 +44,7 @@ class WiFi(Model):
     """
 
     STATE: ClassVar[tuple[str, ...]] = ("ip", "rate")
+    ROW_PARTS = Model.ROW_PARTS | {"rate"}
 
     attributes = WiFiAttributes
     interfaces = ("wifi",)
@@ -76,9 +78,19 @@ class WiFi(Model):
         self.wifi.destroy()
 
     def Update(self, step: float) -> None:  # noqa: D102
+        if step != 0.0 and self.rate.due(self.world.GetSimTime()):
+            self._publish()
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows: Python publishes when that is due."""
+        if replaced(self, WiFi, "Update") or not rows.knows(self.rate):
+            return False
+        with rows.due(self.rate):
+            rows.python(lambda _: self._publish())
+        return True
+
+    def _publish(self) -> None:
         now = self.world.GetSimTime()
-        if step == 0.0 or not self.rate.due(now):
-            return
         links = self.links()
         if not self.wifi.lock():
             return

@@ -13,6 +13,7 @@ from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.joint import HingeJoint
 from libgz.simulation.entity import Entity
 from libgz.simulation.plugins import own_place, own_traceback
+from libgz.simulation.updates import UpdateRows, replaced, set_part
 from libgz.worldfile.attributes import NoAttributes, boolean, rotation, text, vector
 from libgz.worldfile.file import WorldFile
 
@@ -58,6 +59,10 @@ class Model(Entity):
 
     STATE: ClassVar[tuple[str, ...]] = ("logPoses", "poses", "initialized", "_pick_id", "_gravity", "_enabled")
 
+    # Attributes that its rows depend on: they are built again after one was set.
+    ROW_PARTS: ClassVar[frozenset[str]] = frozenset(("Update", "MasterUpdate", "LogPose"))
+    __setattr__ = set_part
+
     # What tools print about a model; `libgz models`, the reference pages and the grammar are generated from it.
     attributes: ClassVar[type[Any]] = NoAttributes  # the dataclass of its own attributes
     interfaces: ClassVar[tuple[str, ...]] = ()  # that it serves under its id
@@ -69,7 +74,7 @@ class Model(Entity):
         self.node: WorldFileNode | None = None
         self._weld: HingeJoint | None = None
         self._own_joint: Any = None  # what a subclass keeps under the name of the weld
-        self.logPoses = False
+        self._log_poses = False
         self.poses: list[GzPose] = []
         self.initialized: bool | None = None  # by Init; None before it is called
         self._unregistered: list[Body] = []  # made by Load and not registered with AddBody
@@ -174,6 +179,30 @@ class Model(Entity):
         if self.logPoses:
             self.LogPose()
         self.Update(step)
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Describe the update as rows: by default `Update`, if a subclass has one."""
+        if replaced(self, Model, "MasterUpdate"):
+            rows.python(self.MasterUpdate)
+            return
+        if self.logPoses:
+            rows.python(lambda _: self.LogPose())
+        if not self.MasterRowsOfUpdate(rows) and replaced(self, Model, "Update"):
+            rows.python(self.Update)
+
+    def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
+        """Describe `Update` as rows; false, and nothing is added, where `Update` itself is to be called."""
+        return False
+
+    @property
+    def logPoses(self) -> bool:
+        """Whether the pose is logged each metre, in `poses`."""
+        return self._log_poses
+
+    @logPoses.setter
+    def logPoses(self, value: bool) -> None:
+        self._log_poses = value
+        self.world.update_rows_changed()
 
     def LogPose(self) -> None:
         """Add the canonical body's centre of mass to the trail, if it is a metre from the last entry."""

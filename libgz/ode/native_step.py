@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable
 from ctypes import c_int64, c_void_p
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from libgz.errors import LibraryError
 from libgz.ode.context import CONTACT, Publication, RayScan, StepContext
 from libgz.ode.lib import ode
 from libgz.ode.parts import Parts
+from libgz.records import check_sizes
 
 __all__ = ["NativeStep", "native_path"]
 
@@ -78,6 +80,7 @@ class NativeStep:
         sizes = library.gz_step_context_size(), library.gz_parts_size()
         if sizes != (ctypes.sizeof(StepContext), ctypes.sizeof(Parts)):
             raise LibraryError(f"{path} was built from another version of step.c; install libgz again")
+        check_sizes(library)
         names = []
         for name in library.gz_step_needs():
             if name is None:
@@ -141,6 +144,16 @@ class NativeStep:
 
     def forget(self, geom: int) -> None:
         """Nothing to do: step.c caches no geoms."""
+
+    def updates(self) -> tuple[Callable[..., int], Callable[[Any, int], Callable[[], int]]]:
+        """The function that does rows, see `libgz.records`; and one that prepares a call of it for the first rows."""
+        checked, quick = self._shared["gz_updates_run"], self._shared["gz_updates_run"]
+        checked.argtypes, checked.restype, quick.restype = [c_void_p, c_int64, c_int64], c_int64, c_int64
+
+        def prepare(record: Any, count: int) -> Callable[[], int]:
+            return functools.partial(quick, record, c_int64(0), c_int64(count))
+
+        return checked, prepare
 
     def scanner(self, scan: RayScan) -> Callable[[], object]:
         """A prepared scan whose arguments were converted to C once; they keep the arrays alive."""

@@ -6,6 +6,7 @@ describes their columns.
 
 from __future__ import annotations
 
+import ctypes
 import math
 from collections.abc import Callable
 from typing import Any
@@ -17,6 +18,7 @@ from libgz.geometry import rotate
 from libgz.ode.context import StepContext
 from libgz.ode.lib import OdeLibrary
 from libgz.ode.types import SURFACE_COLUMNS, JointType, Surface, dInfinity
+from libgz.records import TableRecord
 
 __all__ = ["BodyTable", "GeomTable", "JointTable", "Tables", "unwound"]
 
@@ -32,7 +34,8 @@ _DEFAULT_SURFACE[[Surface.GHOST_BITS, Surface.BY_PATCH]] = 0xFFFFFFFF, 1
 class _Table:
     """The objects of one kind by row. Rows of closed objects are used again."""
 
-    def __init__(self, reserved: int = 0) -> None:
+    def __init__(self, record: TableRecord, reserved: int = 0) -> None:
+        self._record = record  # for native updates
         self.objects: dict[int, Any] = {}
         self.used = reserved  # rows in use, free ones between them included
         self.size = _FIRST_SIZE  # rows of the arrays
@@ -41,8 +44,12 @@ class _Table:
         self._made = 0  # how many there ever were
         self._numbers: dict[int, int] = {}  # of objects by row: which one of all it was
 
-    def _take_row(self, thing: object) -> int:
+    def _count_change(self) -> None:
         self.changes += 1
+        self._record.changes += 1
+
+    def _take_row(self, thing: object) -> int:
+        self._count_change()
         if self._free:
             row = self._free.pop()
         else:
@@ -67,7 +74,7 @@ class _Table:
         """
         things = list(self.objects.values())
         self.used, self._made = counts
-        self.changes += 1
+        self._count_change()
         while self.size < self.used:
             self.size *= 2
             self._grow()
@@ -84,7 +91,7 @@ class _Table:
         raise NotImplementedError
 
     def _free_row(self, row: int) -> None:
-        self.changes += 1
+        self._count_change()
         del self.objects[row], self._numbers[row]
         self._free.append(row)
 
@@ -102,8 +109,8 @@ class BodyTable(_Table):
         values: `state` as one row of numbers: single ones are read faster than through numpy.
     """
 
-    def __init__(self, ode_: OdeLibrary) -> None:
-        super().__init__()
+    def __init__(self, ode_: OdeLibrary, record: TableRecord) -> None:
+        super().__init__(record)
         self._ode = ode_
         self.ids = np.zeros(_FIRST_SIZE, dtype=np.uintp)
         self.com = np.zeros((_FIRST_SIZE, 3))
@@ -135,6 +142,9 @@ class BodyTable(_Table):
         self.values = _flat(self.state)
         self.fresh = bytearray(self.size)
         self._after_step = (b"\1" if fresh else b"\0") * self.size
+        record = self._record
+        record.bodies, record.body_state = context.bodies, context.body_state
+        record.body_fresh, record.body_size = _address(self.fresh), self.size
 
     def step_done(self) -> None:
         """Mark all rows as a step leaves them."""
@@ -168,8 +178,8 @@ class JointTable(_Table):
         values: `state` as one row of numbers.
     """
 
-    def __init__(self, ode_: OdeLibrary, context: StepContext) -> None:
-        super().__init__()
+    def __init__(self, ode_: OdeLibrary, context: StepContext, record: TableRecord) -> None:
+        super().__init__(record)
         self._context = context
         self._getters = _joint_getters(ode_)
         self.ids = np.zeros(_FIRST_SIZE, dtype=np.uintp)
@@ -225,6 +235,9 @@ class JointTable(_Table):
         self.fresh = bytearray(self.size)
         self._stale = bytes(self.size)
         self._after_step = (b"\1" if fresh else b"\0") * self.size
+        record = self._record
+        record.joints, record.joint_state = context.joints, context.joint_state
+        record.joint_fresh, record.joint_size = _address(self.fresh), self.size
 
     def step_done(self) -> None:
         """Mark all rows as a step leaves them."""
@@ -297,23 +310,26 @@ class GeomTable(_Table):
     Attributes:
         surface: contact properties, the columns of `Surface`.
         owner: numbers of the bodies they belong to.
+        marks: 1 for each one that reflects laser beams, or has a fiducial number.
         edits: grows with each change.
     """
 
-    def __init__(self) -> None:
-        super().__init__(reserved=1)
+    def __init__(self, record: TableRecord) -> None:
+        super().__init__(record, reserved=1)
         self.surface = np.tile(_DEFAULT_SURFACE, (_FIRST_SIZE, 1))
         self.owner = np.zeros(_FIRST_SIZE, dtype=np.int64)
+        self.marks = np.zeros(_FIRST_SIZE, dtype=np.int8)
         self.edits = 0
 
     def _grow(self) -> None:
-        self.surface, self.owner = _doubled(self.surface), _doubled(self.owner)
+        self.surface, self.owner, self.marks = _doubled(self.surface), _doubled(self.owner), _doubled(self.marks)
 
     def add(self, geom: object, owner: int) -> int:
         """Register a geom of the body numbered `owner`; returns its row."""
         row = self._take_row(geom)
         self.owner[row] = owner
         self.surface[row] = _DEFAULT_SURFACE
+        self.marks[row] = 0
         self.edits += 1
         return row
 
@@ -330,19 +346,33 @@ class GeomTable(_Table):
     def publish(self, context: StepContext) -> None:
         """Hand the arrays to the step."""
         context.surface, context.owner = self.surface.ctypes.data, self.owner.ctypes.data
+        self._record.marks = self.marks.ctypes.data
 
 
 class Tables:
-    """The tables of one world."""
+    """The tables of one world.
+
+    Attributes:
+        record: where all of them are, for native updates.
+    """
 
     def __init__(self, context: StepContext, ode_: OdeLibrary) -> None:
         self._context = context
-        self.bodies = BodyTable(ode_)
-        self.joints = JointTable(ode_, context)
-        self.geoms = GeomTable()
+        self.record = TableRecord(context=ctypes.addressof(context))
+        self.bodies = BodyTable(ode_, self.record)
+        self.joints = JointTable(ode_, context, self.record)
+        self.geoms = GeomTable(self.record)
         self.fresh_after_step = False  # whether a step leaves all rows up to date
-        self.touched = True  # whether `step_done` has rows to mark
         self.publish()
+
+    @property
+    def touched(self) -> bool:
+        """Whether `step_done` has rows to mark."""
+        return bool(self.record.touched)
+
+    @touched.setter
+    def touched(self, value: bool) -> None:
+        self.record.touched = value
 
     @property
     def changes(self) -> tuple[int, int, int]:
@@ -401,6 +431,11 @@ class Tables:
 
 def _doubled(table: NDArray[Any]) -> NDArray[Any]:
     return np.concatenate([table, np.zeros_like(table)])
+
+
+def _address(buffer: bytearray) -> int:
+    """Where a buffer is that never changes its size."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(buffer))
 
 
 def _flat(table: NDArray[np.float64]) -> memoryview[float]:

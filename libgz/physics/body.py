@@ -211,6 +211,7 @@ class Body:
         if self.row < 0:
             self._pose = GzPose(position, rotation)
             self.engine.moved_dummies.add(self)
+            self.engine.tables.record.changes += 1
             for geom in self.geoms:
                 geom.follow_dummy()
             self.engine.wake()

@@ -189,7 +189,7 @@ class Engine:
 
     @step_time.setter
     def step_time(self, seconds: float) -> None:
-        self._context.step = positive(seconds, "stepTime [s]")
+        self._context.step = self.tables.record.step = positive(seconds, "stepTime [s]")
 
     @property
     def gravity(self) -> tuple[float, ...]:
@@ -485,9 +485,21 @@ class Engine:
 
     def advance(self) -> None:
         """`step`, for a caller that holds the lock."""
+        self.enter()
+        self._finish(self._step())
+
+    def enter(self) -> None:
+        """Prepare the calling thread for steps and scans of the native code."""
         if get_ident() != self._thread:
             self._enter_thread()
-        self._finish(self._step())
+
+    def finish(self) -> None:
+        """Recover from what went wrong in a step of native updates.
+
+        Raises:
+            GazeboError: ODE ran out of memory.
+        """
+        self._finish(int(self.tables.record.done))
 
     def _enter_thread(self) -> None:
         self._ode.ensure_thread()

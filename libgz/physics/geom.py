@@ -448,14 +448,21 @@ class Geom:
     def SetRetro(self, value: float) -> None:
         """How much a laser beam is reflected back, 0 to 1: from 0.5 on a laser reports intensity 1."""
         self.appearance.retro = float(value)
+        self.mark()
 
     def GetRetro(self) -> float:
         """How much a laser beam is reflected back."""
         return self.appearance.retro
 
+    def mark(self) -> None:
+        """Note whether laser scanners detect more of it than its distance."""
+        if not self._closed:
+            self._table.marks[self.row] = self.appearance.retro != 0.0 or self.appearance.fiducial >= 0
+
     def SetFiducial(self, number: int) -> None:
         """The number that a fiducial finder reports for this geom; -1 for none."""
         self.appearance.fiducial = int(number)
+        self.mark()
 
     def GetFiducial(self) -> int:
         """The fiducial number, or -1."""

@@ -313,6 +313,12 @@ class Joint:
         number = joint_value(parameter, value)
         self._set_param(self.id, int(parameter), number)
 
+    @property
+    def setter(self) -> int:
+        """The address of ODE's function that sets a parameter, for native updates."""
+        function: Any = self._set_param
+        return ctypes.cast(function, ctypes.c_void_p).value or 0
+
     def GetParam(self, parameter: int) -> float:
         """The value of a parameter."""
         return float(self._functions.get_param(self.id, known_parameter(parameter)))
@@ -398,6 +404,11 @@ class HingeJoint(AxisJoint):
     def SetTorque(self, torque: float) -> None:
         """Add a torque about the axis for one step [N m]."""
         ode().dJointAddHingeTorque(self.id, finite(torque, "torque [N m]"))
+
+    @property
+    def torque_adder(self) -> int:
+        """The address of ODE's function that adds a torque, for native updates."""
+        return ode().address("dJointAddHingeTorque")
 
 
 class SliderJoint(Joint):

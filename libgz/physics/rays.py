@@ -15,6 +15,7 @@ from libgz.physics.body import Body
 from libgz.physics.check import finite_tuple
 from libgz.physics.engine import HasEngine
 from libgz.physics.geom import Geom
+from libgz.records import CastRecord
 
 __all__ = ["RayProximity"]
 
@@ -82,6 +83,12 @@ class RayProximity:
         """Cast all rays from where the body is now."""
         self._frame[:] = self.body.frame()
         self._scan()
+
+    def record(self) -> CastRecord:
+        """What native updates need to cast the rays; it points into this object."""
+        frame, rays, ranges, rows = (a.ctypes.data for a in (self._frame, self._rays, self.ranges, self.rows))
+        handle = (1 << 64) - 1 if self.body.closed else self.body.id
+        return CastRecord(self.body.row, handle, frame, rays, len(self.ranges), self.body.number, ranges, rows)
 
     def segments(self) -> NDArray[np.float64]:
         """Global ends of all rays, as far as they reached in the last `Update` [m], shape (n, 2, 3)."""

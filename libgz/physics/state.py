@@ -287,6 +287,7 @@ class EngineState:
                 at += size
         numbers = np.frombuffer(state["dummies"]).reshape(-1, 7).tolist()
         engine.moved_dummies.update(engine.dummies)
+        engine.tables.record.changes += 1
         for dummy, place in zip(engine.dummies, numbers, strict=True):
             dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
         if engine.record_contacts:
@@ -332,6 +333,7 @@ class EngineState:
                 setattr(geom.appearance, name, _value(value))
             changed = True
         geom.appearance.version += changed
+        geom.mark()
 
     def _restore_joints(self, saved: dict[str, Any], joints: list[Any], bodies: list[Any], count: int) -> None:
         engine, table = self._engine, self._engine.tables.joints

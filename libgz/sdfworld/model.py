@@ -22,6 +22,7 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "load_joints", "model_pose"]
@@ -292,6 +293,7 @@ class SdfModel(Entity):
             return None
         joint = SdfJoint(self.world.engine, plan)
         self.sdf_joints[plan.name] = joint
+        self.world.update_rows_changed()
         for body in (plan.parent, plan.child):
             if body is not None and body.auto_disable:
                 body.set_auto_disable(False)
@@ -309,6 +311,11 @@ class SdfModel(Entity):
             return False
         joint.close()
         return True
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """The joints are updated in Python; a model without joints is not updated."""
+        if self.sdf_joints:
+            rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints; let grippers hold what they touch."""

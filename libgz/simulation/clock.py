@@ -6,11 +6,12 @@ import time
 from typing import ClassVar
 
 from libgz.physics.check import finite
+from libgz.records import ClockRecord
 
 __all__ = ["Clock"]
 
 
-class Clock:
+class Clock(ClockRecord):
     """Sim time, which steps advance, and the time of the wall clock beside it.
 
     Attributes:
@@ -24,11 +25,9 @@ class Clock:
     STATE: ClassVar[tuple[str, ...]] = ("sim_time", "pause_time", "iterations", "day_time")
 
     def __init__(self) -> None:
-        self.sim_time = self.pause_time = 0.0
-        self.iterations = 0
+        super().__init__()
         self.day_time = -1.0
         self.running = False
-        self._start: float | None = None  # on the monotonic clock; None while the world does not run
 
     def start(self) -> None:
         """Start to count real time."""
@@ -36,12 +35,12 @@ class Clock:
 
     def stop(self) -> None:
         """Stop to count real time."""
-        self._start, self.running = None, False
+        self.running = False
 
     @property
     def real_time(self) -> float:
         """Wall-clock time since `start` [s]."""
-        return 0.0 if self._start is None else time.monotonic() - self._start
+        return time.monotonic() - self._start if self.running else 0.0
 
     def set(self, seconds: float) -> None:
         """Set the sim time [s].

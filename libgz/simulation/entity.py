@@ -12,6 +12,7 @@ from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
 from libgz.simulation.state import get_state, set_state
+from libgz.simulation.updates import UpdateRows, replaced
 
 if TYPE_CHECKING:
     from libgz.physics.body import Body
@@ -92,6 +93,15 @@ class Entity:
 
     def MasterUpdate(self, step: float) -> None:
         """Act. Called once per step with the step's length [s], and with 0 while the world is paused."""
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Describe `MasterUpdate` as rows, which native code does where it can; an entity without rows is not updated.
+
+        By default one row, which calls `MasterUpdate`, if a subclass has it. Rows are not used while the world is
+        paused. Whoever changes later what they depend on calls `World.update_rows_changed`.
+        """
+        if replaced(self, Entity, "MasterUpdate"):
+            rows.python(self.MasterUpdate)
 
     def Fini(self) -> int | None:
         """Release what Initialize made."""

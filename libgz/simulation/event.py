@@ -77,10 +77,10 @@ class Callback:
 
     def __init__(self, what: str, function: Callable[..., Any], read: Callable[[Any], Any] | None = None) -> None:
         self._what, self._function, self._read = what, checked(function, what), read
-        self._owner = owner.get()
+        self.owner = owner.get()
         self.connected = True
-        if self._owner is not None:
-            self._owner.connections.add(self)
+        if self.owner is not None:
+            self.owner.connections.add(self)
 
     def disconnect(self) -> None:
         """Stop to call it."""
@@ -90,14 +90,14 @@ class Callback:
         """What the function returns; `otherwise` if it raises, which is reported, or is disconnected."""
         if not self.connected:
             return otherwise
-        token = owner.set(self._owner)
+        token = owner.set(self.owner)
         try:
             result = self._function(*values)
             return self._read(result) if self._read is not None else result
         except USER_ERRORS as error:
             pass_interrupt(error)
             self.connected = False
-            report_failure(self._owner, self._what, error)
+            report_failure(self.owner, self._what, error)
             return otherwise
         finally:
             owner.reset(token)
@@ -166,17 +166,20 @@ class Event:
     Args:
         name: for messages.
         above: an event whose callbacks are called before this one's own.
+
+    Attributes:
+        own: its own callbacks.
     """
 
     def __init__(self, name: str, above: Event | None = None) -> None:
         self.name = name
-        self._above = above
-        self._own: tuple[_Entry, ...] = ()
+        self.above = above
+        self.own: tuple[_Entry, ...] = ()
         self._all: tuple[_Entry, ...] | None = None
         self._seen: tuple[_Entry, ...] = ()  # of the event above, when _all was put together
 
     def __bool__(self) -> bool:
-        return bool(self._own or (self._above is not None and self._above._own))
+        return bool(self.own or (self.above is not None and self.above.own))
 
     def Connect(self, callback: Callable[..., object]) -> Connection:
         """Call `callback` at each signal, as long as the connection is kept.
@@ -187,7 +190,7 @@ class Event:
         checked(callback, f"the callback of event {self.name}")
         by = owner.get()
         entry = _Entry(callback, _parameters(callback), by)
-        self._own += (entry,)
+        self.own += (entry,)
         self._all = None
         connection = Connection(self, entry)
         if by is not None:
@@ -205,19 +208,19 @@ class Event:
     def remove(self, entry: _Entry) -> None:
         """Remove a callback; it is not called any more, not even in a signal that is under way."""
         entry.connected = False
-        self._own = tuple(kept for kept in self._own if kept is not entry)
+        self.own = tuple(kept for kept in self.own if kept is not entry)
         self._all = None
 
     def clear(self) -> None:
         """Remove all callbacks."""
-        for entry in self._own:
+        for entry in self.own:
             entry.connected = False
-        self._own, self._all = (), None
+        self.own, self._all = (), None
 
     def _calls(self) -> tuple[_Entry, ...]:
-        above = self._above._own if self._above is not None else ()
+        above = self.above.own if self.above is not None else ()
         if self._all is None or above is not self._seen:
-            self._seen, self._all = above, above + self._own
+            self._seen, self._all = above, above + self.own
         return self._all
 
     def Signal(self, *values: Any) -> None:
@@ -242,8 +245,8 @@ class Event:
     def _failed(self, entry: _Entry, error: BaseException) -> None:
         report_failure(entry.owner, f"a callback of event {self.name}", error)
         self.remove(entry)
-        if self._above is not None:
-            self._above.remove(entry)
+        if self.above is not None:
+            self.above.remove(entry)
 
 
 def _parameters(callback: Callable[..., object]) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import json
 import logging
+import os
 import struct
 import time
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from libgz.errors import GazeboError, NotFoundError
 from libgz.ode.context import Publication as Target
 from libgz.physics.body import Body
 from libgz.physics.geoms import DomeGeom, FrustrumGeom
+from libgz.records import PublishRecord
 from libgz.simulation.description import describe_body, offset_in, plain, pose_list
 from libgz.simulation.entity import Entity
 from libgz.transport.tables import BODY_COLUMNS, FORMAT, HEADER, LocalTables
@@ -47,7 +49,8 @@ class Publication:
 
     def __init__(self, world: World, shared: LocalTables) -> None:
         self.world, self.shared = world, shared
-        self.changed = True  # entities came or went
+        self.record = PublishRecord()  # lets native code publish as long as nothing but states changes
+        self.changed = True
         self._revision = 0
         self._mark: tuple[int, ...] = ()  # counts of rows taken and freed when the scene was written
         self._look: list[Any] = []  # what else the scene depends on, as it was then
@@ -64,11 +67,24 @@ class Publication:
         header = shared.header
         self._numbers = (ctypes.c_char * HEADER.itemsize).from_address(header.ctypes.data)
         self._target = Target(header=header.ctypes.data, header_size=HEADER.itemsize)
+        self.record.publication = ctypes.addressof(self._target)
+        self.record.numbers = header.ctypes.data + _NUMBERS_AT
         self._target.sequence_offset = HEADER.fields["sequence"][1]  # type: ignore[index]
+
+    @property
+    def changed(self) -> bool:
+        """Whether entities came or went since the scene was written."""
+        return self._changed
+
+    @changed.setter
+    def changed(self, value: bool) -> None:
+        self._changed = value
+        self.record.ready = 0
 
     def publish(self, paused: bool) -> None:
         """Copy out the states as they are now, between two steps; the caller holds the world's lock."""
         shared, world = self.shared, self.world
+        self.record.ready = 0
         if self._failed or not shared.owned:
             return
         engine, clock = world.engine, world.clock
@@ -102,6 +118,11 @@ class Publication:
                 shared.show()
             except OSError as error:
                 self._fail(error)
+                return
+        self._target.stale = 0
+        record = self.record
+        record.revision, record.changes, record.next_look = self._revision, tables.record.changes, self._next_look
+        record.process, record.ready = os.getpid(), not shared.must_restore
 
     def _fail(self, error: Exception) -> None:
         self._failed = True

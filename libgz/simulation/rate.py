@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
+from libgz.records import RateRecord
+
 __all__ = ["TIME_SLACK", "OldRate", "UpdateRate"]
 
 TIME_SLACK = 1e-9  # [s]; the error of a sum of step times is less
 
 
-class UpdateRate:
+class UpdateRate(RateRecord):
     """Ticks at a rate of sim time [Hz]: at the first call, then whenever a period has passed.
 
     The period is 1 / (rate + 1e-6), the old server's formula: 10 Hz is every fifth step of 20 ms.
@@ -19,12 +21,12 @@ class UpdateRate:
     STATE: ClassVar[tuple[str, ...]] = ("period", "last")
 
     def __init__(self, rate: float) -> None:
-        self.period = 1.0 / (rate + 1e-6)
-        self.last = -math.inf
+        super().__init__(period=1.0 / (rate + 1e-6), last=-math.inf, slack=TIME_SLACK)
 
     def due(self, now: float) -> bool:
         """Whether it is due at sim time `now` [s], also when time was set back. If so, the next period begins."""
-        if 0.0 <= now - self.last < self.period - TIME_SLACK:
+        elapsed = now - self.last
+        if 0.0 <= elapsed < self.period - self.slack or (self.beyond and elapsed == self.period):
             return False
         self.last = now
         return True
@@ -40,11 +42,4 @@ class OldRate(UpdateRate):
     """
 
     def __init__(self, period: float, last: float, beyond: bool = False) -> None:
-        self.period, self.last, self.beyond = period, last, beyond
-
-    def due(self, now: float) -> bool:  # noqa: D102
-        elapsed = now - self.last
-        if 0.0 <= elapsed < self.period or (self.beyond and elapsed == self.period):
-            return False
-        self.last = now
-        return True
+        RateRecord.__init__(self, period=period, last=last, beyond=beyond)

@@ -80,7 +80,7 @@ def restore(world: World, data: bytes) -> None:
     world.journal.inserted = saved["inserted"]
     for entity, kept in zip(world.entities, saved["entities"], strict=True):
         _load_entity(world, entity, kept)
-    world.find_updated()
+    world.update_rows_changed()
     world.followers[:] = [world.entities[index] for index in saved["followers"]]
     for companion in world.companions:
         companion.set_state(saved["companions"].get(_name(companion)))

@@ -10,13 +10,14 @@ or by two methods, where names do not suffice; a class may have both::
     def SaveState(self) -> object: ...
     def LoadState(self, state: object) -> None: ...
 
-An attribute holds plain data (numbers, strings, bytes, None, vectors, poses, numpy arrays, and tuples, lists, dicts and
-deques of them), a random generator, or an object that declares its own state, alone or in a tuple, list or dict. What a
-class inherits is added. `STATE = ()` says that there is nothing to keep.
+An attribute holds plain data (numbers, strings, bytes, None, vectors, poses, numpy and ctypes arrays, and tuples,
+lists, dicts and deques of them), a random generator, or an object that declares its own state, alone or in a tuple,
+list or dict. What a class inherits is added. `STATE = ()` says that there is nothing to keep.
 """
 
 from __future__ import annotations
 
+import ctypes
 import io
 import pickle
 import random
@@ -135,6 +136,8 @@ def _saved(value: Any) -> Any:
         if _PLAIN.issuperset(map(type, value.values())):
             return value.copy()
         return {key: _saved(item) for key, item in value.items()}
+    if isinstance(value, ctypes.Array):
+        return value[:]
     if isinstance(value, np.random.Generator):
         return value.bit_generator.state
     if isinstance(value, random.Random):
@@ -155,6 +158,8 @@ def _loaded(before: Any, value: Any) -> Any:
         if value is None:
             return None
         set_state(before, value)
+    elif isinstance(before, ctypes.Array):
+        before[:] = value
     elif kind is list and type(value) is list:
         before[:] = _matched(before, value)
     elif kind is tuple and type(value) is tuple:

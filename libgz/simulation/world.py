@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import itertools
 import logging
 import sys
@@ -35,6 +36,7 @@ from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
 from libgz.simulation import snapshot
 from libgz.simulation.agenda import Agenda
+from libgz.simulation.batch import Batch, Columns
 from libgz.simulation.clock import Clock
 from libgz.simulation.companion import Companion
 from libgz.simulation.entity import Entity
@@ -48,6 +50,7 @@ from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.state import undeclared
+from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -106,6 +109,7 @@ class World(Closing):
         era: how time is counted, and what a reset does.
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
+        rows: what the entities do in a step, for native code.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
@@ -160,7 +164,7 @@ class World(Closing):
         self.physics_enabled = True
         self.starts_paused = False
         self.facade: Any = None
-        self._updating: list[Entity] = []
+        self.rows = UpdateRows(self)
         self.followers: list[Entity] = []
         self._extensions: dict[Callable[[World], Any], Any] = {}
         self._fallen: set[int] = set()  # numbers of bodies that were reported
@@ -174,6 +178,8 @@ class World(Closing):
         self._begin, self._contact, self._end = (
             self.events[name] for name in ("WorldUpdateBegin", "BeforePhysicsUpdate", "WorldUpdateEnd")
         )
+        events = (self._begin, self._contact, self._end)
+        self._signals = [event for one in events for event in (one, one.above) if event is not None]
         # Surroundings, by the old API's names.
         self.simSpeed = 1.0  # simulated seconds per second of real time; 0: as fast as possible
         self.utcOffset = 0.0  # UTC at sim time 0 [s]
@@ -370,7 +376,6 @@ class World(Closing):
         self.entities.append(entity)
         if entity.is_model:
             self.models.append(entity)
-        self._updating.append(entity)
         if entity.follows:
             self.followers.append(entity)
         self._entities_changed()
@@ -382,6 +387,7 @@ class World(Closing):
         """Let an entity that was attached at run time, and without a joint, follow its parent."""
         if entity in self.entities and entity not in self.followers:
             self.followers.append(entity)
+            self.update_rows_changed()
 
     @exclusive
     def DeleteModel(self, model: Entity | str) -> None:
@@ -401,7 +407,7 @@ class World(Closing):
             entity.MasterFini(removed=True)
             for interface in self._interfaces_of(entity):  # that its Fini forgot
                 interface.destroy()
-        for kept in (self.entities, self.models, self._updating, self.followers):
+        for kept in (self.entities, self.models, self.followers):
             kept[:] = [entity for entity in kept if entity not in leaving]
         self._entities_changed()
         for companion in self.companions:
@@ -412,6 +418,7 @@ class World(Closing):
             entity.close()
 
     def _entities_changed(self) -> None:
+        self.update_rows_changed()
         if self._publication is not None:
             self._publication.changed = True
 
@@ -452,6 +459,7 @@ class World(Closing):
             PluginError: a model's Init failed.
         """
         self.clock.start()
+        self.update_rows_changed()
         add_running(self)
         self.gz_server.start()
         self.initialize(self.entities)
@@ -482,6 +490,7 @@ class World(Closing):
         if self.gz_server.shared is None:
             self.gz_server.shared = LocalTables()
         if self._publication is None:
+            self.update_rows_changed()
             self._publication = Publication(self, self.gz_server.shared)
         self._publication.publish(self._paused)
         return self.gz_server.shared
@@ -506,6 +515,7 @@ class World(Closing):
         self.clock.stop()
         remove_running(self)
         self._publication = None
+        self.rows.clear()
         for companion in self.companions:
             companion.close()
         for entity in self.entities:
@@ -585,6 +595,29 @@ class World(Closing):
                     lock.pass_on()
                 self.Step()
 
+    def batch(self, commands: Iterable[Columns] = (), readings: Iterable[Columns] = ()) -> Batch:
+        """Commands and readings of many interfaces as two arrays, for loops that learn::
+
+            batch = world.batch(
+                commands=[("position.*", "cmd_vel_pos[0]", "cmd_vel_rot[2]")],
+                readings=[("position.*", "pos[0]", "pos[1]", "rot[2]"), ("laser.*", "ranges")],
+            )
+            readings = batch.step([0.3, 0.1], steps=5)
+
+        Args:
+            commands: entries that are written before a step: a target, such as ``position.robot1`` or ``position.*``,
+                and fields of it, such as ``cmd_vel_pos`` or ``cmd_vel_rot[2]``; see docs/interfaces.md.
+            readings: entries that are read after it, likewise.
+
+        Raises:
+            NotFoundError: nothing serves a target.
+            ParameterError: an interface has no such field, or none of these numbers yet; or a command is a field that
+                the server writes.
+            ClosedError: the world is closed, or `Initialize` was not called.
+        """
+        self._check_ready("controlled")
+        return Batch(self, commands, readings)
+
     def run(self, seconds: float) -> None:
         """Run until that much more sim time [s] has passed, as fast as possible.
 
@@ -650,41 +683,139 @@ class World(Closing):
             raise GazeboError(f"a world cannot be {what} while plugins load, are reset, come or go")
 
     def _step(self) -> None:
-        agenda, clock = self.agenda, self.clock
-        paused = self._read_buttons()
-        agenda.stepping = True
-        if paused:
-            self._update_entities(0.0)
-            clock.pause_time += self.engine.step_time
+        rows = self.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.native and not self._has_listeners():
+            self.engine.enter()
+            number = rows.run_all()
+            if number < rows.count:
+                self._continue_natively(number)
+        elif self._read_buttons():
+            self._pause()
         else:
+            self.agenda.stepping = True
+            self._begin_step()
             self._advance()
-        if agenda.deferred:
-            agenda.act()
+            self._act()
+            self._end_step(paused=False)
+
+    def _has_listeners(self) -> bool:
+        """Whether a step is more than what rows do."""
+        if self.companions or not self.physics_enabled:
+            return True
+        return any(signal.own for signal in self._signals)
+
+    def _continue_natively(self, number: int) -> None:
+        """Do in Python a row that the native code cannot do, and then the rest of the step where it can."""
+        rows = self.rows
+        if number < rows.begin:
+            if number == 0 and self._read_buttons():
+                self._pause()
+                return
+            if rows.run(1, rows.begin) < rows.begin:
+                self._begin_step()
+            number = rows.begin
+        if number < rows.tail:
+            self.agenda.stepping = True
+            if number < rows.end:
+                self._run_rows(number)
+                number = rows.end
+            if number == rows.end and self._has_listeners():  # since an entity has connected to an event
+                self._advance_physics()
+            else:
+                self._run_own_rows(number, rows.tail)
+            self._act()
+            number = rows.tail
+            if not rows.valid:  # what changed may be the interface that the last rows write to
+                self._end_step(paused=False)
+                return
+        self._run_own_rows(number, rows.count)
+
+    def _run_own_rows(self, begin: int, end: int) -> None:
+        """Do rows of the world itself."""
+        rows = self.rows
+        number = rows.run(begin, end)
+        while number < end:
+            rows.line(number).twin(self.engine.step_time)
+            number = rows.run(number + 1, end)
+
+    def _build_rows(self) -> None:
+        """Describe a step as rows, and find out which entities have something to do in it."""
+        buttons, times = Exchange(self.sim), Exchange(self.sim)
+        if self.sim.link.memory:
+            for name in ("pause", "reset", "save"):
+                buttons.expect(name, ctypes.c_int64(0))
+            times.doubles("sim_time", (self.clock, "sim_time"))
+            times.doubles("pause_time", (self.clock, "pause_time"))
+            times.real_time("real_time")
+        with self.rows.building() as rows:
+            rows.share(lambda _: None, buttons)
+            rows.begin_step(FALL_PERIOD, self.era.counts_at_start)
+            rows.entities()
+            rows.advance(lambda _: self.engine.finish())
+            if self.followers:
+                rows.python(lambda _: self._follow())
+            rows.end_physics()
+            rows.share(lambda _: self._write_times(), times)
+            if self._publication is not None:
+                publication = self._publication
+                rows.publish(lambda _: publication.publish(paused=False), publication.record)
+            rows.post(lambda _: self.gz_server.post())
+
+    def _pause(self) -> None:
+        """What a step does while the world is paused."""
+        self.agenda.stepping = True
+        self._update_entities(0.0)
+        self.clock.pause_time += self.engine.step_time
+        self._act()
+        self._end_step(paused=True)
+
+    def _act(self) -> None:
+        """Make the changes that were deferred to the end of the updates and of physics."""
+        if self.agenda.deferred:
+            self.agenda.act()
+        self.agenda.stepping = False
+
+    def _end_step(self, paused: bool) -> None:
+        """Update companions, and let others know of the step."""
+        agenda = self.agenda
         agenda.stepping = bool(self.companions)
         for companion in self.companions:
             companion.step(paused)
         if agenda.deferred:
             agenda.act()
-        if self.sim.lock():
-            data = self.sim.data
-            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
-            self.sim.unlock()
+        self._write_times()
         if self._publication is not None:
             self._publication.publish(paused)
         self.gz_server.post()
 
-    def _advance(self) -> None:
-        """Advance everything by one step of sim time, and signal the events of a step."""
-        engine, clock, step = self.engine, self.clock, self.engine.step_time
+    def _write_times(self) -> None:
+        clock = self.clock
+        if self.sim.lock():
+            data = self.sim.data
+            data.sim_time, data.pause_time, data.real_time = clock.sim_time, clock.pause_time, clock.real_time
+            self.sim.unlock()
+
+    def _begin_step(self) -> None:
+        """Count the step, and look for bodies that fell out of the world now and then."""
+        engine, clock = self.engine, self.clock
         clock.iterations += 1
         if not clock.iterations % FALL_PERIOD and engine.lowest < LOWEST:
             self._report_fallen()
-        at_start = self.era.counts_at_start
-        clock.sim_time += step if at_start else 0.0
+        clock.sim_time += engine.step_time if self.era.counts_at_start else 0.0
+
+    def _advance(self) -> None:
+        """Advance everything by one step of sim time, and signal the events of a step."""
         if self._begin:
             self._begin(self._update_info())
-        self._update_entities(step)
-        clock.sim_time += 0.0 if at_start else step
+        self._update_entities(self.engine.step_time)
+        self._advance_physics()
+
+    def _advance_physics(self) -> None:
+        """The part of a step after the updates of the entities."""
+        engine, clock = self.engine, self.clock
+        clock.sim_time += 0.0 if self.era.counts_at_start else engine.step_time
         for companion in self.companions:
             companion.update()
         if self._contact and self.physics_enabled:
@@ -693,13 +824,17 @@ class World(Closing):
             engine.solve()
         elif self.physics_enabled:
             engine.advance()
+        self._follow()
+        if self._end:
+            self._end()
+
+    def _follow(self) -> None:
+        """Move the entities that follow their parents without a joint."""
         try:
             for entity in self.followers:
                 entity.follow()
         except ParameterError as error:
             raise GazeboError(f"{entity.MasterPlace()}{error}") from error
-        if self._end:
-            self._end()
 
     def _report_fallen(self) -> None:
         """Warn once of each body that has fallen out of the world."""
@@ -735,28 +870,69 @@ class World(Closing):
 
     def _update_entities(self, step: float) -> None:
         """Update all entities in order. One that raises is reported and stopped; the others are still updated."""
-        failed = False
-        for entity in self._updating:
-            try:
-                entity.MasterUpdate(step)
-            except USER_ERRORS as error:
-                pass_interrupt(error)
-                failed = True
-                entity.failed = error
-                note(f"model {entity.GetId()!r}", "its Update", error)
-                log.error(
-                    "model %r stopped, its motors off: its Update failed with\n%s",
-                    entity.GetId(),
-                    own_traceback(error),
-                    extra=NOTED,
-                )
-        if failed:
-            for entity in self._updating:
-                if isinstance(entity.failed, BaseException):  # a subclass may mean something else by it
-                    entity.motors_off()
-                    for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
-                        interface.unlock()
-            self.find_updated()
+        rows = self.rows
+        if not rows.valid:
+            self._build_rows()
+        if rows.native and step > 0.0:
+            self.engine.enter()
+            self._run_rows(rows.begin)
+            return
+        failed = []
+        for entity in rows.updating:
+            present = rows.valid or entity in self.entities
+            if present and not self._call(entity, entity.MasterUpdate, step):
+                failed.append(entity)
+        self._stop_failed(failed)
+
+    def _run_rows(self, number: int) -> None:
+        """Do rows of the entities from one on; those that the native code cannot do, by their twins in Python."""
+        rows, step, failed = self.rows, self.engine.step_time, []
+        number = rows.run(number, rows.end)
+        while number < rows.end:
+            entity, twin, _ = rows.line(number)
+            done = self._call(entity, twin, step)
+            if rows.valid:
+                number = rows.run(number + 1, rows.end)
+                continue
+            # What rows depend on has changed: Python does what is left of this entity, and new rows are for the others.
+            while done and (number := rows.next_in_python(number)) < rows.end_of(entity):
+                done = self._call(entity, rows.line(number).twin, step)
+            if not done:
+                failed.append(entity)
+            following = rows.after(entity)
+            self._build_rows()
+            number = rows.run(rows.first_of(following), rows.end)
+        self._stop_failed(failed)
+
+    @staticmethod
+    def _call(entity: Entity, update: Callable[[float], object], step: float) -> bool:
+        """Call the update of an entity, or a part of it; whether that succeeded. If not, it is not updated any more."""
+        try:
+            update(step)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            entity.failed = error
+            entity.world.update_rows_changed()
+            note(f"model {entity.GetId()!r}", "its Update", error)
+            log.error(
+                "model %r stopped, its motors off: its Update failed with\n%s",
+                entity.GetId(),
+                own_traceback(error),
+                extra=NOTED,
+            )
+            return False
+        return True
+
+    def _stop_failed(self, entities: Iterable[Entity]) -> None:
+        """Switch off the motors of those whose update has just failed."""
+        for entity in entities:
+            entity.motors_off()
+            for interface in self._interfaces_of(entity):  # clients would wait for its locks without end
+                interface.unlock()
+
+    def update_rows_changed(self) -> None:
+        """Build the rows again before the next step; called after a change of what `MasterRows` depends on."""
+        self.rows.valid = False
 
     # State -----------------------------------------------------------------------------------------------------------
 
@@ -922,10 +1098,6 @@ class World(Closing):
         self._numbers += 1
         return self._numbers
 
-    def find_updated(self) -> None:
-        """Update from now on all entities but those whose update has failed."""
-        self._updating = [e for e in self.entities if not isinstance(e.failed, BaseException)]
-
     # Changes ---------------------------------------------------------------------------------------------------------
 
     def after_step(self, action: Callable[[], object]) -> None:
@@ -1007,5 +1179,5 @@ def _of_kind(found: E, kind: type[Any], what: str) -> E:
     return found
 
 
-names(World._update_entities, lambda values: f"Update of model {values['entity'].GetId()!r}")
+names(World._call, lambda values: f"Update of model {values['entity'].GetId()!r}")
 names(World.Step, lambda _: "", outermost=True)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, InterfaceError
+from libgz.records import LinkRecord, SpanRecord
 from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, commands_of, fields_of, numpy_type
 from libgz.transport.paths import check_id, file_name
 from libgz.transport.patience import Patience
@@ -112,6 +113,13 @@ class Interface(Generic[D]):
 
         with robot.locked() as data:
             data.cmd_vel_pos[0] = 0.2
+
+    Attributes:
+        id: its id.
+        layout: the struct.
+        server, client: what it is open on.
+        descriptor: of its file; None for memory of this process.
+        link: what native updates know of it; an exchange is done there or here.
     """
 
     type: ClassVar[str]
@@ -129,14 +137,12 @@ class Interface(Generic[D]):
         self._data: D | None = None
         self._arrays: dict[str, NDArray[Any]] = {}
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
-        self._blocked = False  # a client held the lock at the last attempt
         self._head = b""  # as the server wrote it
-        self._commands: list[tuple[slice, bytes]] = []  # what clients had written when it was last found whole
-        self._keeps = False  # whether they are kept at the next release of the lock
         self._watch: Watch | None = None
-        self._seen = (0, 0)  # counts of the watch that were logged
-        self._next_check = 0.0  # of the file's length [s]
         self._tally = Tally()
+        self.link = LinkRecord(descriptor=-1)
+        self._kept = bytearray()  # what clients had written when it was last found whole
+        self._spans: ctypes.Array[SpanRecord] = (SpanRecord * 0)()  # where they write
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.type}.{self.id}{', closed' if self._data is None else self._place()}>"
@@ -238,7 +244,11 @@ class Interface(Generic[D]):
         head.model_type = model_type.encode()[: GAZEBO_MAX_MODEL_TYPE - 1]
         head.model_id = _int32(model_id)
         head.parent_model_id = _int32(parent_model_id)
-        self._head = bytes(head)
+        self._set_head(bytes(head))
+
+    def _set_head(self, head: bytes) -> None:
+        self._head = head
+        ctypes.memmove(ctypes.addressof(self.link) + LinkRecord.head.offset, head, _HEAD)
 
     @property
     def gap(self) -> tuple[int, int]:
@@ -287,7 +297,7 @@ class Interface(Generic[D]):
             memory[:begin], memory[end : self.size] = state[:begin], state[begin:]
             if before > begin:
                 memory[begin:before] = bytes(before - begin)
-            self._head = bytes(state[:_HEAD])
+            self._set_head(bytes(state[:_HEAD]))
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
             self.keep_commands()
@@ -402,7 +412,7 @@ class Interface(Generic[D]):
         except BlockingIOError:
             if not self._wait_for_lock(timeout):
                 return False
-        self._blocked = False
+        self.link.blocked = 0
         if self.server is not None:
             self._repair()
         return True
@@ -411,7 +421,7 @@ class Interface(Generic[D]):
         """Wait for a lock that a client holds [s]; None: as long as the server can wait."""
         if timeout is not None:
             taken = self._poll_lock(timeout)
-        elif self._blocked or self.server is None:
+        elif self.link.blocked or self.server is None:
             return False
         else:
             patience, begin = self.server.patience, time.monotonic()
@@ -419,8 +429,8 @@ class Interface(Generic[D]):
             taken = left > 0.0 and self._poll_lock(min(SERVER_TIMEOUT, left))
             if left > 0.0:
                 patience.spend(time.monotonic() - begin)
-        if not taken and self.server is not None and not self._blocked:
-            self._blocked = True
+        if not taken and self.server is not None and not self.link.blocked:
+            self.link.blocked = 1
             self._warn("a client holds the lock of", "the simulation continues without it")
         return taken
 
@@ -452,10 +462,10 @@ class Interface(Generic[D]):
         first, at each lock.
         """
         memory: Any = self._memory
-        now, truncated = time.monotonic(), False
-        due = now >= self._next_check
+        now, truncated, link = time.monotonic(), False, self.link
+        due = now >= link.next_check
         if due:
-            self._next_check, self._keeps = now + _CHECK_PERIOD, True
+            link.next_check, link.keeps = now + _CHECK_PERIOD, 1
         if self._watch is None:
             truncated = self._restore_length()
         head = memory[:_HEAD]
@@ -464,8 +474,10 @@ class Interface(Generic[D]):
             truncated |= self._report_failures(self._watch)
         if head != self._head:
             memory[:_HEAD] = self._head
-            for place, command in self._commands:
-                memory[place] = command
+            begin = 0
+            for span in self._spans if link.kept_any else ():
+                memory[span.offset : span.offset + span.size] = self._kept[begin : begin + span.size]
+                begin += span.size
             if not truncated:
                 self._warn("a client overwrote the head of", "it was restored")
 
@@ -482,14 +494,14 @@ class Interface(Generic[D]):
 
         Texts are not kept: they are requests, which must not come again.
         """
-        self._keeps = False
+        self.link.keeps = 0
         memory: Any = self._memory
-        found = [
-            (place, bytes(place.stop - place.start) if text else memory[place])
-            for place, text in commands_of(self.layout)
-        ]
+        found = b"".join(
+            [bytes(place.stop - place.start) if text else memory[place] for place, text in commands_of(self.layout)]
+        )
         if self.intact():
-            self._commands = found
+            self._kept[:] = found
+            self.link.kept_any = 1
 
     def _restore_length(self) -> bool:
         """Extend the file if it is too short; whether it was."""
@@ -506,11 +518,11 @@ class Interface(Generic[D]):
 
     def _report_failures(self, found: Watch) -> bool:
         """Log accesses that failed since the last report; whether there were any."""
-        counts = (found.counts.recovered, found.counts.lost)
-        if counts == self._seen:
+        seen = self.link.seen
+        (recovered, lost), (recovered_before, lost_before) = (found.counts.recovered, found.counts.lost), seen
+        if (recovered, lost) == (recovered_before, lost_before):
             return False
-        (recovered, lost), (recovered_before, lost_before) = counts, self._seen
-        self._seen = counts
+        seen[:] = recovered, lost
         if recovered > recovered_before:
             self._warn("a client truncated", "its length was restored", recovered - recovered_before)
         if lost > lost_before:
@@ -520,7 +532,7 @@ class Interface(Generic[D]):
     def unlock(self) -> None:
         """Release the lock."""
         if self.descriptor is not None:
-            if self._keeps:
+            if self.link.keeps:
                 self.keep_commands()
             fcntl.flock(self.descriptor, fcntl.LOCK_UN)
 
@@ -554,14 +566,30 @@ class Interface(Generic[D]):
         memory: Any = segment.memory
         self._data = self.layout.from_buffer(memory)  # type: ignore[assignment]
         if segment.descriptor is not None and isinstance(segment.memory, mmap.mmap):
-            self._watch, self._seen = watch(segment.memory, segment.descriptor), (0, 0)
+            self._watch = watch(segment.memory, segment.descriptor)
+        self._link(segment)
+
+    def _link(self, segment: Segment) -> None:
+        """Let native updates exchange numbers with the memory; until `_unmap`, which they notice."""
+        link, memory = self.link, segment.memory
+        places = commands_of(self.layout)
+        self._spans = (SpanRecord * len(places))(*(SpanRecord(p.start, p.stop - p.start, text) for p, text in places))
+        size = sum(span.size for span in self._spans)
+        self._kept, self._found = bytearray(size), ctypes.create_string_buffer(size)
+        link.kept = ctypes.addressof(ctypes.c_char.from_buffer(self._kept)) if size else None
+        link.found, link.kept_any = ctypes.addressof(self._found), 0
+        link.commands, link.command_count = ctypes.addressof(self._spans), len(places)
+        link.size, link.seen[:] = self.size, (0, 0)
+        link.counts = None if self._watch is None else ctypes.addressof(self._watch.counts)
+        link.descriptor = -1 if segment.descriptor is None else segment.descriptor
+        link.memory = ctypes.addressof(ctypes.c_char.from_buffer(memory))
 
     def _unmap(self) -> None:
         """Release memory and file; the memory itself stays mapped while a view of it exists."""
+        self.link.memory, self.link.descriptor, self.link.keeps, self.link.kept_any = None, -1, 0, 0
         self._data = None
         self._arrays.clear()
         self._memory = None
-        self._commands, self._keeps = [], False
         self.server = None
         if self._watch is not None:
             self._watch.release()

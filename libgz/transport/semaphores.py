@@ -12,6 +12,7 @@ import os
 import time
 
 from libgz.errors import InterfaceError, ParameterError, ServerGoneError
+from libgz.records import PostRecord
 
 __all__ = ["CLIENTS", "GZ_SEM_KEY", "SemaphoreSet"]
 
@@ -110,6 +111,10 @@ class SemaphoreSet:
         if self._raise_flags() < 0:
             error = ctypes.get_errno()
             raise OSError(error, os.strerror(error))
+
+    def posting(self) -> PostRecord:
+        """What native updates need to set the flags."""
+        return PostRecord(self._handle, ctypes.addressof(_ONES))
 
     def last_poster(self) -> int:
         """Pid of the process that last set the flags, the server; 0 if it is in another pid namespace.

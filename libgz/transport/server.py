@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 from libgz.errors import ParameterError, ServerError
+from libgz.records import PostRecord
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface
 from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
@@ -112,6 +113,10 @@ class LocalServer:
 
     def post(self) -> None:
         """Nothing to do: there are no clients."""
+
+    def posting(self) -> PostRecord:
+        """What native updates need to wake all clients."""
+        return PostRecord(-1, None)
 
     def vanish(self) -> None:
         """Nothing to do: other processes see nothing of it."""
@@ -280,6 +285,12 @@ class Server(LocalServer):
                 self.server_id,
                 error.strerror,
             )
+
+    def posting(self) -> PostRecord:
+        """What native updates need to wake all clients."""
+        if self._semaphores is None or self._lost_semaphores:
+            return super().posting()
+        return self._semaphores.posting()
 
     def stop(self) -> None:
         """Remove all files, the directory and the semaphores. Can be called twice."""

@@ -118,6 +118,11 @@ class LocalTables:
     def show(self) -> None:
         """Nothing to do: there are no other processes."""
 
+    @property
+    def must_restore(self) -> bool:
+        """Whether `restore_length` must be called before each access."""
+        return False
+
     def restore_length(self) -> None:
         """Nothing to do: nobody else can shorten the memory."""
 
@@ -211,6 +216,11 @@ class SharedTables(LocalTables):
         descriptor, found = self._former_file
         if descriptor is not None:
             self._end(descriptor, found, Status.REPLACED)
+
+    @property
+    def must_restore(self) -> bool:
+        """Whether truncation of the file is not survived natively."""
+        return self._watch is None
 
     def restore_length(self) -> None:
         """Extend the file if somebody truncated it; needed where truncation is not survived natively."""

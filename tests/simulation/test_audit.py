@@ -1,5 +1,6 @@
 """Audit: no attribute of a model or of its parts changes while a world runs and stays changed after `set_state`."""
 
+import ctypes
 import math
 import random
 from collections import deque
@@ -20,6 +21,8 @@ from libgz.physics.joint import Joint
 from libgz.physics.space import Space
 from libgz.rendering.camera import Camera
 from libgz.simulation.problems import Problems
+from libgz.simulation.publication import Publication
+from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
 from libgz.transport.server import LocalServer
@@ -33,6 +36,7 @@ ELSEWHERE = (
     *(Body, Engine, Geom, Joint, Space),
     *(Interface, LocalServer),
     *(Camera, Problems, Tally, WorldFile, WorldFileNode),
+    *(Publication, UpdateRows),
 )
 PLAIN = (bool, int, float, complex, str, bytes, type(None))
 # Attributes that may differ: (class, attribute) -> reason.
@@ -45,6 +49,7 @@ ALLOWED = {
     ("FrameSaver", "_failed"): "whether an error of the disk was logged",
     ("Clock", "_start"): "of the wall clock",
     ("RayProximity", "_frame"): "set before each use",
+    ("_Expected", "settled"): "whether native code can exchange the position; Python gives the same",
 }
 
 
@@ -56,6 +61,8 @@ def walk(thing, path, seen, found):
         found[path] = thing.tobytes()
     elif isinstance(thing, np.random.Generator):
         found[path] = repr(thing.bit_generator.state)
+    elif isinstance(thing, ctypes.Array):
+        walk(list(thing), path, seen, found)
     elif isinstance(thing, ELSEWHERE) or callable(thing) or id(thing) in seen:
         return
     elif isinstance(thing, dict):
@@ -69,7 +76,8 @@ def walk(thing, path, seen, found):
             walk(value, f"{path}[{i}]", seen, found)
     elif hasattr(thing, "__dict__"):
         seen.add(id(thing))
-        for name, value in vars(thing).items():
+        shared = [field for kind in type(thing).__mro__ for field, *_ in vars(kind).get("_fields_", ())]
+        for name, value in {**vars(thing), **{name: getattr(thing, name) for name in shared}}.items():
             if not any((kind.__name__, name) in ALLOWED for kind in type(thing).__mro__):
                 walk(value, f"{path}.{name}", seen, found)
     # Others, such as locks of threads, have no attributes of their own.

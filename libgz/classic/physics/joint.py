@@ -290,6 +290,7 @@ class Joint(Base):
             core.name += "_"
         self._parent = model
         joints[core.name] = core
+        model.core.world.update_rows_changed()
         self._world.server.joint_added(self)
 
     def Init(self) -> None:

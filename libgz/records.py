@@ -1,0 +1,347 @@
+"""Records: structs that Python and native code share, by which updates.c does what models do in each step.
+
+Parts of models, such as an odometry or a rate, are subclasses of them, so that both work on the same numbers. Addresses
+are plain integers: who makes a struct keeps alive what it points to.
+"""
+
+from __future__ import annotations
+
+import ctypes
+from ctypes import c_char, c_double, c_int64, c_void_p
+from enum import IntEnum
+from functools import cache
+from typing import Any
+
+from libgz.errors import LibraryError
+
+__all__ = [
+    "AxisRecord",
+    "BatteryRecord",
+    "BeginRecord",
+    "BicycleRecord",
+    "CastRecord",
+    "ClockRecord",
+    "DifferentialRecord",
+    "Kind",
+    "LinkRecord",
+    "OdometryRecord",
+    "PostRecord",
+    "PublishRecord",
+    "RateRecord",
+    "Row",
+    "ScannerRecord",
+    "ServoRecord",
+    "ShareRecord",
+    "SpanRecord",
+    "SpringRecord",
+    "TableRecord",
+    "TransferRecord",
+    "UpdatesRecord",
+    "What",
+    "check_sizes",
+    "numbers",
+]
+
+HEAD_SIZE = 152  # of an interface [byte]
+
+
+class Kind(IntEnum):
+    """Kinds of rows."""
+
+    PYTHON = 0
+    BEGIN = 1
+    DUE = 2
+    DIFFERENTIAL = 3
+    BICYCLE = 4
+    SERVO = 5
+    SPRING = 6
+    CAST = 7
+    SHARE = 8
+    ADVANCE = 9
+    SETTLE = 10
+    PUBLISH = 11
+    POST = 12
+
+
+class What(IntEnum):
+    """What a transfer is: conditions, then numbers that are written or read."""
+
+    REQUIRE = 0
+    EXPECT_INT = 1
+    EXPECT_DOUBLE = 2
+    UNMARKED = 3
+    NOW = 4
+    REAL_TIME = 5
+    INTS = 6
+    DOUBLES = 7
+    NEAREST = 8
+    READINGS = 9
+    STORE = 10
+    FETCH = 11
+
+
+@cache
+def numbers(count: int) -> Any:
+    """The type of an array of so many doubles, which is equal to lists and tuples of the same numbers."""
+
+    def equal(self: Any, other: object) -> Any:
+        try:
+            values = list(other)  # type: ignore[call-overload]
+        except TypeError:
+            return NotImplemented
+        return list(self) == values
+
+    own = {"__eq__": equal, "__hash__": None, "__repr__": lambda self: repr(list(self))}
+    return type("Numbers", (c_double * count,), own)
+
+
+class TableRecord(ctypes.Structure):
+    """`tables` in updates.c: where states are."""
+
+    _fields_ = [
+        ("context", c_void_p),
+        ("step", c_double),
+        ("bodies", c_void_p),
+        ("body_state", c_void_p),
+        ("body_fresh", c_void_p),
+        ("body_size", c_int64),
+        ("joints", c_void_p),
+        ("joint_state", c_void_p),
+        ("joint_fresh", c_void_p),
+        ("joint_size", c_int64),
+        ("marks", c_void_p),
+        ("touched", c_int64),
+        ("changes", c_int64),
+        ("done", c_int64),
+    ]
+
+
+class ClockRecord(ctypes.Structure):
+    """Sim and pause time [s], steps, and when real time began on the monotonic clock [s]."""
+
+    _fields_ = [("sim_time", c_double), ("pause_time", c_double), ("iterations", c_int64), ("_start", c_double)]
+
+    sim_time: float
+    pause_time: float
+    iterations: int
+    _start: float
+
+
+class SpanRecord(ctypes.Structure):
+    """Where clients write in an interface."""
+
+    _fields_ = [("offset", c_int64), ("size", c_int64), ("text", c_int64)]
+
+
+class LinkRecord(ctypes.Structure):
+    """`link_record` in updates.c: the memory of an interface, and what its lock needs."""
+
+    _fields_ = [
+        ("memory", c_void_p),
+        ("size", c_int64),
+        ("descriptor", c_int64),
+        ("blocked", c_int64),
+        ("keeps", c_int64),
+        ("next_check", c_double),
+        ("counts", c_void_p),
+        ("seen", c_int64 * 2),
+        ("commands", c_void_p),
+        ("command_count", c_int64),
+        ("kept", c_void_p),
+        ("found", c_void_p),
+        ("kept_any", c_int64),
+        ("head", c_char * HEAD_SIZE),
+    ]
+
+
+class Row(ctypes.Structure):
+    """One row: its kind, where to continue if a rate is not due, and its struct."""
+
+    _fields_ = [("kind", c_int64), ("jump", c_int64), ("part", c_void_p)]
+
+
+class RateRecord(ctypes.Structure):
+    """When something is due: period, last time and tolerance [s]; whether a period has to be exceeded."""
+
+    _fields_ = [("period", c_double), ("last", c_double), ("slack", c_double), ("beyond", c_int64)]
+
+    period: float
+    last: float
+    slack: float
+    beyond: int
+
+
+class AxisRecord(ctypes.Structure):
+    """An axis of a joint: its row, its handle in ODE, the column of its angle."""
+
+    _fields_ = [("joint", c_int64), ("handle", c_void_p), ("column", c_int64)]
+
+
+class OdometryRecord(ctypes.Structure):
+    """x [m], y [m], yaw [rad]; forward [m/s], turning [rad/s]."""
+
+    _fields_ = [("pose", numbers(3)), ("velocity", numbers(2))]
+
+    pose: Any
+    velocity: Any
+
+
+class BatteryRecord(ctypes.Structure):
+    """Voltage [V], and what is lost with time [V/s] and squared wheel travel [V/m^2]."""
+
+    _fields_ = [("level", c_double), ("curve", numbers(2))]
+
+    level: float
+    curve: Any
+
+
+class DifferentialRecord(ctypes.Structure):
+    """Odometry, battery and encoders of a robot with driven wheels on two sides."""
+
+    _fields_ = [
+        ("odometry", c_void_p),
+        ("battery", c_void_p),
+        ("axes", c_void_p),
+        ("left", c_int64),
+        ("right", c_int64),
+        ("diameter", c_double),
+        ("separation", c_double),
+        ("normalise", c_int64),
+        ("counts", c_void_p),
+        ("counts_per_turn", c_double),
+    ]
+
+
+class BicycleRecord(ctypes.Structure):
+    """Odometry of a robot with driven wheels and steered ones."""
+
+    _fields_ = [
+        ("odometry", c_void_p),
+        ("axes", c_void_p),
+        ("driven", c_int64),
+        ("steered", c_int64),
+        ("radius", c_double),
+        ("base", c_double),
+    ]
+
+
+class ServoRecord(ctypes.Structure):
+    """A motor that turns an axis to an angle."""
+
+    _fields_ = [
+        ("axis", AxisRecord),
+        ("set", c_void_p),
+        ("parameter", c_int64),
+        ("target", c_void_p),
+        ("sign", c_double),
+        ("gain", c_double),
+        ("damping", c_double),
+        ("most", c_double),
+    ]
+
+
+class SpringRecord(ctypes.Structure):
+    """A torque that is proportional to an angle."""
+
+    _fields_ = [("axis", AxisRecord), ("add", c_void_p), ("stiffness", c_double)]
+
+
+class CastRecord(ctypes.Structure):
+    """Rays from a body; see `RayScan`."""
+
+    _fields_ = [
+        ("body", c_int64),
+        ("handle", c_void_p),
+        ("frame", c_void_p),
+        ("rays", c_void_p),
+        ("count", c_int64),
+        ("owner", c_int64),
+        ("ranges", c_void_p),
+        ("rows", c_void_p),
+    ]
+
+
+class ScannerRecord(ctypes.Structure):
+    """Readings between rays; see `scanner` in updates.c."""
+
+    _fields_ = [
+        ("cast", c_void_p),
+        ("first", c_void_p),
+        ("second", c_void_p),
+        ("share", c_void_p),
+        ("far", c_double),
+        ("near", c_double),
+        ("offset", c_double),
+        ("smooth", c_double),
+    ]
+
+
+class TransferRecord(ctypes.Structure):
+    """One condition on an interface, or some numbers that are written to it."""
+
+    _fields_ = [
+        ("what", c_int64),
+        ("offset", c_int64),
+        ("count", c_int64),
+        ("stride", c_int64),
+        ("source", c_void_p),
+        ("limit", c_double),
+        ("type", c_int64),
+    ]
+
+
+class ShareRecord(ctypes.Structure):
+    """An exchange with an interface under its lock."""
+
+    _fields_ = [("link", c_void_p), ("transfers", c_void_p), ("count", c_int64)]
+
+
+class BeginRecord(ctypes.Structure):
+    """How a step begins: after how many steps Python looks for bodies that fell; whether sim time grows now."""
+
+    _fields_ = [("period", c_int64), ("at_start", c_int64)]
+
+
+class PublishRecord(ctypes.Structure):
+    """`publishing` in updates.c: states for other processes."""
+
+    _fields_ = [
+        ("publication", c_void_p),
+        ("numbers", c_void_p),
+        ("revision", c_int64),
+        ("ready", c_int64),
+        ("changes", c_int64),
+        ("next_look", c_double),
+        ("process", c_int64),
+    ]
+
+
+class PostRecord(ctypes.Structure):
+    """A set of semaphores (-1: none), and the values that wake its clients."""
+
+    _fields_ = [("set", c_int64), ("values", c_void_p)]
+
+
+class UpdatesRecord(ctypes.Structure):
+    """All rows, and what they share."""
+
+    _fields_ = [("tables", c_void_p), ("clock", c_void_p), ("rows", c_void_p)]
+
+
+_MIRRORS: tuple[Any, ...] = (
+    *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, AxisRecord, OdometryRecord, BatteryRecord),
+    *(DifferentialRecord, BicycleRecord, ServoRecord, SpringRecord, CastRecord, ScannerRecord, TransferRecord),
+    *(ShareRecord, BeginRecord, PublishRecord, PostRecord, UpdatesRecord),
+)
+
+
+def check_sizes(library: ctypes.CDLL) -> None:
+    """Check that the structs are those of the native code.
+
+    Raises:
+        LibraryError: it was built from another version of updates.c.
+    """
+    library.gz_updates_sizes.restype = ctypes.POINTER(c_int64)
+    sizes = [ctypes.sizeof(mirror) for mirror in _MIRRORS]
+    if library.gz_updates_sizes()[: len(sizes) + 1] != [*sizes, 0]:
+        raise LibraryError("the native step was built from another version of updates.c; install libgz again")

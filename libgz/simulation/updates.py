@@ -1,0 +1,591 @@
+"""Updates: the work of all models in a step, as rows that one native call works through.
+
+An entity describes its update as rows, in order (`Entity.MasterRows`). Each row has a twin in Python: the native code
+stops at a row that it cannot do, such as an exchange with an interface whose lock a client holds, or whose command has
+changed; Python does that row, and the native code continues after it. Where the step is not native, `MasterUpdate` does
+all. Both give the same numbers to the last bit.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
+from libgz.ode.native_step import NativeStep
+from libgz.physics.check import LARGEST
+from libgz.physics.engine import Engine
+from libgz.physics.joint import HingeJoint, Joint
+from libgz.physics.rays import RayProximity
+from libgz.records import (
+    AxisRecord,
+    BatteryRecord,
+    BeginRecord,
+    BicycleRecord,
+    CastRecord,
+    DifferentialRecord,
+    Kind,
+    OdometryRecord,
+    PublishRecord,
+    Row,
+    ScannerRecord,
+    ServoRecord,
+    ShareRecord,
+    SpringRecord,
+    TransferRecord,
+    UpdatesRecord,
+    What,
+)
+from libgz.simulation.clock import Clock
+from libgz.simulation.rate import OldRate, UpdateRate
+from libgz.simulation.running_code import names
+from libgz.transport.interface import Interface
+from libgz.transport.layout import Field, fields_of
+from libgz.transport.server import LocalServer
+
+__all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "run_shares", "set_part"]
+
+
+class Updated(Protocol):
+    """An entity, as the rows use it."""
+
+    failed: BaseException | None
+
+    def GetId(self) -> str:
+        """Its name."""
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Add what it does in a step."""
+
+    def MasterUpdate(self, step: float) -> None:
+        """Do it in Python, in a step of a length [s]."""
+
+    def motors_off(self) -> None:
+        """Switch its motors off."""
+
+
+class HasUpdates(Protocol):
+    """A world, as the rows use it."""
+
+    engine: Engine
+    clock: Clock
+    gz_server: LocalServer
+    entities: list[Any]
+
+
+Twin = Callable[[float], object]  # does a row in Python; its argument is the length of the step [s]
+
+
+_NO_HANDLE = (1 << 64) - 1  # which no joint has: Python does the row, and raises ClosedError
+
+
+class JointAxis(NamedTuple):
+    """An axis of a joint: 1, or 2 of joints with two."""
+
+    joint: Joint
+    number: int = 1
+
+
+def replaced(thing: object, kind: type, *names: str) -> bool:
+    """Whether an object has other methods of these names than the class `kind`, by a subclass or by itself."""
+    own = vars(thing)
+    return any(name in own or getattr(type(thing), name) is not getattr(kind, name) for name in names)
+
+
+def is_plain(thing: object, kind: type, *names: str) -> bool:
+    """Whether an object is of a class, not of a subclass, and has no methods of these names of its own."""
+    return type(thing) is kind and not replaced(thing, kind, *names)
+
+
+def set_part(model: Any, name: str, value: object) -> None:
+    """The `__setattr__` of models: their rows are built again after an attribute of `ROW_PARTS` was set."""
+    object.__setattr__(model, name, value)
+    if name in model.ROW_PARTS:
+        model.world.update_rows_changed()
+
+
+def _raise(error: BaseException, _step: float) -> None:
+    raise error
+
+
+def _nothing(_step: float) -> None:
+    """The twin of rows that native code can always do."""
+
+
+class _Line(NamedTuple):
+    """What Python knows of a row."""
+
+    entity: Any
+    twin: Twin
+    rate: Any = None  # of a row that is about one
+
+
+class Exchange:
+    """What a row exchanges with an interface, under its lock: conditions, then numbers that are written.
+
+    Where a condition is not met, nothing is written, and the twin of the row does all. `source` is what the row reads
+    in each step: a ctypes object; a number in one, as ``(object, field)``, ``(object, field, index)`` or
+    ``(array, index)``; or a numpy array.
+
+    Methods that name a field raise ParameterError if the interface has no such field, or the numbers do not fit in it.
+
+    Args:
+        interface: which is open on a server.
+    """
+
+    def __init__(self, interface: Interface[Any]) -> None:
+        self.interface = interface
+        self.transfers: list[TransferRecord] = []
+        self.kept: list[object] = []  # what the transfers point to
+
+    def require(self, source: Any) -> None:
+        """Condition: an int64 of ours is not 0."""
+        self._add(What.REQUIRE, 0, source)
+
+    def expect(self, name: str, source: Any, index: int = 0) -> None:
+        """Condition: an int or a double of the interface is equal to an int64 or a double of ours."""
+        whole = self._is_double(name)
+        self._add(What.EXPECT_DOUBLE if whole else What.EXPECT_INT, self._place(name, index), source)
+
+    def unmarked(self, cast: CastRecord) -> None:
+        """Condition: no ray hit a geom that reflects or has a fiducial number."""
+        self._add(What.UNMARKED, 0, cast)
+
+    def now(self, name: str = "time") -> None:
+        """Write the sim time [s]."""
+        self._add(What.NOW, self._place(name), None)
+
+    def real_time(self, name: str) -> None:
+        """Write the real time since the start of the world [s]."""
+        self._add(What.REAL_TIME, self._place(name), None)
+
+    def integer(self, name: str, value: int, count: int = 1) -> None:
+        """Write a constant to an int, or to the first `count` of an array."""
+        self._add(What.INTS, self._place(name, 0, count), ctypes.c_int32(value), count, 4)
+
+    def doubles(self, name: str, source: Any, count: int = 1, index: int = 0, stride: int = 1) -> None:
+        """Write doubles, from `index` on, at every `stride`-th place."""
+        _check_size(source, count)
+        self._add(What.DOUBLES, self._place(name, index, count, stride), source, count, 8 * stride)
+
+    def nearest(self, name: str, ranges: NDArray[np.float64], limit: float) -> None:
+        """Write ranges, none larger than a limit [m]."""
+        _check_size(ranges, len(ranges))
+        self._add(What.NEAREST, self._place(name, 0, len(ranges)), ranges, len(ranges), 8, limit)
+
+    def readings(self, name: str, scanner: ScannerRecord, count: int, *kept: object) -> None:
+        """Write the readings of a scanner, which points into what is `kept`."""
+        self.kept.append(kept)
+        self._add(What.READINGS, self._place(name, 0, count), scanner, count, 8)
+
+    def store(self, target: NDArray[Any], source: Any) -> None:
+        """Write doubles to a view of the interface's memory, as numbers of its type."""
+        self._view(What.STORE, target, source)
+
+    def fetch(self, target: Any, source: NDArray[Any]) -> None:
+        """Read a view of the interface's memory, as doubles."""
+        self._view(What.FETCH, source, target)
+
+    def _view(self, what: What, view: NDArray[Any], numbers: Any) -> None:
+        """Transfer the numbers of a view of one dimension."""
+        _check_size(numbers, len(view))
+        offset = view.ctypes.data - int(self.interface.link.memory)
+        self._add(what, offset, numbers, len(view), view.strides[0])
+        self.transfers[-1].type = ord(view.dtype.char)
+
+    def _is_double(self, name: str) -> bool:
+        return bool(self._field(name).ctype is ctypes.c_double)
+
+    def _field(self, name: str) -> Field:
+        """The declaration of a field.
+
+        Raises:
+            ParameterError: the interface has none of this name.
+        """
+        known = fields_of(self.interface.layout)
+        if name not in known:
+            what = f"{self.interface.type}.{self.interface.id}"
+            raise ParameterError(f"{what} has no field {name!r}; it has {', '.join(known)}{nearest(name, known)}")
+        return known[name]
+
+    def _place(self, name: str, index: int = 0, count: int = 1, stride: int = 1) -> int:
+        """Where numbers of a field begin.
+
+        Raises:
+            ParameterError: there is no such field, or it has not so many numbers.
+        """
+        field, layout = self._field(name), self.interface.layout
+        size = ctypes.sizeof(field.ctype)
+        if index < 0 or (index + (count - 1) * stride + 1) * size > getattr(layout, name).size:
+            raise ParameterError(f"{name} has the shape {field.shape}: {count} numbers from {index} on do not fit")
+        return int(getattr(layout, name).offset) + index * size
+
+    def _add(self, what: What, offset: int, source: Any, count: int = 1, stride: int = 0, limit: float = 0.0) -> None:
+        self.kept.append(source)
+        self.transfers.append(TransferRecord(what, offset, count, stride, _address(source), limit))
+
+
+def _check_size(source: Any, count: int) -> None:
+    """Check that a source holds so many doubles.
+
+    Raises:
+        ParameterError: it does not.
+    """
+    if isinstance(source, np.ndarray):
+        fits = source.dtype == np.float64 and source.flags.c_contiguous and source.size >= count
+    else:
+        record = source[0] if isinstance(source, tuple) else source
+        first = _address(source) or 0
+        fits = first + 8 * count <= ctypes.addressof(record) + ctypes.sizeof(record)
+    if not fits:
+        raise ParameterError(f"{count} doubles, one after the other, are needed; the source has fewer or others")
+
+
+def _address(source: Any) -> int | None:
+    """Where a ctypes object, a field of one, or a numpy array is."""
+    if source is None:
+        return None
+    if isinstance(source, np.ndarray):
+        return int(source.ctypes.data)
+    if isinstance(source, tuple):
+        record, *path = source
+        offset = int(getattr(type(record), path.pop(0)).offset) if isinstance(path[0], str) else 0
+        return ctypes.addressof(record) + offset + 8 * sum(path)
+    return ctypes.addressof(source)
+
+
+class UpdateRows:
+    """The rows of a world. They are built before a step if anything that they depend on has changed since.
+
+    Args:
+        world: the world.
+
+    Attributes:
+        valid: whether they are those of the present world; whoever changes parts of a model sets it to False.
+        updating: the entities that have something to do in a step, in order.
+        begin, end: where the rows of the entities are.
+        tail: where the rows begin that report the step.
+        run_all: does all rows natively; the number of the one that Python has to do, or `count`.
+        count: of all rows.
+        native: whether native code does the rows.
+    """
+
+    def __init__(self, world: HasUpdates) -> None:
+        self.world = world
+        self.valid = False
+        self._enabled = True
+        self.updating: list[Any] = []
+        self.begin = self.end = self.tail = self.count = 0
+        form = world.engine.step_form
+        self._run: Callable[..., int] | None = None
+        self._prepare: Callable[[Any, int], Callable[[], int]] | None = None
+        if isinstance(form, NativeStep):
+            self._run, self._prepare = form.updates()
+        self.native = self._run is not None
+        self._entity: Updated | None = None
+        self.clear()
+
+    def clear(self) -> None:
+        """Drop all rows, and what they point to."""
+        self.valid = False
+        self._record: Any = None
+        self.run_all: Callable[[], int] = lambda: 0
+        self._rows: list[Row] = []
+        self._lines: list[_Line] = []
+        self._kept: list[object] = []
+        self._starts: dict[int, int] = {}  # the first row of each entity that has one
+        self._ends: dict[int, int] = {}  # the row after its last one
+        self.updating = []
+        self.begin = self.end = self.tail = self.count = 0
+
+    @property
+    def enabled(self) -> bool:
+        """Whether native code does the rows where it can; off for tests."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, value: bool) -> None:
+        self._enabled = value
+        self.native = value and self._run is not None
+
+    # What entities add -----------------------------------------------------------------------------------------------
+
+    def python(self, twin: Twin) -> None:
+        """A row that Python always does."""
+        self._add(Kind.PYTHON, None, twin)
+
+    @contextlib.contextmanager
+    def due(self, rate: UpdateRate) -> Iterator[None]:
+        """The rows that are added inside are done only when a rate is due."""
+        self._add(Kind.DUE, rate, _nothing)
+        self._lines[-1] = self._lines[-1]._replace(rate=rate)
+        head = self._rows[-1]
+        yield
+        head.jump = len(self._rows)
+
+    @staticmethod
+    def knows(rate: object) -> bool:
+        """Whether a rate is one that rows can be due at."""
+        return any(is_plain(rate, kind, "due") for kind in (UpdateRate, OldRate))
+
+    def differential(
+        self,
+        twin: Twin,
+        odometry: OdometryRecord,
+        battery: BatteryRecord | None,
+        sides: tuple[Sequence[JointAxis], Sequence[JointAxis]],
+        *,
+        diameter: float,
+        separation: float,
+        normalise: bool,
+        encoders: tuple[Any, float] | None = None,
+    ) -> None:
+        """Odometry, battery and encoders from the rates of wheels on the left and the right side.
+
+        Args:
+            twin: does the row in Python.
+            odometry: advances.
+            battery: is drained; None: there is none.
+            sides: the axes of the wheels.
+            diameter: of the wheels [m].
+            separation: of the sides [m].
+            normalise: whether the yaw stays within +-pi.
+            encoders: an array of two counts, and the counts per turn of a wheel.
+        """
+        left, right = sides
+        if not left or not right:
+            self.python(twin)
+            return
+        counts, per_turn = encoders if encoders is not None else (None, 0.0)
+        axes = self._axes((*left, *right))
+        part = DifferentialRecord(
+            odometry=_address(odometry),
+            battery=_address(battery),
+            axes=_address(axes),
+            left=len(left),
+            right=len(right),
+            diameter=diameter,
+            separation=separation,
+            normalise=normalise,
+            counts=_address(counts),
+            counts_per_turn=per_turn,
+        )
+        self._add(Kind.DIFFERENTIAL, part, twin, odometry, battery, axes, counts)
+
+    def bicycle(
+        self,
+        twin: Twin,
+        odometry: OdometryRecord,
+        driven: Sequence[JointAxis],
+        steered: Sequence[JointAxis],
+        radius: float,
+        base: float,
+    ) -> None:
+        """Odometry from the rates of driven wheels of a radius [m] and the angles of others, a base [m] before them."""
+        axes = self._axes((*driven, *steered))
+        part = BicycleRecord(_address(odometry), _address(axes), len(driven), len(steered), radius, base)
+        self._add(Kind.BICYCLE, part, twin, odometry, axes)
+
+    def servo(
+        self, twin: Twin, axis: JointAxis, target: Any, *, parameter: int, sign: float, gain: float, damping: float
+    ) -> None:
+        """Set the velocity of a motor: `gain` times the error of the angle, minus `damping` times the rate.
+
+        Args:
+            twin: does the row in Python.
+            axis: to turn.
+            target: the wanted angle [rad], a double; a source, as for `Exchange`.
+            parameter: the joint's parameter of the velocity.
+            sign: of the angle: 1 or -1.
+            gain: [1/s].
+            damping: share of the rate.
+        """
+        part = ServoRecord(
+            axis=self._axis(axis),
+            set=axis.joint.setter,
+            parameter=parameter,
+            target=_address(target),
+            sign=sign,
+            gain=gain,
+            damping=damping,
+            most=LARGEST,
+        )
+        self._add(Kind.SERVO, part, twin, target)
+
+    def spring(self, twin: Twin, hinge: HingeJoint, stiffness: float) -> None:
+        """Apply a torque of minus `stiffness` [N m/rad] times the angle of a hinge."""
+        part = SpringRecord(self._axis(JointAxis(hinge)), hinge.torque_adder, -stiffness)
+        self._add(Kind.SPRING, part, twin)
+
+    def cast(self, twin: Twin, bundle: RayProximity) -> CastRecord | None:
+        """Cast rays from where their body is; None, and Python does it, where the body is a dummy."""
+        part = None if bundle.body.dummy or replaced(bundle, RayProximity, "Update") else bundle.record()
+        if part is None:
+            self.python(twin)
+        else:
+            self._add(Kind.CAST, part, twin, bundle)
+        return part
+
+    def share(self, twin: Twin, exchange: Exchange) -> None:
+        """Exchange numbers with an interface under its lock."""
+        transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
+        link = exchange.interface.link
+        part = ShareRecord(_address(link), _address(transfers), len(transfers))
+        memory = exchange.interface.memory if link.memory else None  # stays mapped as long as the row is used
+        self._add(Kind.SHARE, part, twin, link, memory, transfers, exchange.kept)
+
+    def _axis(self, axis: JointAxis) -> AxisRecord:
+        joint = axis.joint
+        handle = _NO_HANDLE if joint.closed else joint.id
+        return AxisRecord(joint.row, handle, axis.number - 1)
+
+    def _axes(self, axes: Sequence[JointAxis]) -> Any:
+        return (AxisRecord * len(axes))(*map(self._axis, axes))
+
+    def _add(self, kind: Kind, part: Any, twin: Twin, *kept: object) -> None:
+        self._rows.append(Row(kind, 0, _address(part)))
+        self._lines.append(_Line(self._entity, twin))
+        self._kept.append((part, kept))
+
+    # What the world adds ---------------------------------------------------------------------------------------------
+
+    @contextlib.contextmanager
+    def building(self) -> Iterator[UpdateRows]:
+        """Build all rows, in the order of a step."""
+        self.clear()
+        self.valid = True  # false again if what is called meanwhile changes something
+        yield self
+        self.count = len(self._rows)
+        rows = (Row * self.count)(*self._rows)
+        tables, clock = self.world.engine.tables.record, self.world.clock
+        record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
+        self._kept.append((rows, record, tables, clock))
+        self._record = ctypes.byref(record)
+        if self._prepare is not None:
+            self.run_all = self._prepare(self._record, self.count)
+
+    def begin_step(self, period: int, at_start: bool) -> None:
+        """Count the step.
+
+        Args:
+            period: after so many steps Python does that.
+            at_start: whether sim time grows now, and not in `advance`.
+        """
+        self._beginning = BeginRecord(period, at_start)
+        self._add(Kind.BEGIN, self._beginning, _nothing)
+
+    def entities(self) -> None:
+        """The rows of all entities; those from `begin` to `end`."""
+        self.begin = len(self._rows)
+        for entity in self.world.entities:
+            if isinstance(entity.failed, BaseException):
+                continue
+            self._entity, start = entity, len(self._rows)
+            try:
+                entity.MasterRows(self)
+            except USER_ERRORS as error:
+                pass_interrupt(error)
+                del self._rows[start:], self._lines[start:]
+                self.python(partial(_raise, error))  # in the step, so that the model is stopped like others that fail
+            if len(self._rows) > start:
+                self.updating.append(entity)
+                self._starts[id(entity)], self._ends[id(entity)] = start, len(self._rows)
+        self._entity = None
+        self.end = len(self._rows)
+
+    def advance(self, twin: Twin) -> None:
+        """The physics step; the twin recovers from what went wrong in it."""
+        self._add(Kind.ADVANCE, self._beginning, _nothing)
+        self._add(Kind.SETTLE, None, twin)
+
+    def end_physics(self) -> None:
+        """What follows, from `tail` on, only reports the step."""
+        self.tail = len(self._rows)
+
+    def publish(self, twin: Twin, record: PublishRecord) -> None:
+        """Copy the states for other processes."""
+        self._add(Kind.PUBLISH, record, twin)
+
+    def post(self, twin: Twin) -> None:
+        """Wake the clients."""
+        self._add(Kind.POST, self.world.gz_server.posting(), twin)
+
+    # Run -------------------------------------------------------------------------------------------------------------
+
+    def run(self, begin: int, end: int) -> int:
+        """Do rows natively, from one up to another; the number of the one that Python has to do, or `end`."""
+        run: Any = self._run
+        return int(run(self._record, begin, end))
+
+    def line(self, number: int) -> _Line:
+        """Whose a row is, and how Python does it."""
+        return self._lines[number]
+
+    def next_in_python(self, number: int) -> int:
+        """The row after one, where Python does all: what is not due is left out."""
+        number += 1
+        while number < self.end and self._rows[number].kind == Kind.DUE:
+            row = self._rows[number]
+            due = self._lines[number].rate.due(self.world.clock.sim_time)
+            number = number + 1 if due else row.jump
+        return number
+
+    def end_of(self, entity: Updated) -> int:
+        """The number of the row after the last one of an entity."""
+        return self._ends[id(entity)]
+
+    def after(self, entity: Updated) -> list[Any]:
+        """The entities that are updated after one."""
+        return self.updating[self.updating.index(entity) + 1 :]
+
+    def first_of(self, entities: Sequence[Updated]) -> int:
+        """The number of the first row of those of the entities that have rows."""
+        return next((self._starts[id(entity)] for entity in entities if id(entity) in self._starts), self.end)
+
+
+class HasRows(Protocol):
+    """A world, as exchanges outside of steps use it."""
+
+    engine: Engine
+    clock: Clock
+    rows: UpdateRows
+
+
+def run_shares(world: HasRows, shares: Sequence[tuple[Exchange, Callable[[], object]]]) -> Callable[[], None]:
+    """A function that does exchanges now, each of them natively or by its twin in Python; the caller holds the lock."""
+    records, kept = [], []
+    for exchange, _ in shares:
+        transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
+        link = exchange.interface.link
+        records.append(ShareRecord(_address(link), _address(transfers), len(transfers)))
+        kept.append((transfers, link, exchange.interface.memory))
+    rows = (Row * len(records))(*(Row(Kind.SHARE, 0, _address(record)) for record in records))
+    tables, clock, count = world.engine.tables.record, world.clock, len(records)
+    record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
+    form = world.engine.step_form
+    function = form.updates()[0] if isinstance(form, NativeStep) else None
+
+    def run(number: int) -> int:
+        """The number of the next exchange that Python has to do."""
+        return int(function(ctypes.byref(record), number, count)) if function and world.rows.native else number
+
+    def share(_kept: object = (records, kept, rows)) -> None:
+        number = run(0)
+        while number < count:
+            shares[number][1]()
+            number = run(number + 1)
+
+    return share
+
+
+def _what_runs(values: Mapping[str, Any]) -> str:
+    return f"the physics step of {len(values['self'].world.engine.bodies)} bodies"
+
+
+names(UpdateRows.run, _what_runs)

@@ -1,0 +1,469 @@
+"""Native updates: every row gives what its twin in Python gives, to the bit, whatever happens meanwhile."""
+
+import fcntl
+import math
+import random
+import re
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+import libgz
+from libgz.interfaces.power import Power
+from libgz.legacy.model import Model
+from libgz.models.pioneer2at import Pioneer2AT
+from libgz.ode.native_step import native_path
+from libgz.records import Kind, numbers
+from libgz.simulation.updates import Exchange
+
+pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
+
+HEAD = "<gz:world xmlns:gz='g' xmlns:model='m' xmlns:param='p'>"
+SICK = "<model:SickLMS200><id>{}</id><xyz>0.1 0 {}</xyz><rangeCount>{}</rangeCount></model:SickLMS200>"
+ROBOTS = (
+    f"<model:Pioneer2AT><id>at</id><xyz>0 0 0</xyz>{SICK.format('l1', 0.311, 181)}"
+    "<model:GarminGPS><id>gps</id><xyz>-0.15 0 0.311</xyz></model:GarminGPS></model:Pioneer2AT>",
+    f"<model:Pioneer2DX><id>dx</id><xyz>2 0 0.24</xyz>{SICK.format('l2', 0.01, 90)}"
+    "<model:TruthWidget><id>truth</id></model:TruthWidget>"
+    "<model:Pioneer2Gripper><id>grip</id><xyz>0.14003 0 -0.0975</xyz></model:Pioneer2Gripper></model:Pioneer2DX>",
+    "<model:PeopleBot><id>people</id><xyz>4 0 0</xyz></model:PeopleBot>",
+    "<model:B21R><id>b21r</id><xyz>6 0 0</xyz></model:B21R>",
+    "<model:Atrv><id>atrv</id><xyz>0 3 0</xyz></model:Atrv>",
+    "<model:Roomba><id>roomba</id><xyz>2 3 0</xyz><updateRate>7</updateRate></model:Roomba>",
+    "<model:SegwayRMP><id>segway</id><xyz>4 3 0</xyz></model:SegwayRMP>",
+    "<model:ClodBuster><id>clod</id><xyz>6 3 0</xyz></model:ClodBuster>",
+    "<model:ClodBuster><id>raw</id><xyz>8 3 0</xyz><rawEncoder>true</rawEncoder></model:ClodBuster>",
+    "<model:Shrimp><id>shrimp</id><xyz>0 6 0.2</xyz></model:Shrimp>",
+    "<model:WheelChair><id>chair</id><xyz>2 6 1.2</xyz></model:WheelChair>",
+    "<model:CarChassis><id>car</id><xyz>5 6 0</xyz></model:CarChassis>",
+    "<model:Blimp><id>blimp</id><xyz>9 6 10</xyz></model:Blimp>",
+    "<model:Bandit><id>bandit</id><xyz>9 0 0.8</xyz></model:Bandit>",
+    "<model:SimpleSolid><id>post</id><xyz>1.5 0.2 0.5</xyz><size>0.2 0.2 1</size></model:SimpleSolid>",
+    "<model:Pioneer2AT><id>old</id><xyz>0 -4 0</xyz><model:Pioneer2Sonars><id>ring</id></model:Pioneer2Sonars>"
+    "<model:WiFi><id>w1</id></model:WiFi></model:Pioneer2AT><model:WiFi><id>w2</id><xyz>0 -6 1</xyz></model:WiFi>",
+    "<model:SimpleSolid><id>mark</id><xyz>3.4 0 0.5</xyz><shape>box</shape><size>0.2 1 1</size>"
+    "<fiducial>7</fiducial><retro>1</retro></model:SimpleSolid>",
+)
+NEW = f"<model:Pioneer2AT><id>new</id><xyz>-3 0 0</xyz>{SICK.format('l9', 0.311, 20)}</model:Pioneer2AT>"
+WORLD = f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS)}</gz:world>"
+DRIVEN = ("at", "dx", "people", "b21r", "atrv", "roomba", "segway", "clod", "raw", "shrimp", "chair", "car", "blimp")
+
+
+def pose_at(x, y, z):
+    return libgz.GzPose(libgz.GzVector(x, y, z), libgz.GzQuatern(1, 0, 0, 0))
+
+
+@contextmanager
+def pair(text, **settings):
+    """Two worlds of one text: native, and all in Python."""
+    with libgz.World.from_string(text, **settings) as native:
+        settings = {**settings, "server_id": settings["server_id"] + 1} if "server_id" in settings else settings
+        with libgz.World.from_string(text, **settings) as twin:
+            twin.rows.enabled = False
+            assert native.rows.native
+            assert not twin.rows.native
+            yield native, twin
+
+
+def contents(world):
+    """The bytes of all interfaces, without real time; those of stale memory included."""
+    found = {key: interface.get_bytes() for key, interface in world.gz_server.interfaces.items()}
+    at = type(world.sim.data).real_time.offset
+    sim = found["sim", "default"]
+    found["sim", "default"] = sim[:at] + sim[at + 8 :]
+    return found
+
+
+def compare(worlds):
+    """Both worlds are equal to the bit."""
+    native, twin = worlds
+    ours, theirs = contents(native), contents(twin)
+    different = [key for key in ours.keys() | theirs.keys() if ours.get(key) != theirs.get(key)]
+    assert different == [], f"at {native.clock.sim_time}"
+    assert native.engine.states.tobytes() == twin.engine.states.tobytes()
+    assert native.clock.sim_time == twin.clock.sim_time
+    assert native.clock.iterations == twin.clock.iterations
+
+
+def together(worlds, action):
+    for world in worlds:
+        action(world)
+
+
+def kinds(world):
+    """How many rows there are of each kind."""
+    world.step()
+    return {kind: sum(row.kind == kind for row in world.rows._rows) for kind in Kind}
+
+
+def test_all_robots_do_the_same_for_ten_seconds_whatever_clients_write():
+    rng = random.Random(5)
+    with pair(WORLD) as worlds:
+        states, seen = [], set()
+        for step in range(520):
+            if rng.random() < 0.08:
+                name, values = rng.choice(DRIVEN), [rng.uniform(-0.5, 0.5) for _ in range(2)]
+                if rng.random() < 0.25:
+                    values[rng.randrange(2)] = rng.choice((math.nan, math.inf, -math.inf, 1e9, -0.0))
+                enabled = rng.choice((0, 1, 1, 1, 7))
+
+                def write(world, name=name, values=values, enabled=enabled):
+                    data = world.interface("position", name).data
+                    data.cmd_vel_pos[0], data.cmd_vel_rot[2] = values
+                    data.cmd_enable_motors = enabled
+
+                together(worlds, write)
+            if rng.random() < 0.02:
+                scan = (-rng.uniform(0.1, 2.0), rng.uniform(0.1, 2.0), rng.uniform(1.0, 9.0), rng.randrange(1, 400))
+                together(worlds, lambda world, scan=scan: world.interface("laser", "l1").configure(*scan))
+            if rng.random() < 0.05:
+                angles = [rng.choice((rng.uniform(-1, 1), math.nan)) for _ in range(11)]
+
+                def bend(world, angles=angles):
+                    for joint, angle in zip(world.interface("joint", "bandit").data.joints, angles, strict=False):
+                        joint.cmd_angle = joint.cmd_angle2 = angle
+
+                together(worlds, bend)
+            if step % 97 == 50:
+                pose = libgz.GzPose(
+                    libgz.GzVector(rng.uniform(-1, 1), rng.uniform(-1, 1), 0.2), libgz.GzQuatern(1, 0, 0, 0)
+                )
+                together(worlds, lambda world, pose=pose: world.SetModelPose(world.model("at"), pose))
+            if step == 200:
+                together(worlds, lambda world: setattr(world, "paused", True))
+            if step == 210:
+                together(worlds, lambda world: setattr(world, "paused", False))
+            if step == 300:
+                together(worlds, lambda world: setattr(world.sim.data, "reset", 1))
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+            seen.update(worlds[0].interface("laser", "l2").intensities.tolist())
+            if step % 100 == 37:
+                states.append([world.get_state() for world in worlds])
+                assert states[-1][0] == states[-1][1]
+        native, twin = worlds
+        native.set_state(states[1][1])  # and each takes the other's
+        twin.set_state(states[1][0])
+        for _ in range(60):
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+        assert native.get_state() == twin.get_state()
+        assert seen == {0, 1}, "no laser detects the reflector, or one always does"
+
+
+def test_the_rows_of_a_robot_are_native():
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[0]}</gz:world>") as world:
+        found = kinds(world)
+        assert found[Kind.DIFFERENTIAL] == 1
+        assert found[Kind.CAST] == 2
+        assert found[Kind.SHARE] == 2 + 3 + 3  # of sim; position, power, sonar; requests, scan, fiducials
+        assert [world.model("at"), world.model("l1"), world.model("gps")] == world.rows.updating, "not the ground"
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[11]}</gz:world>") as world:
+        found = kinds(world)
+        assert (found[Kind.BICYCLE], found[Kind.SERVO], found[Kind.PYTHON]) == (1, 2, 0)
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[9]}</gz:world>") as world:
+        found = kinds(world)
+        assert (found[Kind.SERVO], found[Kind.SPRING], found[Kind.PYTHON]) == (2, 1, 0)
+
+
+def test_models_come_and_go_while_the_worlds_run():
+    with pair(f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS[:2])}</gz:world>") as worlds:
+        together(worlds, lambda world: world.interface("position", "dx").command(vx=0.3, vyaw=0.2))
+        for step in range(120):
+            if step == 30:
+                text = (
+                    f"<model:Pioneer2AT><id>new</id><xyz>-3 0 0</xyz>{SICK.format('l9', 0.311, 20)}</model:Pioneer2AT>"
+                )
+                together(worlds, lambda world, text=text: world.InsertModel(text))
+                together(worlds, lambda world: world.interface("position", "new").command(vx=0.2))
+            if step == 60:
+                together(worlds, lambda world: world.DeleteModel("at"))
+            if step == 90:
+                together(worlds, lambda world: world.reset())
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+        assert worlds[0].get_state() == worlds[1].get_state()
+
+
+def made(text, **kinds):
+    """A world of a text with model classes of its own, not initialized."""
+    world, file = libgz.World(), libgz.WorldFile()
+    for name, kind in kinds.items():
+        world.factory.RegisterModel("plugin", name, kind)
+    file.LoadString(f"{HEAD}<model:GroundPlane/>{text}</gz:world>")
+    world.Load(file)
+    return world
+
+
+@pytest.mark.parametrize("part", ["Update", "measure", "publish", "drive", "run", "act", "wheel_rates"])
+@pytest.mark.parametrize("when", ["class", "object", "running"])
+def test_a_part_that_is_replaced_is_called(part, when):
+    calls = []
+    before = getattr(Pioneer2AT, part)
+
+    def replacement(self, *values):
+        calls.append(part)
+        if part == "wheel_rates":
+            left, right = before(self, *values)
+            return 2.0 * left, right
+        return before(self, *values)
+
+    kind = type("Own", (Pioneer2AT,), {part: replacement, "STATE": ()} if when == "class" else {"STATE": ()})
+
+    def install(world):
+        robot = world.model("r")
+        setattr(robot, part, lambda *values: replacement(robot, *values))
+
+    def make():
+        world = made("<model:Own><id>r</id></model:Own>", Own=kind)
+        if when == "object":
+            install(world)
+        world.Initialize()
+        return world
+
+    with make() as native, make() as twin:
+        twin.rows.enabled = False
+        count = 0
+        for step in range(60):
+            if step == 20:
+                together((native, twin), lambda world: world.interface("position", "r").command(vx=0.3, vyaw=0.1))
+            if step == 10 and when == "running":
+                together((native, twin), install)
+            calls.clear()
+            native.step()
+            ours = list(calls)
+            calls.clear()
+            twin.step()
+            assert ours == calls
+            count += len(ours)
+            compare((native, twin))
+        assert count > (0 if part == "run" else 5), "the replacement is not called"
+
+
+def test_parts_can_be_exchanged_while_the_world_runs():
+    with pair(f"{HEAD}<model:GroundPlane/>{ROBOTS[0]}{ROBOTS[11]}</gz:world>") as worlds:
+        together(worlds, lambda world: world.interface("position", "at").command(vx=0.3))
+        changes = [
+            lambda world: setattr(world.model("at"), "rate", libgz.UpdateRate(23.0)),
+            lambda world: setattr(world.model("at"), "wheelDiam", 0.3),
+            lambda world: setattr(world.model("at"), "normaliseYaw", True),
+            lambda world: setattr(world.model("at").odometry, "pose", (0.0, 0.0, 9.0)),
+            lambda world: setattr(world.model("at").battery, "level", 0.001),
+            lambda world: world.model("at").odometry.pose.__setitem__(1, 5.0),
+            lambda world: setattr(world.model("at"), "battery", None),
+            lambda world: setattr(world.model("at").position, "command", (0.1, 0.1)),
+            lambda world: setattr(world.model("at").position, "wanted", (0.1, 0.1)),
+            lambda world: setattr(world.model("l1"), "rangeMax", 3.0),
+            lambda world: setattr(world.model("l1"), "rate", libgz.UpdateRate(17.0)),
+            lambda world: setattr(world.model("at"), "logPoses", True),
+            lambda world: setattr(world.engine, "step_time", 0.013),
+            lambda world: world.clock.set(3.0),
+        ]
+        for change in changes:
+            together(worlds, change)
+            for _ in range(9):
+                together(worlds, lambda world: world.step())
+                compare(worlds)
+        assert worlds[0].interface("position", "at").data.pos[1] > 4.0
+
+
+class Meddler(Model):
+    """Changes what comes after it in the order of a step, in the middle of a step."""
+
+    STATE = ()
+
+    def Load(self, file, node):
+        self.AddBody(libgz.Body(self.world, dummy=True), True)
+
+    def Update(self, step):
+        count = self.world.iterations
+        if count == 11:
+            self.world.model("at").rate = libgz.UpdateRate(31.0)
+        if count == 20:
+            self.world.model("at").SetPose(pose_at(0.5, 0.5, 0.1))
+        if count == 31:
+            self.world.DeleteModel("dx")
+        if count == 40:
+            self.world.interface("sonar", "at").destroy()
+
+
+def test_a_model_may_change_what_is_updated_after_it():
+    def make():
+        world = made(f"<model:Meddler/>{''.join(ROBOTS[:2])}", Meddler=Meddler)
+        world.Initialize()
+        world.interface("position", "at").command(vx=0.3)
+        return world
+
+    with make() as native, make() as twin:
+        twin.rows.enabled = False
+        for _ in range(60):
+            together((native, twin), lambda world: world.step())
+            compare((native, twin))
+        assert "sonar.at is not open" in str(native.errors[0])
+        assert len(native.errors) == len(twin.errors) == 1
+
+
+def test_a_failing_part_stops_its_model_only():
+    def fail(step):
+        raise ValueError("no")
+
+    with pair(f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS[:2])}</gz:world>") as worlds:
+        together(worlds, lambda world: world.interface("position", "dx").command(vx=0.3))
+        together(worlds, lambda world: world.step(20))
+        together(worlds, lambda world: setattr(world.model("at"), "measure", fail))
+        for _ in range(20):
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+        assert isinstance(worlds[0].model("at").failed, ValueError)
+        assert worlds[0].model("dx").failed is None
+
+
+def test_served_worlds_are_equal_while_clients_lock_overwrite_and_truncate(wire):
+    text = f"{HEAD}<model:GroundPlane/>{''.join(ROBOTS[:2])}</gz:world>"
+    with pair(text, server_id=wire) as worlds:
+        together(worlds, lambda world: world.step(3))
+
+        def file_of(world, name):
+            return Path(f"{world.gz_server.path}/{name}").open("r+b", buffering=0)
+
+        held = []
+        for step in range(150):
+            if step == 20:
+                held = [file_of(world, "position.at") for world in worlds]
+                for file in held:
+                    fcntl.flock(file, fcntl.LOCK_EX)
+            if step == 45:
+                for file in held:
+                    file.close()
+            if step == 60:
+                for world in worlds:
+                    with file_of(world, "laser.l1") as file:
+                        file.truncate(100)
+            if step == 80:
+                for world in worlds:
+                    with file_of(world, "power.at") as file:
+                        file.write(b"\xff" * 152)
+            if step == 100:
+                together(worlds, lambda world: world.interface("position", "at").command(vx=0.2))
+            if step == 105:
+                time.sleep(0.06)  # after that commands are kept, with the next exchange
+            if step == 117:
+                for world in worlds:
+                    with file_of(world, "position.at") as file:
+                        file.write(b"\xff" * 312)
+            together(worlds, lambda world: world.step())
+            if step < 60 or step > 75:  # the moment in which a truncated file is found depends on the clock
+                compare(worlds)
+        assert worlds[0].model("at").position.command == (0.2, 0.0)
+
+
+def test_other_processes_see_every_step_of_a_native_world(wire):
+    with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[0]}</gz:world>", server_id=wire) as world:
+        world.step(2)
+        with libgz.Observer(wire) as observer, libgz.Client(wire) as client:
+            position = client.position("at")
+            for step in range(12):
+                if step == 6:
+                    with position.locked() as data:
+                        data.cmd_vel_pos[0] = 0.4
+                world.step()
+                assert client.wait(timeout=1.0)
+                assert observer.pose("at").pos == world.model("at").GetPose().pos
+                assert observer.state().sim_time == world.GetSimTime() == client.sim().data.sim_time
+            assert world.model("at").position.command == (0.4, 0.0)
+            world.model("at").SetPose(pose_at(3, 0, 0.1))
+            world.step()
+            assert observer.pose("at").pos == world.model("at").GetPose().pos
+
+
+def test_a_plugin_can_use_the_rows():
+    class Own(Model):
+        """A sensor that publishes the sim time and a count natively."""
+
+        STATE = ()
+
+        def Load(self, file, node):
+            self.AddBody(libgz.Body(self.world, dummy=True), True)
+            self.rate = libgz.UpdateRate(10.0)
+            self.level = numbers(1)(3.5)
+
+        def Init(self, file, node):
+            self.power = Power()
+            self.power.create(self.world.gz_server, self.GetId())
+
+        def MasterRows(self, rows):
+            exchange = Exchange(self.power)
+            exchange.now()
+            exchange.doubles("levels", self.level)
+            with rows.due(self.rate):
+                rows.share(self.publish, exchange)
+
+        def publish(self, step):
+            with self.power.locked() as data:
+                data.time, data.levels[0] = self.world.GetSimTime(), self.level[0]
+
+    world = made("<model:Own><id>own</id></model:Own>", Own=Own)
+    world.Initialize()
+    with world:
+        world.step(6)
+        assert world.interface("power", "own").data.time == pytest.approx(0.1)
+        assert world.interface("power", "own").level == 3.5
+
+
+@pytest.mark.parametrize(
+    ("add", "message"),
+    [
+        (
+            lambda exchange: exchange.doubles("level", numbers(1)()),
+            "power.p has no field 'level'.*did you mean 'levels'",
+        ),
+        (lambda exchange: exchange.doubles("levels", numbers(11)(), 11), "11 numbers from 0 on do not fit"),
+        (lambda exchange: exchange.doubles("levels", numbers(3)(), 3, stride=5), "3 numbers from 0 on do not fit"),
+        (lambda exchange: exchange.doubles("levels", numbers(1)(), index=10), "1 numbers from 10 on do not fit"),
+    ],
+)
+def test_rows_that_cannot_be_stop_their_model_only(add, message):
+    class Wrong(Model):
+        STATE = ()
+
+        def Load(self, file, node):
+            self.AddBody(libgz.Body(self.world, dummy=True), True)
+
+        def Init(self, file, node):
+            self.power = Power()
+            self.power.create(self.world.gz_server, "p")
+
+        def MasterRowsOfUpdate(self, rows):
+            rows.python(lambda step: None)
+            exchange = Exchange(self.power)
+            add(exchange)
+            rows.share(lambda step: None, exchange)
+            return True
+
+    with made(f"<model:Wrong><id>wrong</id></model:Wrong>{ROBOTS[2]}", Wrong=Wrong) as world:
+        world.Initialize()
+        world.step(7)
+        assert isinstance(world.model("wrong").failed, libgz.GazeboError)
+        assert re.search(message, str(world.model("wrong").failed))
+        assert world.interface("position", "people").data.time == pytest.approx(0.1)
+
+
+def test_an_update_may_connect_to_an_event_of_the_same_step():
+    class Connecting(Model):
+        STATE = ()
+
+        def Load(self, file, node):
+            self.AddBody(libgz.Body(self.world, dummy=True), True)
+            self.seen = []
+
+        def Update(self, step):
+            if self.world.iterations == 3:
+                end = self.world.events["WorldUpdateEnd"]
+                self.connection = end.Connect(lambda: self.seen.append(self.world.iterations))
+
+    with made("<model:Connecting><id>c</id></model:Connecting>", Connecting=Connecting) as world:
+        world.Initialize()
+        world.step(5)
+        assert world.model("c").seen == [3, 4, 5]

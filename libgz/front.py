@@ -15,12 +15,14 @@ from libgz.files import exists
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
+from libgz.legacy.plugin_search import register_compiled
 from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
+from libgz.simulation.plugins import Plugin
 from libgz.transport.layout import LIBGAZEBO_VERSION
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -35,6 +37,22 @@ __all__ = ["World", "WorldOptions"]
 W = TypeVar("W", bound="World")
 
 register_builtin(models.MODELS, Path(models.__file__).parent)
+
+
+def _is_cxx_plugin(path: Path) -> bool:
+    """Whether a file is a C++ plugin; the adapter is imported by worlds that name one."""
+    from libgz.cxx.plugin import is_plugin
+
+    return is_plugin(path)
+
+
+def _load_cxx_plugin(path: Path) -> Plugin:
+    from libgz.cxx.plugin import load
+
+    return load(path)
+
+
+register_compiled(_is_cxx_plugin, _load_cxx_plugin)
 
 
 class WorldOptions(TypedDict, total=False):

@@ -12,6 +12,7 @@ from libgz.apps.console import wire_version
 from libgz.clib import FOLDER
 from libgz.clib.install import install
 from libgz.clib.library import library_folder
+from libgz.cxx.build import cxxflags
 from libgz.errors import ParameterError
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
@@ -21,6 +22,7 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--cflags", action="store_true", help="the directory of gazebo.h")
+    parser.add_argument("--cxxflags", action="store_true", help="what C++ plugin models need: c++ $(...) -shared MyRobot.cc")
     parser.add_argument("--libs", action="store_true", help="the library, which is compiled at first use")
     parser.add_argument(
         "--install",
@@ -45,15 +47,17 @@ def run(options: argparse.Namespace) -> int:
         ParameterError: the options exclude each other.
     """
     if options.install is not None:
-        if options.cflags or options.libs:
+        if options.cflags or options.libs or options.cxxflags:
             raise ParameterError(
-                "--install excludes --cflags and --libs; pkg-config prints them after the installation"
+                "--install excludes --cflags, --cxxflags and --libs; pkg-config prints them after the installation"
             )
         return _install(options.install, options.wire_version)
     if options.wire_version != LIBGAZEBO_VERSION:
         raise ParameterError("--wire-version needs --install PREFIX")
     words = []
-    both = not (options.cflags or options.libs)
+    both = not (options.cflags or options.libs or options.cxxflags)
+    if options.cxxflags:
+        words += cxxflags()
     if options.cflags or both:
         words.append(f"-I{FOLDER}")
     if options.libs or both:

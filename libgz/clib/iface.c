@@ -12,6 +12,9 @@
 
 #include "error.h"
 #include "gazebo.h"
+#include "host.h"
+
+const struct gz_host *gz_host = NULL;
 
 /* The struct that gz_iface_alloc allocates: the public part has no field for the number of mapped bytes. */
 typedef struct {
@@ -83,6 +86,8 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
     gz_data_t *head;
 
     self->server = server;
+    if (IS_HOSTED(server))
+        return gz_host->create(self, type, id, size);
     if (set_filename(self, server->filename, type, id) != 0)
         return -1;
     self->mmap_fd = open(self->filename, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
@@ -107,6 +112,8 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
 
 int gz_iface_destroy(gz_iface_t *self)
 {
+    if (IS_HOSTED(self->server))
+        return gz_host->destroy(self);
     GZ_MESSAGE(GZ_FILES, "deleting %s", self->filename);
     release(self);
     if (unlink(self->filename) != 0) {
@@ -158,6 +165,8 @@ int gz_iface_close(gz_iface_t *self)
 int gz_iface_lock(gz_iface_t *self, int blocking)
 {
     (void) blocking; /* never had an effect */
+    if (IS_HOSTED(self->server))
+        return gz_host->lock(self);
     if (flock(self->mmap_fd, LOCK_EX) == 0)
         return 0;
     GZ_ERROR("flock %s error: %s", self->filename, strerror(errno));
@@ -166,7 +175,9 @@ int gz_iface_lock(gz_iface_t *self, int blocking)
 
 void gz_iface_unlock(gz_iface_t *self)
 {
-    if (flock(self->mmap_fd, LOCK_UN) != 0)
+    if (IS_HOSTED(self->server))
+        gz_host->unlock(self);
+    else if (flock(self->mmap_fd, LOCK_UN) != 0)
         GZ_ERROR("flock error: %s", strerror(errno));
 }
 

@@ -113,6 +113,9 @@ class Entity:
                 note(f"model {self.GetId()!r}", "its Fini", error)
             log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)
 
+    def MasterEnd(self) -> None:
+        """The world is about to be closed as a whole: release what its engine does not."""
+
     def close(self) -> None:
         """Destroy bodies, joints and space."""
         for body in self.bodies:

@@ -546,6 +546,8 @@ class World:
         self.Finalize()
         self.gz_server.stop()
         self.events.close()
+        for entity in reversed(self.entities):
+            entity.MasterEnd()
         self.engine.close()
         self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes

@@ -226,6 +226,11 @@ class Interface(Generic[D]):
             self.destroy()
             raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
 
+    def set_owner(self, model_type: str, model_id: int, parent_model_id: int) -> None:
+        """Change the model that owns the interface; server only. See `create`."""
+        self._owner = (model_type, model_id, parent_model_id)
+        self._write_head()
+
     def _write_head(self) -> None:
         head = self.data.head
         model_type, model_id, parent_model_id = self._owner

@@ -12,7 +12,7 @@ from libgz.apps.console import wire_version
 from libgz.clib import FOLDER
 from libgz.clib.install import install
 from libgz.clib.library import library_folder
-from libgz.cxx.build import cxxflags
+from libgz.cxx.build import cxxflags, for_installation
 from libgz.errors import ParameterError
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _install(prefix: Path, version: int) -> int:
     """Install below a prefix, and print what is there and how pkg-config finds it."""
-    written = install(prefix, version)
+    written = install(prefix, version, *for_installation())
     for path in written:
         print(path)
     (description,) = (path for path in written if path.suffix == ".pc")

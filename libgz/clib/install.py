@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from libgz.clib import FOLDER
@@ -27,16 +28,23 @@ Version: {release}
 Requires:
 Libs: -L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
 Libs.private: -lm
-Cflags: -I${{includedir}}
+Cflags: {flags}
 """
 
 
-def install(prefix: Path, version: int = LIBGAZEBO_VERSION) -> list[Path]:
+def install(
+    prefix: Path,
+    version: int = LIBGAZEBO_VERSION,
+    headers: Mapping[str, bytes] | None = None,
+    flags: str = "-I${includedir}",
+) -> list[Path]:
     """Write gazebo.h, libgazebo.a, libgazebo.so.0 with its link, and gazebo.pc below a directory; returns their paths.
 
     Args:
         prefix: such as `/usr/local`; missing directories are created.
         version: of the structs, one of `libgz.transport.layout.VERSIONS`.
+        headers: further files, by their paths below the directory.
+        flags: of the compiler, for gazebo.pc.
 
     Raises:
         LibraryError: the library cannot be compiled, or the directory cannot be written.
@@ -44,12 +52,13 @@ def install(prefix: Path, version: int = LIBGAZEBO_VERSION) -> list[Path]:
     compiled = library_folder(version)
     prefix = prefix.expanduser().absolute()
     header = (FOLDER / "gazebo.h").read_text().replace(version_macro(LIBGAZEBO_VERSION), version_macro(version))
-    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version])
+    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version], flags=flags)
     contents = {
         prefix / "include" / "gazebo.h": header.encode(),
         prefix / "lib" / ARCHIVE: (compiled / ARCHIVE).read_bytes(),
         prefix / "lib" / SHARED: (compiled / SHARED).read_bytes(),
         prefix / "lib" / "pkgconfig" / "gazebo.pc": description.encode(),
+        **{prefix / path: content for path, content in (headers or {}).items()},
     }
     link = prefix / "lib" / LINK
     try:

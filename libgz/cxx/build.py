@@ -17,14 +17,16 @@ from libgz.cxx import FOLDER
 from libgz.cxx.headers import INCLUDE
 from libgz.errors import LibraryError, ParameterError, nearest
 
-__all__ = ["STANDARD", "CompileError", "build", "check", "compiler", "cxxflags", "include_flags"]
+__all__ = ["STANDARD", "CompileError", "build", "check", "compiler", "cxxflags", "for_installation"]
 
 STANDARD = "gnu++98"  # as which old sources are compiled
 # Casts of pointers to int, and other things that compilers of 2006 accepted. Python does not fuse multiply and add.
 OLD = ("-fPIC", "-fpermissive", "-ffp-contract=off")
 MOST_ERRORS = 20
+FALLBACK = FOLDER / "fallback"
 
 _ERROR = re.compile(r"(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? (?:fatal )?error: (?P<message>.*)")
+_EXPANSION = re.compile(r"^(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? note: in expansion of macro", re.MULTILINE)
 _MISSING = re.compile(r"([\w./+-]+): No such file or directory|'([\w./+-]+)' file not found")
 _MEMBER = re.compile(r"[‘']?(?:class |struct )?(\w+)[’']? has no member named [‘'](\w+)[’']|no member named '(\w+)' in '(\w+)'")
 _NAME = re.compile(r"[‘'](\w+)[’'] (?:was not declared|has not been declared|does not name a type)|undeclared identifier '(\w+)'")
@@ -72,14 +74,22 @@ def compiler() -> list[str]:
     raise LibraryError(f"{problem}; C++ plugins need one: apt-get install g++")
 
 
-def include_flags(include: str, fallback: str) -> list[str]:
-    """The compiler's options for directories of headers; with `fallback`, a machine needs neither ODE's nor OpenGL's."""
+def _include_flags(include: str, fallback: str) -> list[str]:
+    """The options for directories of headers; with `fallback`, a machine needs neither ODE's nor OpenGL's."""
     return [f"-I{include}", "-idirafter", f"{include}/gazebo", "-idirafter", fallback]
 
 
 def cxxflags() -> list[str]:
     """The compiler's options for plugins."""
-    return [*OLD, *include_flags(str(INCLUDE), str(FOLDER / "fallback"))]
+    return [*OLD, *_include_flags(str(INCLUDE), str(FALLBACK))]
+
+
+def for_installation() -> tuple[dict[str, bytes], str]:
+    """The headers by their paths below a prefix, and the compiler's options in terms of pkg-config."""
+    files = {f"include/gazebo/{path.name}": path.read_bytes() for path in sorted((INCLUDE / "gazebo").iterdir())}
+    for path in sorted(FALLBACK.rglob("*.h")):
+        files[f"share/libgz/{path.relative_to(FALLBACK)}"] = path.read_bytes()
+    return files, " ".join([*OLD, *_include_flags("${includedir}", "${prefix}/share/libgz")])
 
 
 def _command(standard: str, options: Sequence[str]) -> list[str]:
@@ -146,15 +156,24 @@ def _run(command: list[str]) -> list[CompileError]:
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, env=environment)
     if done.returncode == 0:
         return []
-    found = dict.fromkeys(
-        CompileError(match["file"], int(match["line"]), f"{match['message']}{_hint(match['message'])}")
-        for match in _ERROR.finditer(done.stderr)
-    )
+    found = dict.fromkeys(_explained(match, done.stderr) for match in _ERROR.finditer(done.stderr))
     if not found:
         text = done.stderr.strip().splitlines()
         undefined = [line for line in text if "undefined" in line or "hidden symbol" in line or "error" in line.lower()]
         return [CompileError(command[0], 0, (undefined or text or [f"exit code {done.returncode}"])[0])]
     return list(found)[:MOST_ERRORS]
+
+
+def _explained(match: re.Match[str], output: str) -> CompileError:
+    """An error with what helps, at its place in the plugin's own files."""
+    file, line, message = match["file"], int(match["line"]), match["message"]
+    if Path(file).is_relative_to(INCLUDE):
+        rest = output[match.end() :]
+        end = _ERROR.search(rest)
+        used = _EXPANSION.search(rest, 0, end.start() if end is not None else len(rest))
+        file, line = (used["file"], int(used["line"])) if used is not None else (file, line)
+    hint = _hint(message)
+    return CompileError(file, line, (message.partition("; did you mean ")[0] if hint else message) + hint)
 
 
 @cache
@@ -165,7 +184,7 @@ def _api() -> dict[str, tuple[str, set[str]]]:
     for path in sorted((INCLUDE / "gazebo").glob("*.hh")):
         text = path.read_text()
         for match in _CLASS.finditer(text):
-            names = {name for name in _METHOD.findall(match[3]) if not name.startswith(("libgz", "LIBGZ"))}
+            names = {name for name in _METHOD.findall(match[3]) if "_" not in name and name != match[1]}
             names |= set(re.findall(r"public: [\w *]+?\b(\w+);", match[3]))
             found[match[1]] = match[2], names
         functions |= set(re.findall(r"^inline [\w ]+?[ *](Gz\w+)\(", text, re.MULTILINE))

@@ -8,6 +8,7 @@ demo: setup
 
 test: lint types
 	@./scripts/install_chromium.sh
+	@./scripts/install_compilers.sh
 	@$(BIN)/pytest -q -n 2 -m "not trial"
 
 lint: setup

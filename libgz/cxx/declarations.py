@@ -383,8 +383,13 @@ GzPose BaseGeom_GetRelativePose(BaseGeom *self)
     }
 
   /// ODE's geom; NULL if it is only rendered.
-  public: dGeomID GetGeomId() const { return this->geomId; }
-  public: dGeomID GetTransId() const { return this->geomId; }
+  public: dGeomID GetGeomId() const
+    {
+      void *id = this->libgz_handle == 0 ? NULL : libgz_bound->BaseGeom_GetGeomId( this->libgz_handle );
+      libgz_check();
+      return (dGeomID) id;
+    }
+  public: dGeomID GetTransId() const { return this->GetGeomId(); }
 
   /// The mass matrix in the body frame; NULL without mass.
   public: const dMass *GetBodyMassMatrix()

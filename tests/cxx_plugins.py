@@ -47,13 +47,13 @@ GZ_REGISTER_PLUGIN( "NAME", NAME )
 )
 
 
-def source(name="Robot", load="", init="", fini="", update=""):
+def source(name="Tester", load="", init="", fini="", update=""):
     """The source of a model: a sphere, with code of its own in its methods."""
     text = MODEL.replace("NAME", name).replace("LOAD", load).replace("INIT", init)
     return text.replace("FINI", fini).replace("UPDATE", update)
 
 
-def compiled(folder, name="Robot", text=None, **code):
+def compiled(folder, name="Tester", text=None, **code):
     """Compile a plugin into a folder; its path."""
     path = folder / f"{name}.cc"
     path.write_text(source(name, **code) if text is None else text)

@@ -67,7 +67,7 @@ def _joint(name: str, help: str, methods: str, public: str = "", functions: str 
 """
     if name == "HingeJoint":  # of which libgz makes some itself
         constructor += """\
-  public: explicit HingeJoint( long handle )
+  public: HingeJoint( libgz_wrapping, long handle )
     {
       this->libgz_wrap( handle );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( handle );
@@ -123,7 +123,7 @@ const char *WorldFileNode_SearchFilename(WorldFileNode *self, const char *key, c
 const char *WorldFileNode_GetTupleString(WorldFileNode *self, const char *key, int index)
 """,
         public="""\
-  public: explicit WorldFileNode( long handle ) { this->libgz_wrap( handle ); }
+  public: WorldFileNode( libgz_wrapping, long handle ) { this->libgz_wrap( handle ); }
 
   /// The first child, or the first with a name; NULL if there is none.
   public: WorldFileNode *GetChild( const char *name = NULL )
@@ -181,7 +181,7 @@ const char *WorldFile_GetFilename(WorldFile *self)
       this->libgz_handle = libgz_bound->WorldFile_new( this );
       libgz_check();
     }
-  public: explicit WorldFile( long handle ) : filename( NULL )
+  public: WorldFile( libgz_wrapping, long handle ) : filename( NULL )
     {
       this->libgz_wrap( handle );
       this->filename = (char *) libgz_bound->WorldFile_GetFilename( handle );
@@ -266,7 +266,7 @@ dWorldID Body_GetWorldId(Body *self)
       this->libgz_handle = libgz_bound->Body_new( this, libgz_handle_of( world ), name, dummy );
       this->libgz_made();
     }
-  public: explicit Body( long handle ) : bodyName( NULL ), libgz_geoms( NULL )
+  public: Body( libgz_wrapping, long handle ) : bodyName( NULL ), libgz_geoms( NULL )
     {
       this->libgz_wrap( handle );
       this->libgz_made();
@@ -466,7 +466,7 @@ int Geom_GetRenderOrder(Geom *self)
 """,
         public="""\
   public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ), dirty( true ) {}
-  public: explicit Geom( long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
+  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
     {
       this->libgz_wrap( handle );
       this->body = (Body *) libgz_bound->BaseGeom_GetBody( handle );
@@ -985,7 +985,7 @@ Model *World_GetModel(World *self, int index)
 dSpaceID World_GetSpaceId(World *self)
 """,
         public="""\
-  public: explicit World( long handle ) : libgz_models( NULL ) { this->libgz_wrap( handle ); }
+  public: World( libgz_wrapping, long handle ) : libgz_models( NULL ) { this->libgz_wrap( handle ); }
   public: virtual ~World() { free( this->libgz_models ); }
 
   /// All models in order of the file.

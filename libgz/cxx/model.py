@@ -190,6 +190,8 @@ class CxxModel(Model):
         sensors: its ray sensors, which states keep.
     """
 
+    STATE: ClassVar[tuple[str, ...]] = ("sensors",)
+
     plugin: ClassVar[CxxPlugin]
     create: ClassVar[int]
 

@@ -32,6 +32,11 @@ DRAWING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of Ope
 DONE, RETURNED, FAILED, THREW = range(4)  # as in ModelFactory.hh
 LONGEST = 1024  # of the description of an exception
 
+NOT_KEPT = (
+    "states and resets keep its bodies, joints, sensors and interfaces, but not the variables of its C++ object, of which "
+    "libgz knows nothing (C++ plugin {})"
+)
+
 _loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
 
 
@@ -152,7 +157,8 @@ def load(path: Path) -> Plugin:
     cxx = CxxPlugin(path, library)
     plugin = Plugin(path, edited=edited)
     for name, function in _registered(path, library):
-        plugin.registered.append((name, type(name, (CxxModel,), {"plugin": cxx, "create": function, "__module__": "C++"})))
+        values = {"plugin": cxx, "create": function, "not_kept": NOT_KEPT.format(path), "__module__": "C++"}
+        plugin.registered.append((name, type(name, (CxxModel,), values)))
     _loaded[path] = edited, plugin
     return plugin
 

@@ -54,6 +54,7 @@ class Entity:
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
+    not_kept: ClassVar[str] = ""  # of its own state, in a warning; by default, what its class does not declare
 
     def __init__(self, world: World) -> None:
         self.world = world

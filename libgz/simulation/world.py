@@ -925,6 +925,9 @@ class World:
         if kind in self._undeclared or not undeclared(kind):
             return
         self._undeclared.add(kind)
+        if getattr(kind, "not_kept", ""):
+            log.warning("%s %s: %s", what, kind.__name__, kind.not_kept)  # type: ignore[attr-defined]
+            return
         log.warning(
             "%s %s declares no state, so states and resets keep only its bodies, joints and interfaces: add STATE = "
             '("name", ...) with the attributes that change while it runs, or STATE = () if none does',

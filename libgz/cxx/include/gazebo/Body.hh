@@ -19,7 +19,7 @@ class Body : public LibgzObject
       this->libgz_handle = libgz_bound->Body_new( this, libgz_handle_of( world ), name, dummy );
       this->libgz_made();
     }
-  public: explicit Body( long handle ) : bodyName( NULL ), libgz_geoms( NULL )
+  public: Body( libgz_wrapping, long handle ) : bodyName( NULL ), libgz_geoms( NULL )
     {
       this->libgz_wrap( handle );
       this->libgz_made();

@@ -11,7 +11,7 @@
 class Geom : public BaseGeom
 {
   public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ), dirty( true ) {}
-  public: explicit Geom( long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
+  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
     {
       this->libgz_wrap( handle );
       this->body = (Body *) libgz_bound->BaseGeom_GetBody( handle );

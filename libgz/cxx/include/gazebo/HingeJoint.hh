@@ -16,7 +16,7 @@ class HingeJoint : public Joint
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( this->libgz_handle );
       libgz_check();
     }
-  public: explicit HingeJoint( long handle )
+  public: HingeJoint( libgz_wrapping, long handle )
     {
       this->libgz_wrap( handle );
       this->jointId = (dJointID) libgz_bound->Joint_GetJointId( handle );

@@ -30,6 +30,12 @@ LIBGZ_OWN void *libgz_block = NULL;
 extern "C" { LIBGZ_OWN void *__dso_handle = NULL; }
 #endif
 
+/// The first argument of constructors of objects that stand for one of libgz.
+enum libgz_wrapping
+{
+  LIBGZ_WRAPPING
+};
+
 /// Thrown after a function of libgz failed, through the plugin's code.
 struct libgz_error
 {

@@ -187,19 +187,19 @@ LIBGZ_EXPORT int libgz_plugin_delete( LibgzObject *object, const char *label, ch
 LIBGZ_EXPORT void *libgz_plugin_wrap( const char *kind, long handle, World *world )
 {
   if ( strcmp( kind, "World" ) == 0 )
-    return new World( handle );
+    return new World( LIBGZ_WRAPPING, handle );
   if ( strcmp( kind, "Model" ) == 0 )
     return new LibgzModel( world, handle );
   if ( strcmp( kind, "Body" ) == 0 )
-    return new Body( handle );
+    return new Body( LIBGZ_WRAPPING, handle );
   if ( strcmp( kind, "Geom" ) == 0 )
-    return new Geom( handle );
+    return new Geom( LIBGZ_WRAPPING, handle );
   if ( strcmp( kind, "HingeJoint" ) == 0 )
-    return new HingeJoint( handle );
+    return new HingeJoint( LIBGZ_WRAPPING, handle );
   if ( strcmp( kind, "WorldFile" ) == 0 )
-    return new WorldFile( handle );
+    return new WorldFile( LIBGZ_WRAPPING, handle );
   if ( strcmp( kind, "WorldFileNode" ) == 0 )
-    return new WorldFileNode( handle );
+    return new WorldFileNode( LIBGZ_WRAPPING, handle );
   return NULL;
 }
 

@@ -14,7 +14,7 @@ class WorldFileNode;
 /// The world.
 class World : public LibgzObject
 {
-  public: explicit World( long handle ) : libgz_models( NULL ) { this->libgz_wrap( handle ); }
+  public: World( libgz_wrapping, long handle ) : libgz_models( NULL ) { this->libgz_wrap( handle ); }
   public: virtual ~World() { free( this->libgz_models ); }
 
   /// All models in order of the file.

@@ -14,7 +14,7 @@ class WorldFile : public LibgzObject
       this->libgz_handle = libgz_bound->WorldFile_new( this );
       libgz_check();
     }
-  public: explicit WorldFile( long handle ) : filename( NULL )
+  public: WorldFile( libgz_wrapping, long handle ) : filename( NULL )
     {
       this->libgz_wrap( handle );
       this->filename = (char *) libgz_bound->WorldFile_GetFilename( handle );

@@ -10,7 +10,7 @@
 /// An element of the worldfile. An attribute of a model is a child element; its text is the value.
 class WorldFileNode : public LibgzObject
 {
-  public: explicit WorldFileNode( long handle ) { this->libgz_wrap( handle ); }
+  public: WorldFileNode( libgz_wrapping, long handle ) { this->libgz_wrap( handle ); }
 
   /// The first child, or the first with a name; NULL if there is none.
   public: WorldFileNode *GetChild( const char *name = NULL )

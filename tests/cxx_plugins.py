@@ -57,7 +57,7 @@ def compiled(folder, name="Tester", text=None, **code):
     """Compile a plugin into a folder; its path."""
     path = folder / f"{name}.cc"
     path.write_text(source(name, **code) if text is None else text)
-    errors = build.build([path], folder / f"{name}.so")
+    errors = build.build([path], folder / f"{name}.so", debug=True)
     assert not errors, "\n".join(map(str, errors))
     return folder / f"{name}.so"
 

@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 from libgz.cxx.build import STANDARD, CompileError, build, check
-from libgz.cxx.plugin import load
 from libgz.errors import ParameterError
 
 __all__ = ["configure", "run"]
@@ -57,6 +56,8 @@ def run(options: argparse.Namespace) -> int:
         options.sources, output, debug=options.debug, standard=options.std, options=flags, libraries=libraries
     )
     if not errors:
+        from libgz.cxx.plugin import load  # which loads all that worlds need
+
         names = ", ".join(name for name, _ in load(output).registered)
         print(f"{output}: {names}")
     return _report(errors)

@@ -23,7 +23,7 @@ from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation import world
 from libgz.simulation.plugins import Plugin
-from libgz.transport.layout import LIBGAZEBO_VERSION
+from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.search import find_worldfile, why_missing
@@ -63,6 +63,7 @@ class WorldOptions(TypedDict, total=False):
     seed: int
     solver: str
     wire_version: int
+    abi: str
     strict: bool
 
 
@@ -84,6 +85,7 @@ class World(world.World):
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
         strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
             of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
@@ -100,9 +102,10 @@ class World(world.World):
         seed: int = 0,
         solver: str = "world",
         wire_version: int = LIBGAZEBO_VERSION,
+        abi: str = NATIVE,
         strict: bool = False,
     ) -> None:
-        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, strict=strict)
+        super().__init__(server_id, force, seed=seed, solver=solver, wire_version=wire_version, abi=abi, strict=strict)
         self.legacy = self.extension(LegacyWorld)
         self.legacy.apply(GlobalAttributes(), False)
         self.era = self.legacy

@@ -123,6 +123,24 @@ int gz_iface_destroy(gz_iface_t *self)
     return 0;
 }
 
+/* Print an error if a file is laid out for programs of another ABI. Every struct begins with an int and a size_t: where
+ * size_t has 4 bytes, it follows at once, and otherwise after 4 bytes of zeros. Returns whether it is. */
+static int is_foreign(const gz_iface_t *self)
+{
+    int32_t words[3] = {0, 0, 0};
+    int narrow;
+
+    if (pread(self->mmap_fd, words, sizeof words, 0) != (ssize_t) sizeof words || words[0] == 0)
+        return 0;
+    narrow = words[1] != 0;
+    if (narrow == (sizeof(size_t) == 4) || (!narrow && words[2] == 0))
+        return 0;
+    GZ_ERROR("%s has the layout of %s programs, and this program is one of %s; %s", self->filename,
+             narrow ? "i386" : "x86_64", narrow ? "x86_64" : "i386",
+             narrow ? "start the server without --abi i386" : "start the server with --abi i386");
+    return 1;
+}
+
 int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size)
 {
     struct stat about;
@@ -136,6 +154,8 @@ int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const
         GZ_ERROR("error opening device file %s : %s", self->filename, strerror(errno));
         return -1;
     }
+    if (is_foreign(self))
+        return release(self);
     /* Access to mapped memory beyond the end of a file raises SIGBUS, so check the size before mapping. */
     if (fstat(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
         GZ_ERROR("expected file size: %d < %d", (int) size, (int) about.st_size);

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from libgz.clib import FOLDER
 from libgz.clib.header import version_macro
-from libgz.clib.library import ARCHIVE, SHARED, library_folder
+from libgz.clib.library import ARCHIVE, FOR_I386, SHARED, library_folder
 from libgz.errors import LibraryError
 from libgz.files import write_whole
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -26,9 +26,9 @@ Name: gazebo
 Description: Interfaces of the Gazebo robot simulator, of libgz
 Version: {release}
 Requires:
-Libs: -L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
+Libs: {i386}-L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
 Libs.private: -lm
-Cflags: {flags}
+Cflags: {i386}{flags}
 """
 
 
@@ -37,6 +37,8 @@ def install(
     version: int = LIBGAZEBO_VERSION,
     headers: Mapping[str, bytes] | None = None,
     flags: str = "-I${includedir}",
+    *,
+    i386: bool = False,
 ) -> list[Path]:
     """Write gazebo.h, libgazebo.a, libgazebo.so.0 with its link, and gazebo.pc below a directory; returns their paths.
 
@@ -45,14 +47,15 @@ def install(
         version: of the structs, one of `libgz.transport.layout.VERSIONS`.
         headers: further files, by their paths below the directory.
         flags: of the compiler, for gazebo.pc.
+        i386: for 32-bit programs.
 
     Raises:
         LibraryError: the library cannot be compiled, or the directory cannot be written.
     """
-    compiled = library_folder(version)
+    compiled = library_folder(version, i386=i386)
     prefix = prefix.expanduser().absolute()
     header = (FOLDER / "gazebo.h").read_text().replace(version_macro(LIBGAZEBO_VERSION), version_macro(version))
-    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version], flags=flags)
+    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version], flags=flags, i386=f"{FOR_I386} " if i386 else "")
     contents = {
         prefix / "include" / "gazebo.h": header.encode(),
         prefix / "lib" / ARCHIVE: (compiled / ARCHIVE).read_bytes(),

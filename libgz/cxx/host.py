@@ -11,6 +11,7 @@ from typing import Any
 
 from libgz.cxx import FOLDER
 from libgz.cxx.objects import running
+from libgz.cxx.shadow import Shadow
 from libgz.errors import GazeboError, InterfaceError, LibraryError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.simulation.world import World
@@ -62,6 +63,7 @@ class HostedServer:
         number = world.server_id or 0
         self.struct = _Server(number, path, GZ_SEM_KEY + number, HOSTED)
         self.interfaces: dict[int, tuple[Interface[Any], Any]] = {}  # and their memory, by address of the gz_iface_t
+        self.shadows: dict[int, Shadow] = {}  # likewise, where clients have another ABI
         _servers[self.address] = self
 
     @property
@@ -75,15 +77,30 @@ class HostedServer:
             raise InterfaceError(f"there are no interfaces of type {type!r}; there are {', '.join(sorted(INTERFACES))}")
         interface = INTERFACES[type]()
         interface.create(self.world.gz_server, id)
-        if interface.size != size:
+        data: Any = interface.data
+        native = interface.layout_for(self.world.gz_server.version, None)
+        if interface.size != size and ctypes.sizeof(native) == size:
+            shadow = self.shadows[address] = Shadow(interface, native)
+            data = shadow.struct
+        elif interface.size != size:
             interface.destroy()
             raise InterfaceError(
                 f"the plugin was compiled for another layout of {type}: {size} bytes instead of {interface.size}; "
                 f"the server's interfaces are of version {self.world.gz_server.version:#x}"
             )
-        self.interfaces[address] = interface, interface.data
-        iface.mmap = ctypes.addressof(interface.data)
+        self.interfaces[address] = interface, data
+        iface.mmap = ctypes.addressof(data)
         iface.mmap_fd = -1 if interface.descriptor is None else interface.descriptor
+
+    def pull(self) -> None:
+        """Take what clients have written, before code of a plugin runs."""
+        for shadow in self.shadows.values():
+            shadow.pull()
+
+    def push(self) -> None:
+        """Write what a plugin has changed without a lock."""
+        for shadow in self.shadows.values():
+            shadow.push()
 
     def number(self, passed: int) -> int:
         """The number of a model, which a plugin may have passed as the address of its C++ object."""
@@ -94,6 +111,7 @@ class HostedServer:
         """Plugins do not use it any more."""
         _servers.pop(self.address, None)
         self.interfaces.clear()
+        self.shadows.clear()
 
 
 _servers: dict[int, HostedServer] = {}
@@ -133,21 +151,29 @@ def _set_owner(address: int, model_type: bytes | None, model_id: int, parent_mod
 def _destroy(address: int) -> int:
     server, iface = _hosted(address)
     interface, _ = server.interfaces.pop(address, (None, None))
+    server.shadows.pop(address, None)
     iface.mmap, iface.mmap_fd = None, -1
     return _attempt(interface.destroy) if interface is not None else -1
 
 
 def _lock(address: int) -> int:
-    interface = _servers[_Iface.from_address(address).server].interfaces[address][0]
-    return _attempt(lambda: 0 if interface.lock() else -1)
+    server, _ = _hosted(address)
+    if _attempt(lambda: 0 if server.interfaces[address][0].lock() else -1) != 0:
+        return -1
+    if address in server.shadows:
+        server.shadows[address].pull()
+    return 0
 
 
 def _unlock(address: int) -> None:
-    interface = _servers[_Iface.from_address(address).server].interfaces[address][0]
-    _attempt(interface.unlock)
+    server, _ = _hosted(address)
+    if address in server.shadows:
+        server.shadows[address].push()
+    _attempt(server.interfaces[address][0].unlock)
 
 
 def _post(address: int) -> int:
+    _servers[address].push()
     return _attempt(_servers[address].world.gz_server.post)
 
 

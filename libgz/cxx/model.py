@@ -99,6 +99,8 @@ class WorldData:
 
     def to_plugin(self) -> None:
         """Write what the world has, where it has changed."""
+        if self.server is not None and self.server.shadows:
+            self.server.pull()
         world, fields = self.world, self._fields
         seen = (world.simSpeed, world.utcOffset, world.utmZone, world.utmOffset, world.fogDensity, world.skyColor, world.fogEnable)
         if seen == self._seen or fields is None:
@@ -111,6 +113,8 @@ class WorldData:
 
     def from_plugin(self) -> None:
         """Take what a plugin has changed."""
+        if self.server is not None and self.server.shadows:
+            self.server.push()
         world, fields = self.world, self._fields
         if fields is None or bytes(fields) == self._known:
             return

@@ -50,7 +50,7 @@ from libgz.simulation.running_code import names, report_wait
 from libgz.simulation.state import undeclared
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
-from libgz.transport.layout import LIBGAZEBO_VERSION
+from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
 
@@ -99,6 +99,7 @@ class World:
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
         strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
             of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 
@@ -147,11 +148,12 @@ class World:
         seed: int = 0,
         solver: str = "world",
         wire_version: int = LIBGAZEBO_VERSION,
+        abi: str = NATIVE,
         strict: bool = False,
     ) -> None:
         self.server_id = server_id
         self.gz_server: LocalServer = (
-            LocalServer(wire_version) if server_id is None else Server(server_id, force, wire_version)
+            LocalServer(wire_version, abi) if server_id is None else Server(server_id, force, wire_version, abi)
         )
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
@@ -861,6 +863,7 @@ class World:
                 seed=self.seed,
                 solver=self.engine.solver,
                 wire_version=self.gz_server.version,
+                abi=self.gz_server.abi,
                 strict=self.problems.strict,
             )
             clone.clone_name = f"{self.name}_clone{next(_clones)}"

@@ -18,7 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, InterfaceError
-from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, commands_of, fields_of, numpy_type
+from libgz.transport.layout import (
+    GAZEBO_MAX_MODEL_TYPE,
+    LIBGAZEBO_VERSION,
+    Data,
+    abi_of,
+    commands_of,
+    fields_of,
+    for_abi,
+    numpy_type,
+)
 from libgz.transport.paths import check_id, file_name
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
@@ -36,14 +45,13 @@ SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
 _SPINS = 10  # attempts before the first pause: most clients hold a lock for microseconds
 _CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived, and copies of commands
-_HEAD = ctypes.sizeof(Data)  # [byte]
-_NO_HEAD = bytes(_HEAD)  # of a file that was truncated
 
 
 class InterfaceServer(Protocol):
     """The server of an interface, as the interface uses it."""
 
     version: int  # of the wire
+    abi: str  # of its clients
     patience: Patience  # with clients that hold locks
 
     def allocate(self, interface: Interface[Any]) -> Segment:
@@ -131,6 +139,7 @@ class Interface(Generic[D]):
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
         self._blocked = False  # a client held the lock at the last attempt
         self._head = b""  # as the server wrote it
+        self._no_head = b""  # of a file that was truncated
         self._commands: list[tuple[slice, bytes]] = []  # what clients had written when it was last found whole
         self._keeps = False  # whether they are kept at the next release of the lock
         self._watch: Watch | None = None
@@ -215,7 +224,7 @@ class Interface(Generic[D]):
         """
         self.id = check_id(self.type, id)
         self._require_closed()
-        self.layout = self.layout_for(server.version, None)
+        self.layout = for_abi(self.layout_for(server.version, None), server.abi)
         self._owner = (model_type, model_id, parent_model_id)
         self.server = server
         try:
@@ -240,6 +249,7 @@ class Interface(Generic[D]):
         head.model_id = _int32(model_id)
         head.parent_model_id = _int32(parent_model_id)
         self._head = bytes(head)
+        self._no_head = bytes(len(self._head))
 
     @property
     def gap(self) -> tuple[int, int]:
@@ -288,7 +298,7 @@ class Interface(Generic[D]):
             memory[:begin], memory[end : self.size] = state[:begin], state[begin:]
             if before > begin:
                 memory[begin:before] = bytes(before - begin)
-            self._head = bytes(state[:_HEAD])
+            self._head = bytes(state[: len(self._head)])
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
             self.keep_commands()
@@ -338,9 +348,10 @@ class Interface(Generic[D]):
             hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else ""
             raise InterfaceError(f"error opening device file {path} : {error.strerror}{hint}") from None
         try:
-            version = int.from_bytes(os.pread(descriptor, 4, 0), sys.byteorder)
+            head = os.pread(descriptor, 8, 0)
+            version = int.from_bytes(head[:4], sys.byteorder)
             length = os.fstat(descriptor).st_size
-            self.layout = self.layout_for(version, length)
+            self.layout = for_abi(self.layout_for(version, length), abi_of(head))
             size = self.size
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
@@ -459,12 +470,13 @@ class Interface(Generic[D]):
             self._next_check, self._keeps = now + _CHECK_PERIOD, True
         if self._watch is None:
             truncated = self._restore_length()
-        head = memory[:_HEAD]
-        if self._watch is not None and (due or head == _NO_HEAD):
+        size = len(self._head)
+        head = memory[:size]
+        if self._watch is not None and (due or head == self._no_head):
             truncated = self._restore_length()
             truncated |= self._report_failures(self._watch)
         if head != self._head:
-            memory[:_HEAD] = self._head
+            memory[:size] = self._head
             for place, command in self._commands:
                 memory[place] = command
             if not truncated:
@@ -476,7 +488,7 @@ class Interface(Generic[D]):
         If one has, without the lock, then what was read since is no command but overwritten memory.
         """
         memory: Any = self._memory
-        return bool(memory[:_HEAD] == self._head)
+        return bool(memory[: len(self._head)] == self._head)
 
     def keep_commands(self) -> None:
         """Keep commands as they are now, to restore them if a client overwrites the file; the caller holds the lock.

@@ -321,6 +321,20 @@ def test_clients_reach_them(tmp_path, serving, wire):
         assert client.wait(timeout=5.0)
 
 
+@pytest.mark.parametrize("abi", ["x86_64", "i386"])
+def test_plugins_serve_32_bit_clients(tmp_path, serving, abi):
+    shutil.copy(serving, tmp_path)
+    with load(tmp_path, "Tester", abi=abi) as world:
+        robot = world.interface("position", "m0")
+        assert robot.size == {"x86_64": 312, "i386": 304}[abi]
+        robot.command(vx=0.5)
+        world.step(4)
+        assert (robot.pose[0], robot.data.time) == (2.0, pytest.approx(0.06))
+        robot.command(vx=0.25)
+        world.step(4)
+        assert robot.pose[0] == 3.0
+
+
 def test_the_model_template_has_no_leftovers():
     assert "NAME" not in source()
     assert "LOAD" in MODEL

@@ -75,8 +75,8 @@ def compiler() -> list[str]:
 
 
 def _include_flags(include: str, fallback: str) -> list[str]:
-    """The options for directories of headers; with `fallback`, a machine needs neither ODE's nor OpenGL's."""
-    return [f"-I{include}", "-idirafter", f"{include}/gazebo", "-idirafter", fallback]
+    """The options for directories of headers; those in `fallback` include ODE's and OpenGL's own where they are."""
+    return [f"-I{include}", f"-I{include}/gazebo", f"-I{fallback}"]
 
 
 def cxxflags() -> list[str]:

@@ -1,7 +1,18 @@
-/* Types and constants of OpenGL for machines without its headers (Debian: libgl-dev). License: Apache License 2.0. */
+/* OpenGL's header, or its types and constants on machines without it (Debian: libgl-dev). License: Apache License 2.0. */
 
-#ifndef LIBGZ_GL_H
-#define LIBGZ_GL_H
+#ifndef LIBGZ_FALLBACK_GL_H
+#define LIBGZ_FALLBACK_GL_H
+
+#if defined( __has_include_next )
+#if __has_include_next( <GL/gl.h> )
+#define LIBGZ_OWN_HEADER
+#endif
+#endif
+
+#ifdef LIBGZ_OWN_HEADER
+#undef LIBGZ_OWN_HEADER
+#include_next <GL/gl.h>
+#else
 
 typedef unsigned int GLenum;
 typedef unsigned char GLboolean;
@@ -31,5 +42,7 @@ typedef double GLclampd;
 #define GL_RGBA 0x1908
 #define GL_LUMINANCE 0x1909
 #define GL_LUMINANCE_ALPHA 0x190A
+
+#endif
 
 #endif

@@ -124,7 +124,7 @@ class Gripper(SampleInterface[GripperData]):
         """Whether both paddles are open."""
         data = self.data
         if _is_later(data):
-            return data.state == GAZEBO_GRIPPER_STATE_OPEN
+            return bool(data.state == GAZEBO_GRIPPER_STATE_OPEN)
         return bool(data.paddles_opened)
 
     @property
@@ -132,7 +132,7 @@ class Gripper(SampleInterface[GripperData]):
         """Whether the paddles are closed, or hold an object."""
         data = self.data
         if _is_later(data):
-            return data.state == GAZEBO_GRIPPER_STATE_CLOSED
+            return bool(data.state == GAZEBO_GRIPPER_STATE_CLOSED)
         return bool(data.paddles_closed)
 
 

@@ -10,9 +10,7 @@ import libgz
 HERE = Path(__file__).parent
 STEPS = 5000
 
-pytestmark = pytest.mark.skipif(
-    not (shutil.which("c++") or shutil.which("g++")), reason="no C++ compiler is installed"
-)
+pytestmark = pytest.mark.skipif(not (shutil.which("c++") or shutil.which("g++")), reason="no C++ compiler is installed")
 
 
 def drive_robot(world: libgz.World, step: int) -> None:
@@ -63,4 +61,4 @@ def test_the_twin_in_python_moves_alike(tmp_path, name, world, twin, drive):
     first = next((i for i, (a, b) in enumerate(zip(compiled[0], ported[0], strict=True)) if a != b), None)
     assert first is None, f"they differ from step {first} on"
     assert compiled[1] == ported[1]
-    assert len({state for state in compiled[0]}) > STEPS / 2  # they move
+    assert len(set(compiled[0])) > STEPS / 2  # they move

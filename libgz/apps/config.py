@@ -22,7 +22,9 @@ __all__ = ["configure", "run"]
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
     parser.add_argument("--cflags", action="store_true", help="the directory of gazebo.h")
-    parser.add_argument("--cxxflags", action="store_true", help="what C++ plugin models need: c++ $(...) -shared MyRobot.cc")
+    parser.add_argument(
+        "--cxxflags", action="store_true", help="what C++ plugin models need: c++ $(...) -shared MyRobot.cc"
+    )
     parser.add_argument("--libs", action="store_true", help="the library, which is compiled at first use")
     parser.add_argument("--m32", action="store_true", help="for 32-bit programs, which `gazebo --abi i386` serves")
     parser.add_argument(

@@ -23,9 +23,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     for command in (builder, checker):
         command.add_argument("sources", nargs="+", type=Path, metavar="FILE.cc", help="the C++ sources of one plugin")
-        command.add_argument("--std", default=STANDARD, metavar="S", help=f"the language's standard (default {STANDARD})")
+        command.add_argument(
+            "--std", default=STANDARD, metavar="S", help=f"the language's standard (default {STANDARD})"
+        )
         command.add_argument("-I", dest="include", action="append", default=[], metavar="DIR", help="where headers are")
-        command.add_argument("-D", dest="define", action="append", default=[], metavar="NAME[=V]", help="define a macro")
+        command.add_argument(
+            "-D", dest="define", action="append", default=[], metavar="NAME[=V]", help="define a macro"
+        )
     builder.add_argument(
         "-o", dest="output", type=Path, metavar="FILE.so", help="the plugin (default: beside the first source)"
     )

@@ -55,7 +55,12 @@ def install(
     compiled = library_folder(version, i386=i386)
     prefix = prefix.expanduser().absolute()
     header = (FOLDER / "gazebo.h").read_text().replace(version_macro(LIBGAZEBO_VERSION), version_macro(version))
-    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version], flags=flags, i386=f"{FOR_I386} " if i386 else "")
+    description = PKG_CONFIG.format(
+        prefix=str(prefix).replace(" ", "\\ "),
+        release=RELEASES[version],
+        flags=flags,
+        i386=f"{FOR_I386} " if i386 else "",
+    )
     contents = {
         prefix / "include" / "gazebo.h": header.encode(),
         prefix / "lib" / ARCHIVE: (compiled / ARCHIVE).read_bytes(),

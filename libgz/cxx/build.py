@@ -28,8 +28,10 @@ FALLBACK = FOLDER / "fallback"
 _ERROR = re.compile(r"(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? (?:fatal )?error: (?P<message>.*)")
 _EXPANSION = re.compile(r"^(?P<file>[^:\n]+):(?P<line>\d+):(?:\d+:)? note: in expansion of macro", re.MULTILINE)
 _MISSING = re.compile(r"([\w./+-]+): No such file or directory|'([\w./+-]+)' file not found")
-_MEMBER = re.compile(r"[‘']?(?:class |struct )?(\w+)[’']? has no member named [‘'](\w+)[’']|no member named '(\w+)' in '(\w+)'")
-_NAME = re.compile(r"[‘'](\w+)[’'] (?:was not declared|has not been declared|does not name a type)|undeclared identifier '(\w+)'")
+_MEMBER = re.compile(r"'?(?:class |struct )?(\w+)'? has no member named '(\w+)'|no member named '(\w+)' in '(\w+)'")
+_NAME = re.compile(
+    r"'(\w+)' (?:was not declared|has not been declared|does not name a type)|undeclared identifier '(\w+)'"
+)
 _METHOD = re.compile(r"\b([A-Za-z_]\w+)\s*\(")
 _CLASS = re.compile(r"class (\w+) : public (\w+)\n\{(.*?)\n\};", re.DOTALL)
 # Packages of Debian with headers, by the beginning of their names.
@@ -70,7 +72,9 @@ def compiler() -> list[str]:
     for command in [wanted] if wanted else [["c++"], ["g++"]]:
         if shutil.which(command[0]):
             return command
-    problem = f"the compiler {wanted[0]!r}, named by CXX, is not installed" if wanted else "no C++ compiler is installed"
+    problem = (
+        f"the compiler {wanted[0]!r}, named by CXX, is not installed" if wanted else "no C++ compiler is installed"
+    )
     raise LibraryError(f"{problem}; C++ plugins need one: apt-get install g++")
 
 
@@ -124,7 +128,14 @@ def build(
     try:
         with tempfile.TemporaryDirectory(dir=output.parent) as folder:
             new = Path(folder) / output.name
-            command = [*_command(standard, [*quality, *options]), "-shared", "-o", str(new), *map(str, sources), *libraries]
+            command = [
+                *_command(standard, [*quality, *options]),
+                "-shared",
+                "-o",
+                str(new),
+                *map(str, sources),
+                *libraries,
+            ]
             errors = _run(command)
             if not errors:
                 new.replace(output)
@@ -152,7 +163,7 @@ def _check_sources(sources: Sequence[Path]) -> None:
 
 def _run(command: list[str]) -> list[CompileError]:
     """Run the compiler; its errors, explained."""
-    environment = {**os.environ, "LC_ALL": "C.UTF-8"}
+    environment = {**os.environ, "LC_ALL": "C"}
     done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, env=environment)
     if done.returncode == 0:
         return []
@@ -236,7 +247,9 @@ def _name_hint(name: str) -> str:
     if name in STD_NAMES:
         return f"; add `using namespace std;`, or write std::{name}"
     if re.match(r"gl[A-Z]|glu[A-Z]|GL_", name):
-        return "; OpenGL's header is missing: apt-get install libgl-dev. Models are rendered without calls of their Render"
+        return (
+            "; OpenGL's header is missing: apt-get install libgl-dev. Models are rendered without calls of their Render"
+        )
     if re.match(r"d[A-Z]", name):
         return "; ODE's own header is missing: apt-get install libode-dev"
     if name.startswith("xml"):

@@ -168,5 +168,3 @@ class CxxCamera:
     def EnableSaveFrame(self, enable: bool) -> None:
         """Whether each image is saved."""
         self._saves = enable
-
-

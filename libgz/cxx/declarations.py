@@ -57,7 +57,9 @@ def _passed(parameter: str) -> str:
 
 
 def _joint(name: str, help: str, methods: str, public: str = "", functions: str = "") -> CxxClass:
-    constructor = public or f"""\
+    constructor = (
+        public
+        or f"""\
   public: {name}( World *world )
     {{
       this->libgz_handle = libgz_bound->{name}_new( this, libgz_handle_of( world ) );
@@ -65,6 +67,7 @@ def _joint(name: str, help: str, methods: str, public: str = "", functions: str 
       libgz_check();
     }}
 """
+    )
     if name == "HingeJoint":  # of which libgz makes some itself
         constructor += """\
   public: HingeJoint( libgz_wrapping, long handle )
@@ -499,8 +502,16 @@ int Geom_GetRenderOrder(Geom *self)
     _geom("BoxGeom", "A box of full lengths [m].", "double xDim, double yDim, double zDim"),
     _geom("SphereGeom", "A sphere [m].", "double radius"),
     _geom("CylinderGeom", "A cylinder along z [m].", "double radius, double length"),
-    _geom("WheelGeom", "A wheel about z: it rolls as a sphere, and looks like a tire [m].", "double totalRadius, double tireRadius"),
-    _geom("PlaneGeom", "An infinite plane, normal . p = altitude [m], which does not follow its body.", "double altitude, GzVector normal"),
+    _geom(
+        "WheelGeom",
+        "A wheel about z: it rolls as a sphere, and looks like a tire [m].",
+        "double totalRadius, double tireRadius",
+    ),
+    _geom(
+        "PlaneGeom",
+        "An infinite plane, normal . p = altitude [m], which does not follow its body.",
+        "double altitude, GzVector normal",
+    ),
     _geom(
         "RayGeom",
         "A ray in global terms.",

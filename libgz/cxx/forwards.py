@@ -401,5 +401,3 @@ def World_SetModelPose(world: World, model: Model | None, pose: GzPose) -> None:
     if model is None:
         raise ParameterError("World::SetModelPose needs a model, not NULL")
     world.SetModelPose(model, pose)
-
-

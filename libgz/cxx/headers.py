@@ -20,7 +20,14 @@ __all__ = ["INCLUDE", "Function", "Parameter", "functions", "generated", "interf
 
 INCLUDE = FOLDER / "include"
 OBJECTS = frozenset(declared.name for declared in CLASSES) | {"LibgzObject"}
-NUMBERS = {"int": "int", "uint": "unsigned int", "GLuint": "unsigned int", "bool": "int", "double": "double", "float": "double"}
+NUMBERS = {
+    "int": "int",
+    "uint": "unsigned int",
+    "GLuint": "unsigned int",
+    "bool": "int",
+    "double": "double",
+    "float": "double",
+}
 HANDWRITTEN = ("LibgzObject.hh", "LibgzFrame.h", "ModelFactory.hh", "Vector.hh", "Color.hh", "RenderOptions.hh")
 PARTS = {  # of a struct, and the doubles that it is passed as
     "GzVector": ("x", "y", "z"),
@@ -173,7 +180,7 @@ def _passed(parameter: Parameter) -> str:
 
 def _method(owner: str, line: str) -> list[str]:
     """A method that calls its function of the table."""
-    code, _, help = line.partition(";")
+    code, _, comment = line.partition(";")
     match = _parsed(code)
     result, parameters = match["type"].strip(), _parameters(match["args"])
     kind = _kind(result)
@@ -190,9 +197,13 @@ def _method(owner: str, line: str) -> list[str]:
     else:
         test = " != 0" if kind == "bool" else ""
         cast = f"({result}) " if kind in ("float", "GLuint") else ""
-        body = [f"{result} result = {cast}{call}{test};".replace("const char * ", "const char *"), "libgz_check();", "return result;"]
+        body = [
+            f"{result} result = {cast}{call}{test};".replace("const char * ", "const char *"),
+            "libgz_check();",
+            "return result;",
+        ]
     head = f"{match['virtual'] or ''}{match['type']}{match['name']}({match['args']}){match['const'] or ''}"
-    text = help.strip()
+    text = comment.strip()
     return [
         f"  /// {text[:1].upper()}{text[1:]}.",
         f"  public: {head}",
@@ -208,7 +219,12 @@ def _class(declared: CxxClass) -> str:
     includes = [*([] if declared.base != "LibgzObject" else ["LibgzObject.hh"]), *declared.includes]
     lines = [NOTE, "", f"#ifndef {guard}", f"#define {guard}", "", *(f'#include "{name}"' for name in includes), ""]
     lines += [f"class {name};" for name in declared.forward]
-    lines += [*([""] if declared.forward else []), f"/// {declared.help}", f"class {declared.name} : public {declared.base}", "{"]
+    lines += [
+        *([""] if declared.forward else []),
+        f"/// {declared.help}",
+        f"class {declared.name} : public {declared.base}",
+        "{",
+    ]
     lines += declared.public.splitlines()
     lines += [""] if declared.public and declared.methods.strip() else []
     for line in declared.methods.strip().splitlines():

@@ -12,7 +12,7 @@ from typing import Any
 from libgz.cxx import FOLDER
 from libgz.cxx.objects import running
 from libgz.cxx.shadow import Shadow
-from libgz.errors import GazeboError, InterfaceError, LibraryError
+from libgz.errors import USER_ERRORS, GazeboError, InterfaceError, LibraryError
 from libgz.interfaces.catalog import INTERFACES
 from libgz.simulation.world import World
 from libgz.transport.interface import Interface
@@ -129,7 +129,7 @@ def _attempt(action: Callable[[], int | None]) -> int:
     except GazeboError as error:
         _library().gz_host_report(str(error).encode(errors="surrogateescape"))
         return -1
-    except BaseException as error:
+    except USER_ERRORS as error:
         running.failure = error
         fail()
         return -1
@@ -194,8 +194,8 @@ class _Host(ctypes.Structure):
 def _library() -> ctypes.CDLL:
     if not LIBRARY.exists():
         raise LibraryError(
-            "libgz was installed without a C compiler, so it cannot run C++ plugins: apt-get install gcc libc6-dev, and "
-            "install libgz again"
+            "libgz was installed without a C compiler, so it cannot run C++ plugins: apt-get install gcc libc6-dev, "
+            "and install libgz again"
         )
     # Plugins are linked without libraries: they find the C functions here.
     library = ctypes.CDLL(str(LIBRARY), mode=ctypes.RTLD_GLOBAL)
@@ -215,7 +215,7 @@ def install() -> _Host:
     Raises:
         LibraryError: libgz was installed without a C compiler.
     """
-    kinds = [kind for _, kind in _Host._fields_]
+    kinds: list[Any] = [field[1] for field in _Host._fields_]
     functions = (_create, _set_owner, _destroy, _lock, _unlock, _post)
     host = _Host(*(kind(function) for kind, function in zip(kinds, functions, strict=True)))
     _library().gz_host_install(host)
@@ -230,5 +230,3 @@ def frames_address() -> int:
 def fail() -> None:
     """Let the method of a plugin that runs in this thread end after the present call."""
     _library().gz_host_fail()
-
-

@@ -9,7 +9,7 @@ from ctypes import c_bool, c_double, c_float, c_int, c_void_p
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.cxx.host import HostedServer
-from libgz.cxx.objects import Session, enter, running
+from libgz.cxx.objects import LoadedFile, Session, enter, running
 from libgz.errors import PluginError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.legacy.model import Model
@@ -18,7 +18,6 @@ from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
 if TYPE_CHECKING:
-    from libgz.cxx.plugin import CxxPlugin
     from libgz.physics.mass import Mass
     from libgz.physics.rays import RayProximity
 
@@ -102,7 +101,15 @@ class WorldData:
         if self.server is not None and self.server.shadows:
             self.server.pull()
         world, fields = self.world, self._fields
-        seen = (world.simSpeed, world.utcOffset, world.utmZone, world.utmOffset, world.fogDensity, world.skyColor, world.fogEnable)
+        seen = (
+            world.simSpeed,
+            world.utcOffset,
+            world.utmZone,
+            world.utmOffset,
+            world.fogDensity,
+            world.skyColor,
+            world.fogEnable,
+        )
         if seen == self._seen or fields is None:
             return
         fields.simSpeed, fields.utcOffset = world.simSpeed, world.utcOffset
@@ -196,7 +203,7 @@ class CxxModel(Model):
 
     STATE: ClassVar[tuple[str, ...]] = ("sensors",)
 
-    plugin: ClassVar[CxxPlugin]
+    plugin: ClassVar[LoadedFile]
     create: ClassVar[int]
 
     initPose: Any = _PoseField()
@@ -345,7 +352,7 @@ class CxxModel(Model):
         with self._runs():
             self.plugin.delete(pointer, self.label)
             while self.made:
-                handle, left = self.made.popitem()
+                _, left = self.made.popitem()
                 if self.plugin.on_heap(left):
                     self.plugin.delete(left, self.label)
 

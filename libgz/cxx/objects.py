@@ -8,7 +8,7 @@ import shutil
 import tempfile
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from libgz.errors import ClosedError, PluginError
 from libgz.legacy.model import Model
@@ -20,14 +20,64 @@ from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 
-if TYPE_CHECKING:
-    from libgz.cxx.model import CxxModel
+__all__ = ["OBJECTS", "LoadedFile", "Maker", "Session", "current", "enter", "forget", "known", "running"]
 
-__all__ = ["OBJECTS", "Session", "current", "enter", "forget", "known", "running"]
+
+class LoadedFile(Protocol):
+    """A loaded plugin, as its models use it; `CxxPlugin` is one."""
+
+    path: Path
+    text: Any  # for the description of an exception
+    update: Any
+    fields: Any
+    on_heap: Any
+
+    def create(self, function: int, world: int, label: bytes) -> int:
+        """Create a model by a function that the plugin registered."""
+
+    def call(self, model: int, method: int, file: int, node: int, label: bytes) -> tuple[int, int, Any]:
+        """Call Load, Init or Fini: how it ended, its result, and the text of an exception."""
+
+    def delete(self, pointer: int, label: bytes) -> None:
+        """Delete a C++ object."""
+
+    def wrap(self, kind: str, handle: int, world: int) -> int:
+        """A C++ object of a class for an object of libgz."""
+
+    def check(self, status: int, method: str, result: int, text: Any, who: str = "") -> None:
+        """Raise what a method failed with."""
+
+
+class Maker(Protocol):
+    """A model of a plugin, as its C++ code uses it; `CxxModel` is one."""
+
+    world: World
+    pointer: int
+    label: bytes
+    made: dict[int, int]
+    sensors: list[Any]
+    image: bytes
+    mass: Any
+    modelSpaceId: Space
+
+    @property
+    def plugin(self) -> LoadedFile:
+        """The file that it comes from."""
+
+    @property
+    def session(self) -> Session:
+        """That of its world."""
+
+    def constructed(self, pointer: int, fields: int) -> int:
+        """The C++ base class was constructed; the handle of the model."""
+
+    def GetIntId(self) -> int:
+        """Its number in interface headers."""
+
 
 OBJECTS: dict[int, Any] = {}  # by handle
 _pointers: dict[int, tuple[int, int]] = {}  # id of such an object -> its C++ object, and the handle
-_makers: dict[int, CxxModel] = {}  # handle -> the model whose code made the C++ object
+_makers: dict[int, Maker] = {}  # handle -> the model whose code made the C++ object
 _handles = itertools.count(1)
 
 # The classes of which there are C++ objects for what libgz made.
@@ -45,7 +95,7 @@ KINDS = (
 class _Running(threading.local):
     """The model of a plugin whose code this thread runs."""
 
-    model: CxxModel | None = None
+    model: Maker | None = None
     failure: BaseException | None = None  # of the function of libgz that failed last
     registered: list[tuple[str, int]] | None = None  # names and functions of the plugin that is being loaded
 
@@ -53,7 +103,7 @@ class _Running(threading.local):
 running = _Running()
 
 
-def current() -> CxxModel:
+def current() -> Maker:
     """The model whose code this thread runs.
 
     Raises:
@@ -106,9 +156,9 @@ class Session:
 
     def __init__(self, world: World) -> None:
         self.world = world
-        self.models: dict[CxxModel, None] = {}
+        self.models: dict[Maker, None] = {}
         self._texts: dict[bytes, ctypes.Array[ctypes.c_char]] = {}
-        self._wrappers: dict[int, tuple[int, CxxModel]] = {}  # handle -> C++ object, and who can delete it
+        self._wrappers: dict[int, tuple[int, Maker]] = {}  # handle -> C++ object, and who can delete it
         self._folder: Path | None = None
         self._spaces: dict[int, Space] = {}
 
@@ -122,7 +172,7 @@ class Session:
             buffer = self._texts[data] = ctypes.create_string_buffer(data)
         return ctypes.addressof(buffer)
 
-    def pointer(self, thing: Any, model: CxxModel) -> int:
+    def pointer(self, thing: Any, model: Maker) -> int:
         """The C++ object that stands for an object; one that libgz made gets one now. 0 for None.
 
         Args:
@@ -171,7 +221,7 @@ class Session:
             self._folder = Path(tempfile.mkdtemp(prefix="libgz-"))
         return self._folder
 
-    def leave(self, model: CxxModel) -> None:
+    def leave(self, model: Maker) -> None:
         """A model was closed; with the last one the session ends."""
         self.models.pop(model, None)
         for address in [a for a, space in self._spaces.items() if space is model.modelSpaceId]:

@@ -79,9 +79,29 @@ def ode_header() -> str:
     """The text of the header."""
     parameters = [f"  {name} = {value:#x}," for name, value in vars(types).items() if PARAMETER.fullmatch(name)]
     kinds = [f"  dJointType{JOINTS.get(kind.name, kind.name.title())} = {int(kind)}," for kind in JointType]
-    lines = [NOTE, "#ifndef LIBGZ_FALLBACK_ODE_H", "#define LIBGZ_FALLBACK_ODE_H", "", NEXT, "#include <math.h>", "", TYPES]
+    lines = [
+        NOTE,
+        "#ifndef LIBGZ_FALLBACK_ODE_H",
+        "#define LIBGZ_FALLBACK_ODE_H",
+        "",
+        NEXT,
+        "#include <math.h>",
+        "",
+        TYPES,
+    ]
     lines += ["#define dInfinity HUGE_VAL", "", "enum", "{", *parameters, "};", "", "enum", "{", *kinds, "};", ""]
-    lines += ['#ifdef __cplusplus', 'extern "C" {', "#endif", "", *_functions(), "", "#ifdef __cplusplus", "}", "#endif", ""]
+    lines += [
+        "#ifdef __cplusplus",
+        'extern "C" {',
+        "#endif",
+        "",
+        *_functions(),
+        "",
+        "#ifdef __cplusplus",
+        "}",
+        "#endif",
+        "",
+    ]
     return "\n".join([*lines, "#endif", "", "#endif"]) + "\n"
 
 

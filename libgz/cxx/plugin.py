@@ -33,8 +33,8 @@ DONE, RETURNED, FAILED, THREW = range(4)  # as in ModelFactory.hh
 LONGEST = 1024  # of the description of an exception
 
 NOT_KEPT = (
-    "states and resets keep its bodies, joints, sensors and interfaces, but not the variables of its C++ object, of which "
-    "libgz knows nothing (C++ plugin {})"
+    "states and resets keep its bodies, joints, sensors and interfaces, but not the variables of its C++ object, "
+    "which libgz does not know (C++ plugin {})"
 )
 
 _loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
@@ -104,7 +104,9 @@ class CxxPlugin:
         text = ctypes.create_string_buffer(LONGEST)
         status = self._delete(pointer, label, text, LONGEST)
         if status != DONE:
-            log.error("the destructor of %s failed: %s", label.decode(errors="replace"), text.value.decode(errors="replace"))
+            log.error(
+                "the destructor of %s failed: %s", label.decode(errors="replace"), text.value.decode(errors="replace")
+            )
 
     def wrap(self, kind: str, handle: int, world: int) -> int:
         """A C++ object of a class for an object of libgz."""
@@ -174,8 +176,11 @@ def _registered(path: Path, library: ctypes.CDLL) -> list[tuple[str, int]]:
     except AttributeError:
         function = None
     if function is None:
-        raise PluginError(f"plugin {path} registers nothing; one of its files must have GZ_REGISTER_PLUGIN(\"MyModel\", MyModel)")
-    running.registered = found = []
+        raise PluginError(
+            f'plugin {path} registers nothing; one of its files must have GZ_REGISTER_PLUGIN("MyModel", MyModel)'
+        )
+    found: list[tuple[str, int]] = []
+    running.registered = found
     try:
         result = function()
     finally:
@@ -183,7 +188,9 @@ def _registered(path: Path, library: ctypes.CDLL) -> list[tuple[str, int]]:
     if result:
         raise PluginError(f"plugin init failed: gazebo_plugin_init() of {path} returned {result}")
     if not found:
-        raise PluginError(f"plugin {path} registers nothing; its gazebo_plugin_init must call ModelFactory::RegisterModel")
+        raise PluginError(
+            f"plugin {path} registers nothing; its gazebo_plugin_init must call ModelFactory::RegisterModel"
+        )
     return found
 
 

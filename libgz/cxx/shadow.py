@@ -45,7 +45,8 @@ class Shadow:
         self.struct = layout()
         head, own = interface.data.head, self.struct.head
         own.version, own.size = head.version, ctypes.sizeof(layout)
-        self._moves = _moves(layout, interface.layout)
+        own_layout: Any = layout
+        self._moves = _moves(own_layout, interface.layout)
         self._last = bytes(self.struct)
 
     def pull(self) -> None:

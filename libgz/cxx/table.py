@@ -109,7 +109,9 @@ def _name(parameter: Parameter) -> str:
 
 def _thunk(function: Function) -> Any:
     """A C function that calls Python."""
-    names, types, values = [], [], []
+    names: list[str] = []
+    types: list[Any] = []
+    values: list[str] = []
     for parameter in function.parameters:
         if parameter.kind in PARTS:
             names += [f"{_name(parameter)}_{i}" for i in range(len(PARTS[parameter.kind]))]
@@ -132,7 +134,9 @@ def _thunk(function: Function) -> Any:
         call = f"forward(self, {', '.join(values[1:])})"
     else:
         own["forward"] = forward
-        values = ["OBJECTS[self]" if name == "self" else value for name, value in zip(_own(function), values, strict=True)]
+        values = [
+            "OBJECTS[self]" if name == "self" else value for name, value in zip(_own(function), values, strict=True)
+        ]
         call = f"forward({', '.join(values)})"
     statement = RETURNS.get(function.result, "{call}").format(call=call)
     if not struct and function.result != "void":
@@ -152,6 +156,6 @@ def table() -> Any:
     """The table; one for the process."""
     thunks = [_thunk(function) for function in functions()]
     addresses = [ctypes.cast(thunk, c_void_p).value for thunk in thunks]
-    result = (c_void_p * (2 + len(addresses)))(8 * (2 + len(addresses)), frames_address(), *addresses)
+    result: Any = (c_void_p * (2 + len(addresses)))(8 * (2 + len(addresses)), frames_address(), *addresses)
     result.thunks = thunks  # which live as long
     return result

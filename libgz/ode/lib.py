@@ -128,11 +128,6 @@ class OdeLibrary:
             raise LibraryError("dInitODE2 failed: ODE cannot be initialised")
         self.ensure_thread()
 
-    @property
-    def path(self) -> str:
-        """The library's file, or its name."""
-        return self._shared._name
-
     def __getattr__(self, name: str) -> Callable[..., Any]:
         """Bind a declared function at its first use."""
         if name.startswith("_"):

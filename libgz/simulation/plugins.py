@@ -110,8 +110,8 @@ def _absent(folder: Path, names: list[str], builds: bool) -> str:
         port = Path(source).with_suffix(".py")
         if builds:
             return (
-                f"{source} is C++ source: build it, `libgz cxx build {folder / source}`, or port it to Python as {port} "
-                "beside it (docs/plugins.md)"
+                f"{source} is C++ source: build it, `libgz cxx build {folder / source}`, or port it to Python as "
+                f"{port} beside it (docs/cxx.md)"
             )
         return (
             f"{source} is C++ source, which cannot be loaded; port it to Python as {port} beside it (docs/plugins.md)"

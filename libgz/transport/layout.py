@@ -41,6 +41,7 @@ __all__ = [
     "Field",
     "GzData",
     "Struct",
+    "abi_of",
     "byte",
     "c_name",
     "c_type",
@@ -48,7 +49,6 @@ __all__ = [
     "commands_of",
     "double",
     "elements",
-    "abi_of",
     "fields_of",
     "float32",
     "for_abi",
@@ -169,7 +169,7 @@ class GzData(ctypes.Structure):
 class GzData32(ctypes.Structure):
     """gz_data_t of 32-bit programs."""
 
-    _fields_ = [(name, ctypes.c_uint32 if ctype is ctypes.c_size_t else ctype) for name, ctype in GzData._fields_]
+    _fields_ = [(name, ctypes.c_uint32 if kind is ctypes.c_size_t else kind) for name, kind, *_ in GzData._fields_]
 
 
 class Data(Struct):

@@ -26,7 +26,9 @@ def cxx(*arguments, folder=None, **env):
     """Run `libgz cxx`."""
     command = [sys.executable, "-m", "libgz.apps.libgz", "cxx", *map(str, arguments)]
     environment = {**os.environ, **env}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False, env=environment)
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=120, check=False, env=environment
+    )
 
 
 def test_generated_headers_are_up_to_date():
@@ -49,7 +51,9 @@ def test_several_sources_options_and_symbols(tmp_path):
     (tmp_path / "inc").mkdir()
     (tmp_path / "inc" / "speed.h").write_text("int speed();\n")
     (tmp_path / "speed.cc").write_text("#include <gazebo/World.hh>\nint speed() { return SPEED; }\n")
-    (tmp_path / "My.cc").write_text('#include "speed.h"\n' + source(update="this->body->SetLinearVel( GzVectorSet( speed(), 0, 0 ) );"))
+    (tmp_path / "My.cc").write_text(
+        '#include "speed.h"\n' + source(update="this->body->SetLinearVel( GzVectorSet( speed(), 0, 0 ) );")
+    )
     done = cxx("build", "My.cc", "speed.cc", "-I", "inc", "-D", "SPEED=3", "-l", "m", "--debug", folder=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert b".debug_info" in (tmp_path / "My.so").read_bytes()
@@ -79,7 +83,7 @@ def test_check_explains_what_is_missing_with_its_line(tmp_path):
     assert done.returncode == 1
     found = done.stdout.splitlines()
     for line, text in (
-        (4, "has no member named ‘SetPositon’; did you mean 'SetPosition'"),
+        (4, "has no member named 'SetPositon'; did you mean 'SetPosition'"),
         (5, "add `using namespace std;`, or write std::cout"),
         (6, "did you mean 'GzVectorAdd'"),
         (7, "add #include <gazebo/BoxGeom.hh>"),
@@ -89,7 +93,10 @@ def test_check_explains_what_is_missing_with_its_line(tmp_path):
     ):
         assert any(row.startswith(f"bad.cc:{line}: ") and text in row for row in found), (line, text, found)
     (tmp_path / "gone.cc").write_text("#include <gazebo/Wrld.hh>\n")
-    assert "gone.cc:1: gazebo/Wrld.hh: No such file or directory; did you mean 'World.hh'" in cxx("check", tmp_path / "gone.cc").stdout
+    assert (
+        "gone.cc:1: gazebo/Wrld.hh: No such file or directory; did you mean 'World.hh'"
+        in cxx("check", tmp_path / "gone.cc").stdout
+    )
     (tmp_path / "gone.cc").write_text("#include <libxml/parser.h>\n#include <GL/glut.h>\n")
     (tmp_path / "good.cc").write_text(source())
     assert cxx("check", "good.cc", folder=tmp_path).stdout == "good.cc: no errors\n"
@@ -158,7 +165,9 @@ def test_the_commands_of_the_howto(tmp_path, gazebo, way):
     environment = {**os.environ, "PKG_CONFIG_PATH": str(prefix / "lib" / "pkgconfig")}
     script = HOWTO if way == "howto" else "make"
     for command in filter(None, script.splitlines()):
-        done = subprocess.run(["sh", "-c", command], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            ["sh", "-c", command], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
     server = gazebo(folder / "example.world", "--rate", "5")
     with libgz.Client(server.id, timeout=10.0) as client:

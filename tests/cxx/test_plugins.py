@@ -13,7 +13,7 @@ import libgz
 from libgz.cxx.headers import mark
 from libgz.cxx.model import CxxModel
 from libgz.cxx.objects import OBJECTS
-from libgz.errors import PluginError, StateError, WorldFileError
+from libgz.errors import PluginError, WorldFileError
 
 pytestmark = needs_cxx
 
@@ -65,7 +65,9 @@ def test_a_plugin_for_another_libgz_is_refused_with_both_versions(tmp_path, plai
     own = mark().encode()
     assert own in data
     (tmp_path / "Tester.so").write_bytes(data.replace(own, own.replace(b"libgz 0.1.0", b"libgz 0.0.9")))
-    with pytest.raises(WorldFileError, match=r"needs libgz 0\.0\.9, interface \w+, and this is libgz 0\.1\.0, interface"):
+    with pytest.raises(
+        WorldFileError, match=r"needs libgz 0\.0\.9, interface \w+, and this is libgz 0\.1\.0, interface"
+    ):
         load(tmp_path, "Tester")
 
 
@@ -76,39 +78,51 @@ def test_only_a_source_is_explained(tmp_path):
 
 
 def test_a_rebuilt_file_is_used_by_worlds_loaded_later(tmp_path):
-    compiled(tmp_path, update='this->SetPose( GzPoseSet( GzVectorSet( 1, 0, 0 ), GzQuaternIdent() ) );')
+    compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 1, 0, 0 ), GzQuaternIdent() ) );")
     with load(tmp_path, "Tester") as first:
-        compiled(tmp_path, update='this->SetPose( GzPoseSet( GzVectorSet( 2, 0, 0 ), GzQuaternIdent() ) );')
+        compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 2, 0, 0 ), GzQuaternIdent() ) );")
         with load(tmp_path, "Tester") as second:
             for world in (first, second):
                 world.step()
             assert (first.models[0].GetPose().pos.x, second.models[0].GetPose().pos.x) == (1.0, 2.0)
 
 
-@pytest.mark.parametrize(
-    ("code", "message"),
-    [
-        ({"load": 'throw std::runtime_error( "no battery" );'}, "Load of model 'm0' threw std::runtime_error: no battery"),
-        ({"load": "throw 7;"}, "Load of model 'm0' threw int"),
-        ({"load": 'throw "text";'}, r"Load of model 'm0' threw char const\*: text"),
-        ({"load": "return -1;"}, "Load of model 'm0' returned -1, which is not 0"),
-        ({"load": "geom->SetMass( -1 );"}, r"Load of model 'm0': mass \[kg\] of SphereGeom 1 .* must not be negative"),
-        ({"load": "new BoxGeom( this->body, this->modelSpaceId, 0, 1, 1 );"}, "Load of model 'm0': box length"),
-        ({"load": "new Body( NULL );"}, "Load of model 'm0': a Body needs its model's world, not NULL"),
-        ({"init": "return 3;"}, "Init of model 'm0' returned 3"),
-        ({"init": 'throw std::runtime_error( "later" );'}, "Init of model 'm0' threw std::runtime_error: later"),
-    ],
-)
-def test_errors_name_plugin_method_and_model(tmp_path, code, message):
-    compiled(tmp_path, text="#include <stdexcept>\n" + source(**code))
+ERRORS = {
+    'throw std::runtime_error( "no battery" );': "Load of model 'm0' threw std::runtime_error: no battery",
+    "throw 7;": "Load of model 'm0' threw int",
+    'throw "text";': r"Load of model 'm0' threw char const\*: text",
+    "return -1;": "Load of model 'm0' returned -1, which is not 0",
+    "geom->SetMass( -1 );": r"Load of model 'm0': mass \[kg\] of SphereGeom 1 .* must not be negative",
+    "new BoxGeom( this->body, this->modelSpaceId, 0, 1, 1 );": "Load of model 'm0': box length",
+    "new Body( NULL );": "Load of model 'm0': a Body needs its model's world, not NULL",
+    "INIT return 3;": "Init of model 'm0' returned 3",
+    'INIT throw std::runtime_error( "later" );': "Init of model 'm0' threw std::runtime_error: later",
+}
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """A plugin that fails in the way that the attribute `case` names."""
+    codes = list(enumerate(ERRORS))
+    load_ = "".join(f"case {i}: {{ {code} break; }}\n" for i, code in codes if not code.startswith("INIT"))
+    init = "".join(f"case {i}: {{ {code[5:]} break; }}\n" for i, code in codes if code.startswith("INIT"))
+    switch = 'switch ( node->GetInt( "case", -1 ) ) {{ {} }}'
+    text = source(load=switch.format(load_), init=switch.format(init))
+    return compiled(tmp_path_factory.mktemp("failing"), text="#include <stdexcept>\n" + text)
+
+
+@pytest.mark.parametrize("case", range(len(ERRORS)))
+def test_errors_name_plugin_method_and_model(tmp_path, failing, case):
+    shutil.copy(failing, tmp_path)
     with pytest.raises((WorldFileError, PluginError)) as caught:
-        load(tmp_path, "Tester")
+        load(tmp_path, ("Tester", f"<case>{case}</case>"))
+    message = list(ERRORS.values())[case]
     assert re.search(f"plugin {re.escape(str(tmp_path))}/Tester.so: {message}", str(caught.value))
     assert not OBJECTS
 
 
 def test_an_error_in_update_stops_the_model(tmp_path, caplog):
-    compiled(tmp_path, update='if ( this->steps == 3 ) this->body->SetLinearVel( GzVectorSet( 0, 0, NAN ) );')
+    compiled(tmp_path, update="if ( this->steps == 3 ) this->body->SetLinearVel( GzVectorSet( 0, 0, NAN ) );")
     with load(tmp_path, "Tester", "Tester") as world:
         world.step(5)
         assert "Update of model 'm0': linear velocity [m/s]" in str(world.models[0].error)
@@ -133,7 +147,8 @@ def test_what_nothing_defines_is_named(tmp_path):
 def test_functions_of_opengl_need_no_library(tmp_path, caplog):
     caplog.set_level("INFO")
     text = 'extern "C" void gluSurely( unsigned );\n' + source().replace(
-        "public: Body *body;", "public: virtual void Render( int, RenderOptions * ) { gluSurely( 1 ); } public: Body *body;"
+        "public: Body *body;",
+        "public: virtual void Render( int, RenderOptions * ) { gluSurely( 1 ); } public: Body *body;",
     )
     compiled(tmp_path, text=text)
     with load(tmp_path, "Tester") as world:
@@ -159,8 +174,12 @@ def test_two_plugins_with_several_instances_and_python_models(tmp_path):
 
 
 def test_the_parent_and_children(tmp_path):
-    code = 'if ( this->parent == NULL || this->parentBody == NULL || strcmp( this->parent->GetId(), "base" ) ) return -1;'
-    compiled(tmp_path, init=f"{code} if ( this->joint == NULL || this->parent->GetBody() != this->parentBody ) return -2;")
+    code = (
+        'if ( this->parent == NULL || this->parentBody == NULL || strcmp( this->parent->GetId(), "base" ) ) return -1;'
+    )
+    compiled(
+        tmp_path, init=f"{code} if ( this->joint == NULL || this->parent->GetBody() != this->parentBody ) return -2;"
+    )
     text = world_text(("Tester", "<xyz>0 0 1</xyz>")).replace(
         "<model:Tester>", "<model:SimpleSolid><id>base</id><shape>box</shape><model:Tester>", 1
     )
@@ -193,27 +212,43 @@ def test_states_say_what_they_keep(tmp_path, plain, caplog):
         world.set_state(state)  # which builds the model again
         world.step(10)
         assert world.engine.states.tobytes() == after
-        assert StateError is not None
 
 
 CRASHES = {
-    "null": "*(volatile int *) 0 = 1;",
-    "abort": "abort();",
-    "recursion": "volatile char pad[1000]; pad[0] = 1; this->Update( step + 1 ); pad[1] = pad[0];",
-    "exit": "exit( 5 );",
+    "null": ("*(volatile int *) 0 = 1;", "SIGSEGV", -11),
+    "abort": ("abort();", "SIGABRT", -6),
+    "recursion": (
+        "this->steps--; volatile char pad[1000]; pad[0] = 1; this->Update( step + 1 ); pad[1] = pad[0];",
+        "SIGSEGV",
+        -11,
+    ),
+    "exit": ("exit( 5 );", "exit() was called", 5),
 }
 
 
-@pytest.mark.parametrize("crash", list(CRASHES))
-def test_the_last_line_after_a_crash_names_plugin_and_method(tmp_path, crash):
-    path = compiled(tmp_path, text=source(update=f"if ( this->steps >= 4 ) {{ {CRASHES[crash]} }}"))
-    (tmp_path / "w.world").write_text(world_text("Tester"))
-    code = f"import libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world: world.step(100)"
+@pytest.fixture(scope="module")
+def crashing(tmp_path_factory):
+    """A plugin that crashes in the way that the attribute `case` names."""
+    cases = "".join(f"case {i}: {{ {code} break; }}\n" for i, (code, _, _) in enumerate(CRASHES.values()))
+    text = source(
+        load='this->steps = 100 * node->GetInt( "case", 0 );', update=f"switch ( this->steps - 4 ) {{ {cases} }}"
+    )
+    return compiled(
+        tmp_path_factory.mktemp("crashing"),
+        text=text.replace("this->steps - 4", "this->steps % 100 < 4 ? -1 : this->steps / 100"),
+    )
+
+
+@pytest.mark.parametrize("case", range(len(CRASHES)), ids=list(CRASHES))
+def test_the_last_line_after_a_crash_names_plugin_and_method(tmp_path, crashing, case):
+    (tmp_path / "w.world").write_text(world_text(("Tester", f"<case>{case}</case>")))
+    path = shutil.copy(crashing, tmp_path)
+    code = f"import libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world: world.step(50)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    _, what, exit_code = list(CRASHES.values())[case]
     last = done.stderr.strip().splitlines()[-1]
-    what = {"null": "SIGSEGV", "abort": "SIGABRT", "recursion": "SIGSEGV", "exit": "exit() was called"}[crash]
     assert last.startswith(f"error   : {what} in Update of model 'm0', plugin {path}")
-    assert done.returncode == {"null": -11, "abort": -6, "recursion": -11, "exit": 5}[crash]
+    assert done.returncode == exit_code
 
 
 def test_a_crash_elsewhere_names_no_plugin(tmp_path, plain):
@@ -276,8 +311,9 @@ def test_a_camera_s_image_has_its_bottom_row_first(tmp_path):
 
 INTERFACE_INIT = """
   this->iface = gz_position_alloc();
-  if ( gz_position_create( this->iface, this->world->gz_server, this->GetId(), "Tester", (int) (long) this, 0 ) != 0 ) return -1;
-  if ( gz_position_create( gz_position_alloc(), this->world->gz_server, "a.b", "Tester", 1, 0 ) != -1 ) return -2;
+  gz_server_t *server = this->world->gz_server;
+  if ( gz_position_create( this->iface, server, this->GetId(), "Tester", (int) (long) this, 0 ) != 0 ) return -1;
+  if ( gz_position_create( gz_position_alloc(), server, "a.b", "Tester", 1, 0 ) != -1 ) return -2;
 """
 INTERFACE_UPDATE = """
   if ( gz_position_lock( this->iface, 1 ) != 0 ) return;
@@ -293,7 +329,8 @@ def serving(tmp_path_factory):
     """A plugin that serves a position interface."""
     text = source(init=INTERFACE_INIT, update=INTERFACE_UPDATE, fini=INTERFACE_FINI)
     return compiled(
-        tmp_path_factory.mktemp("serving"), text=text.replace("public: int steps;", "public: int steps; gz_position_t *iface;")
+        tmp_path_factory.mktemp("serving"),
+        text=text.replace("public: int steps;", "public: int steps; gz_position_t *iface;"),
     )
 
 

@@ -28,7 +28,7 @@ log = logging.getLogger("libgz.plugin")
 
 MARK = re.compile(rb"libgz C\+\+ plugin: ([^;\0]{1,80});")
 UNDEFINED = re.compile(r"undefined symbol: (\w+)")
-DRAWING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
+RENDERING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
 DONE, RETURNED, FAILED, THREW = range(4)  # as in ModelFactory.hh
 LONGEST = 1024  # of the description of an exception
 
@@ -212,8 +212,8 @@ def _linked(file: Path, path: Path) -> ctypes.CDLL:
         return ctypes.CDLL(str(file), mode=os.RTLD_NOW | os.RTLD_LOCAL)
     except OSError as error:
         missing = UNDEFINED.search(str(error))
-        if missing is not None and DRAWING.fullmatch(missing[1]):
-            log.info("plugin %s draws with %s: its Render is never called", path, missing[1])
+        if missing is not None and RENDERING.fullmatch(missing[1]):
+            log.info("plugin %s renders with %s: its Render is never called", path, missing[1])
             return ctypes.CDLL(str(file), mode=os.RTLD_LAZY | os.RTLD_LOCAL)
         reason = str(error).replace(f"{file}: ", "")
         if missing is not None:

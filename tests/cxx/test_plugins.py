@@ -153,7 +153,7 @@ def test_functions_of_opengl_need_no_library(tmp_path, caplog):
     compiled(tmp_path, text=text)
     with load(tmp_path, "Tester") as world:
         world.step()
-    assert "draws with gluSurely: its Render is never called" in caplog.text
+    assert "renders with gluSurely: its Render is never called" in caplog.text
 
 
 def test_two_plugins_with_several_instances_and_python_models(tmp_path):

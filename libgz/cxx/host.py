@@ -71,23 +71,23 @@ class HostedServer:
         """Of the gz_server_t."""
         return ctypes.addressof(self.struct)
 
-    def create(self, iface: _Iface, address: int, type: str, id: str | None, size: int) -> None:
+    def create(self, iface: _Iface, address: int, type: str, id: str | None) -> None:
         """Create an interface on the world's server."""
         if type not in INTERFACES:
             raise InterfaceError(f"there are no interfaces of type {type!r}; there are {', '.join(sorted(INTERFACES))}")
-        interface = INTERFACES[type]()
+        interface, version = INTERFACES[type](), self.world.gz_server.version
+        wire = running.model.plugin.wire if running.model is not None else version
+        native: Any = interface.layout_for(version, None)
+        if interface.layout_for(wire, None) is not native:
+            raise InterfaceError(
+                f"the plugin was compiled for {type} of version {wire:#05x}, and the server's interfaces are of "
+                f"{version:#05x}; compile it with -DLIBGAZEBO_VERSION={version:#05x}"
+            )
         interface.create(self.world.gz_server, id)
         data: Any = interface.data
-        native = interface.layout_for(self.world.gz_server.version, None)
-        if interface.size != size and ctypes.sizeof(native) == size:
+        if interface.layout is not native:
             shadow = self.shadows[address] = Shadow(interface, native)
             data = shadow.struct
-        elif interface.size != size:
-            interface.destroy()
-            raise InterfaceError(
-                f"the plugin was compiled for another layout of {type}: {size} bytes instead of {interface.size}; "
-                f"the server's interfaces are of version {self.world.gz_server.version:#x}"
-            )
         self.interfaces[address] = interface, data
         iface.mmap = ctypes.addressof(data)
         iface.mmap_fd = -1 if interface.descriptor is None else interface.descriptor
@@ -135,10 +135,10 @@ def _attempt(action: Callable[[], int | None]) -> int:
         return -1
 
 
-def _create(address: int, type: bytes, id: bytes | None, size: int) -> int:
+def _create(address: int, type: bytes, id: bytes | None, _size: int) -> int:
     server, iface = _hosted(address)
     name = None if id is None else id.decode(errors="surrogateescape")
-    return _attempt(lambda: server.create(iface, address, type.decode(), name, size))
+    return _attempt(lambda: server.create(iface, address, type.decode(), name))
 
 
 def _set_owner(address: int, model_type: bytes | None, model_id: int, parent_model_id: int) -> None:

@@ -27,6 +27,7 @@ class LoadedFile(Protocol):
     """A loaded plugin, as its models use it; `CxxPlugin` is one."""
 
     path: Path
+    wire: int  # version of the structs of interfaces that it was compiled with
     text: Any  # for the description of an exception
     update: Any
     fields: Any

@@ -82,6 +82,7 @@ class CxxPlugin:
         self._create, self._call, self.update = functions["create"], functions["call"], functions["update"]
         self._delete, self._wrap = functions["delete"], functions["wrap"]
         self.fields, self.on_heap = functions["fields"], functions["on_heap"]
+        self.wire = c_int.in_dll(library, "libgz_plugin_wire").value
         self.text = ctypes.create_string_buffer(LONGEST)
 
     def create(self, function: int, world: int, label: bytes) -> int:

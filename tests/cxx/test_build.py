@@ -87,7 +87,6 @@ def test_check_explains_what_is_missing_with_its_line(tmp_path):
         (5, "add `using namespace std;`, or write std::cout"),
         (6, "did you mean 'GzVectorAdd'"),
         (7, "add #include <gazebo/BoxGeom.hh>"),
-        (8, "add #include <gazebo.h>"),
         (9, "apt-get install libode-dev"),
         (12, "a model must define int Load(WorldFile *, WorldFileNode *)"),
     ):

@@ -372,6 +372,22 @@ def test_plugins_serve_32_bit_clients(tmp_path, serving, abi):
         assert robot.pose[0] == 3.0
 
 
+def test_another_version_of_the_structs_is_refused(tmp_path, capfd):
+    text = source(init=INTERFACE_INIT.replace("position", "truth").partition("if ( gz_truth_create( gz_truth")[0])
+    text = text.replace("public: int steps;", "public: int steps; gz_truth_t *iface;")
+    compiled(tmp_path, text=text)
+    load(tmp_path, "Tester", wire_version=0x060).close()
+    with pytest.raises(PluginError, match="Init of model 'm0' returned -1"):
+        load(tmp_path, "Tester", wire_version=0x050)
+    assert (
+        "truth of version 0x060, and the server's interfaces are of 0x050; compile it with -DLIBGAZEBO_VERSION=0x050"
+        in (capfd.readouterr().err)
+    )
+    compiled(tmp_path, text="#define LIBGAZEBO_VERSION 0x050\n" + text)
+    with load(tmp_path, "Tester", wire_version=0x050) as world:
+        assert world.interface("truth", "m0").size == 264
+
+
 def test_the_model_template_has_no_leftovers():
     assert "NAME" not in source()
     assert "LOAD" in MODEL

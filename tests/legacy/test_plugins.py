@@ -300,7 +300,9 @@ def test_a_message_about_init_has_the_line(tmp_path):
 @pytest.mark.parametrize("name", ["libhello_world.so", "hello_world.so", "Hello_World.so"])
 def test_a_folder_with_only_the_source_of_a_plugin_is_explained(tmp_path, name):
     (tmp_path / "hello_world.cc").write_text("class WorldPluginTutorial;")
-    with pytest.raises(PluginError, match=r"hello_world.cc is C\+\+ source: build it, .* port it to Python as hello_world.py"):
+    with pytest.raises(
+        PluginError, match=r"hello_world.cc is C\+\+ source: build it, .* port it to Python as hello_world.py"
+    ):
         find_plugin(name, str(tmp_path / "w.world"))
 
 

@@ -7,6 +7,8 @@
 #include "LibgzFrame.h"
 #include "LibgzTable.hh"
 
+#include <gazebo.h>
+
 #include <new>
 
 #define LIBGZ_EXPORT extern "C" __attribute__( ( weak, used, visibility( "default" ) ) )
@@ -18,6 +20,9 @@
 
 /// By this, libgz finds its plugins among other files.
 LIBGZ_EXPORT const char libgz_plugin_mark[] = LIBGZ_MARK;
+
+/// The version of the structs of interfaces that it was compiled with.
+LIBGZ_EXPORT const int libgz_plugin_wire = LIBGAZEBO_VERSION;
 
 /// The functions of libgz; each plugin has a table of its own, so that several can be loaded.
 LIBGZ_OWN const libgz_table *libgz_bound = NULL;

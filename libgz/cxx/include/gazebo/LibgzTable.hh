@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 5f26a649;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 6bcfec1e;"
 
 #include "LibgzFrame.h"
 

@@ -6,7 +6,7 @@ import ctypes
 
 from libgz.interfaces.sample import SampleData, SampleInterface
 from libgz.transport.interface import DataClass
-from libgz.transport.layout import CLIENT, SERVER, double, int32, layout
+from libgz.transport.layout import ABIS, CLIENT, SERVER, double, fields_of, for_abi, int32, layout
 from libgz.transport.legacy import LegacyFunctions
 
 __all__ = [
@@ -111,7 +111,8 @@ class Gripper(SampleInterface[GripperData]):
         """The struct of the release, or the smaller one of November 2006."""
         if length is None:
             return GripperDataCvs if self.later else super().layout_for(version, length)
-        return GripperDataCvs if length == ctypes.sizeof(GripperDataCvs) else super().layout_for(version, length)
+        later = (ctypes.sizeof(for_abi(GripperDataCvs, abi)) for abi in ABIS)
+        return GripperDataCvs if length in later else super().layout_for(version, length)
 
     def command(self, code: int) -> None:
         """Command the gripper with a code of this module: OPEN, CLOSE, STOP, LIFT_UP, LIFT_DOWN and so on."""
@@ -122,17 +123,21 @@ class Gripper(SampleInterface[GripperData]):
     def opened(self) -> bool:
         """Whether both paddles are open."""
         data = self.data
-        if isinstance(data, GripperDataCvs):
-            return data.state == GAZEBO_GRIPPER_STATE_OPEN
+        if _is_later(data):
+            return bool(data.state == GAZEBO_GRIPPER_STATE_OPEN)
         return bool(data.paddles_opened)
 
     @property
     def closed(self) -> bool:
         """Whether the paddles are closed, or hold an object."""
         data = self.data
-        if isinstance(data, GripperDataCvs):
-            return data.state == GAZEBO_GRIPPER_STATE_CLOSED
+        if _is_later(data):
+            return bool(data.state == GAZEBO_GRIPPER_STATE_CLOSED)
         return bool(data.paddles_closed)
+
+
+def _is_later(data: GripperData | GripperDataCvs) -> bool:
+    return "state" in fields_of(type(data))
 
 
 _functions = LegacyFunctions(Gripper)

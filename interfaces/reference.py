@@ -86,6 +86,21 @@ that crashed. They must connect and open their interfaces again.
 `gazebo --wire-version 0x050` and `World(wire_version=0x050)` serve clients of Gazebo 0.5: files announce that version,
 and truth and camera have the structs of that version. libgz's own clients read the version from the file.
 
+Versions before 0x050, those of Gazebo 0.4 and older, are not supported: they had other structs, server ids that were
+text, and no semaphores.
+
+## 32-bit programs
+
+In programs of 32-bit PCs (i386) `size_t` has 4 bytes and doubles are aligned to 4 inside structs, so that all structs
+differ.
+
+    gazebo --abi i386 WORLD
+    cc client.c $(libgz config --m32)
+
+`gazebo --abi i386` and `World(abi="i386")` serve such programs, among them binaries of the time; `libgz config --m32`
+compiles the C library for them (`apt-get install gcc-multilib`). A server serves one ABI. A C program of the other one
+gets an error that names both; clients in Python open either. The tables below have offsets of 64-bit programs.
+
 ## Build systems, Player
 
     libgz config --install ~/gazebo

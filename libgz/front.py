@@ -14,11 +14,13 @@ from libgz.files import exists
 from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory, register_builtin
 from libgz.legacy.model import Model
+from libgz.legacy.plugin_search import register_compiled
 from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
 from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
 from libgz.simulation import world
+from libgz.simulation.plugins import Plugin
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
 from libgz.worldfile.search import find_worldfile, why_missing
@@ -34,6 +36,22 @@ W = TypeVar("W", bound="World")
 register_builtin(models.MODELS, Path(models.__file__).parent)
 
 
+def _is_cxx_plugin(path: Path) -> bool:
+    """Whether a file is a C++ plugin; the adapter is imported by worlds that name one."""
+    from libgz.cxx.plugin import is_plugin
+
+    return is_plugin(path)
+
+
+def _load_cxx_plugin(path: Path) -> Plugin:
+    from libgz.cxx.plugin import load
+
+    return load(path)
+
+
+register_compiled(_is_cxx_plugin, _load_cxx_plugin)
+
+
 class WorldOptions(TypedDict, total=False):
     """The arguments of `World`, as its other constructors take them; `World` describes them."""
 
@@ -42,6 +60,7 @@ class WorldOptions(TypedDict, total=False):
     seed: int
     solver: str
     wire_version: int
+    abi: str
     strict: bool
 
 
@@ -63,6 +82,7 @@ class World(world.World):
         seed: of everything random in this world.
         solver: ``"world"``, ODE's exact solver, or ``"quick"``, its iterative one.
         wire_version: of the interfaces: 0x060, or 0x050 for clients of Gazebo 0.5.
+        abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
         strict: whether the first error of a model or plugin, or warning about the world, raises StrictError, at the end
             of the step or of loading. Otherwise the model or plugin is stopped, and the world runs on.
 

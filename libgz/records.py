@@ -42,7 +42,7 @@ __all__ = [
     "numbers",
 ]
 
-HEAD_SIZE = 152  # of an interface [byte]
+HEAD_SIZE = 152  # of an interface [byte]; on i386 it is shorter
 
 
 class Kind(IntEnum):
@@ -150,6 +150,7 @@ class LinkRecord(ctypes.Structure):
         ("kept", c_void_p),
         ("found", c_void_p),
         ("kept_any", c_int64),
+        ("head_size", c_int64),
         ("head", c_char * HEAD_SIZE),
     ]
 

@@ -21,7 +21,7 @@ LAYERS = [
     ["interfaces", "charts"],
     ["clib", "simulation", "rendering"],
     ["legacy", "sdfworld"],
-    ["models", "classic"],
+    ["models", "classic", "cxx"],
     ["front"],
     ["convert", "recording", "reference", "images", "view"],
     ["testing"],

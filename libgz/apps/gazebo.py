@@ -36,7 +36,7 @@ from libgz.ode.step import SERVING_HELP, check_serving
 from libgz.rendering.choice import CHOICES, prefer
 from libgz.simulation.pacing import Pacer
 from libgz.simulation.watchdog import Watchdog
-from libgz.transport.layout import LIBGAZEBO_VERSION
+from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import on_free_server_id
 from libgz.worldfile.search import find_worldfile, why_missing
 
@@ -111,6 +111,12 @@ def make_parser() -> argparse.ArgumentParser:
         default=LIBGAZEBO_VERSION,
         metavar="V",
         help="version of the interfaces: 0x060 (default), or 0x050 for clients of Gazebo 0.5 and Player 1.6.5",
+    )
+    add(
+        "--abi",
+        choices=ABIS,
+        default=NATIVE,
+        help="of the client programs: x86_64, those of this machine (default), or i386, 32-bit ones",
     )
     add(
         "--gl",
@@ -251,6 +257,7 @@ def _serve(path: Path, options: argparse.Namespace, server_id: int) -> int:
             options.force,
             seed=options.seed,
             wire_version=options.wire_version,
+            abi=options.abi,
             solver=options.solver,
             strict=options.strict,
         )

@@ -12,6 +12,9 @@
 
 #include "error.h"
 #include "gazebo.h"
+#include "host.h"
+
+const struct gz_host *gz_host = NULL;
 
 /* The struct that gz_iface_alloc allocates: the public part has no field for the number of mapped bytes. */
 typedef struct {
@@ -83,6 +86,8 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
     gz_data_t *head;
 
     self->server = server;
+    if (IS_HOSTED(server))
+        return gz_host->create(self, type, id, size);
     if (set_filename(self, server->filename, type, id) != 0)
         return -1;
     self->mmap_fd = open(self->filename, O_RDWR | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
@@ -107,6 +112,8 @@ int gz_iface_create(gz_iface_t *self, gz_server_t *server, const char *type, con
 
 int gz_iface_destroy(gz_iface_t *self)
 {
+    if (IS_HOSTED(self->server))
+        return gz_host->destroy(self);
     GZ_MESSAGE(GZ_FILES, "deleting %s", self->filename);
     release(self);
     if (unlink(self->filename) != 0) {
@@ -114,6 +121,24 @@ int gz_iface_destroy(gz_iface_t *self)
         return -1;
     }
     return 0;
+}
+
+/* Print an error if a file is laid out for programs of another ABI. Every struct begins with an int and a size_t: where
+ * size_t has 4 bytes, it follows at once, and otherwise after 4 bytes of zeros. Returns whether it is. */
+static int is_foreign(const gz_iface_t *self)
+{
+    int32_t words[3] = {0, 0, 0};
+    int narrow;
+
+    if (pread(self->mmap_fd, words, sizeof words, 0) != (ssize_t) sizeof words || words[0] == 0)
+        return 0;
+    narrow = words[1] != 0;
+    if (narrow == (sizeof(size_t) == 4) || (!narrow && words[2] == 0))
+        return 0;
+    GZ_ERROR("%s has the layout of %s programs, and this program is one of %s; %s", self->filename,
+             narrow ? "i386" : "x86_64", narrow ? "x86_64" : "i386",
+             narrow ? "start the server without --abi i386" : "start the server with --abi i386");
+    return 1;
 }
 
 int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const char *id, size_t size)
@@ -129,6 +154,8 @@ int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const
         GZ_ERROR("error opening device file %s : %s", self->filename, strerror(errno));
         return -1;
     }
+    if (is_foreign(self))
+        return release(self);
     /* Access to mapped memory beyond the end of a file raises SIGBUS, so check the size before mapping. */
     if (fstat(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
         GZ_ERROR("expected file size: %d < %d", (int) size, (int) about.st_size);
@@ -158,6 +185,8 @@ int gz_iface_close(gz_iface_t *self)
 int gz_iface_lock(gz_iface_t *self, int blocking)
 {
     (void) blocking; /* never had an effect */
+    if (IS_HOSTED(self->server))
+        return gz_host->lock(self);
     if (flock(self->mmap_fd, LOCK_EX) == 0)
         return 0;
     GZ_ERROR("flock %s error: %s", self->filename, strerror(errno));
@@ -166,7 +195,9 @@ int gz_iface_lock(gz_iface_t *self, int blocking)
 
 void gz_iface_unlock(gz_iface_t *self)
 {
-    if (flock(self->mmap_fd, LOCK_UN) != 0)
+    if (IS_HOSTED(self->server))
+        gz_host->unlock(self);
+    else if (flock(self->mmap_fd, LOCK_UN) != 0)
         GZ_ERROR("flock error: %s", strerror(errno));
 }
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from libgz.clib import FOLDER
 from libgz.clib.header import version_macro
-from libgz.clib.library import ARCHIVE, SHARED, library_folder
+from libgz.clib.library import ARCHIVE, FOR_I386, SHARED, library_folder
 from libgz.errors import LibraryError
 from libgz.files import write_whole
 from libgz.transport.layout import LIBGAZEBO_VERSION
@@ -25,31 +26,47 @@ Name: gazebo
 Description: Interfaces of the Gazebo robot simulator, of libgz
 Version: {release}
 Requires:
-Libs: -L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
+Libs: {i386}-L${{libdir}} -Wl,-rpath,${{libdir}} -lgazebo
 Libs.private: -lm
-Cflags: -I${{includedir}}
+Cflags: {i386}{flags}
 """
 
 
-def install(prefix: Path, version: int = LIBGAZEBO_VERSION) -> list[Path]:
+def install(
+    prefix: Path,
+    version: int = LIBGAZEBO_VERSION,
+    headers: Mapping[str, bytes] | None = None,
+    flags: str = "-I${includedir}",
+    *,
+    i386: bool = False,
+) -> list[Path]:
     """Write gazebo.h, libgazebo.a, libgazebo.so.0 with its link, and gazebo.pc below a directory; returns their paths.
 
     Args:
         prefix: such as `/usr/local`; missing directories are created.
         version: of the structs, one of `libgz.transport.layout.VERSIONS`.
+        headers: further files, by their paths below the directory.
+        flags: of the compiler, for gazebo.pc.
+        i386: for 32-bit programs.
 
     Raises:
         LibraryError: the library cannot be compiled, or the directory cannot be written.
     """
-    compiled = library_folder(version)
+    compiled = library_folder(version, i386=i386)
     prefix = prefix.expanduser().absolute()
     header = (FOLDER / "gazebo.h").read_text().replace(version_macro(LIBGAZEBO_VERSION), version_macro(version))
-    description = PKG_CONFIG.format(prefix=str(prefix).replace(" ", "\\ "), release=RELEASES[version])
+    description = PKG_CONFIG.format(
+        prefix=str(prefix).replace(" ", "\\ "),
+        release=RELEASES[version],
+        flags=flags,
+        i386=f"{FOR_I386} " if i386 else "",
+    )
     contents = {
         prefix / "include" / "gazebo.h": header.encode(),
         prefix / "lib" / ARCHIVE: (compiled / ARCHIVE).read_bytes(),
         prefix / "lib" / SHARED: (compiled / SHARED).read_bytes(),
         prefix / "lib" / "pkgconfig" / "gazebo.pc": description.encode(),
+        **{prefix / path: content for path, content in (headers or {}).items()},
     }
     link = prefix / "lib" / LINK
     try:

@@ -6,6 +6,7 @@
 
 #include "error.h"
 #include "gazebo.h"
+#include "host.h"
 
 #define INTERFACE(type, data_t)                                                                                      \
     gz_##type##_t *gz_##type##_alloc(void)                                                                           \
@@ -84,6 +85,10 @@ static void set_owner(gz_iface_t *iface, const char *model_type, int model_id, i
 {
     gz_data_t *head = iface->mmap;
 
+    if (IS_HOSTED(iface->server)) {
+        gz_host->set_owner(iface, model_type, model_id, parent_model_id);
+        return;
+    }
     if (model_type != NULL)
         strncpy(head->model_type, model_type, sizeof head->model_type - 1);
     head->model_id = model_id;

@@ -14,10 +14,11 @@ from libgz.clib import FOLDER
 from libgz.errors import LibraryError
 from libgz.transport.layout import LIBGAZEBO_VERSION
 
-__all__ = ["ARCHIVE", "SHARED", "SOURCES", "compiler", "library_folder"]
+__all__ = ["ARCHIVE", "FOR_I386", "SHARED", "SOURCES", "compiler", "library_folder"]
 
 SOURCES = ("client.c", "error.c", "iface.c", "interfaces.c", "server.c")
 FLAGS = ("-O2", "-std=gnu99", "-fPIC")
+FOR_I386 = "-m32"
 ARCHIVE = "libgazebo.a"
 SHARED = "libgazebo.so.0"  # which -lgazebo does not find: programs of `libgz config --libs` contain the library
 
@@ -36,16 +37,20 @@ def compiler() -> list[str]:
     raise LibraryError(f"{problem}; the C library needs one: apt-get install gcc libc6-dev")
 
 
-def library_folder(version: int = LIBGAZEBO_VERSION) -> Path:
+def library_folder(version: int = LIBGAZEBO_VERSION, *, i386: bool = False) -> Path:
     """The directory of libgazebo.a and libgazebo.so.0, which are compiled if they are not in the cache.
 
     Args:
         version: of the structs, one of `libgz.transport.layout.VERSIONS`.
+        i386: for 32-bit programs.
 
     Raises:
         LibraryError: there is no compiler, it failed, or the cache cannot be written.
     """
     command = [*compiler(), *FLAGS, f"-DLIBGAZEBO_VERSION={version:#05x}"]
+    if i386:
+        command += [FOR_I386, "-D_FILE_OFFSET_BITS=64"]  # for files with large numbers
+        _check_i386(command)
     folder = _cache() / f"libgz-{_fingerprint(command)}"
     if not ((folder / ARCHIVE).exists() and (folder / SHARED).exists()):
         try:
@@ -58,6 +63,18 @@ def library_folder(version: int = LIBGAZEBO_VERSION) -> Path:
         except OSError as error:
             raise LibraryError(f"the C library cannot be stored in {folder}: {error}; set XDG_CACHE_HOME") from None
     return folder
+
+
+def _check_i386(command: list[str]) -> None:
+    """Check that the compiler can make 32-bit programs."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder, "check.c")
+        source.write_text("#include <stdlib.h>\nint main(void) { return 0; }\n")
+        words = [*command, str(source), "-o", str(source.with_suffix(""))]
+        if subprocess.run(words, capture_output=True, check=False).returncode != 0:
+            raise LibraryError(
+                f"{command[0]} cannot make 32-bit programs ({FOR_I386}) here: apt-get install gcc-multilib"
+            )
 
 
 def _cache() -> Path:

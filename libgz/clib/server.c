@@ -12,6 +12,7 @@
 
 #include "error.h"
 #include "gazebo.h"
+#include "host.h"
 
 enum { CLIENT_IDS = 16 };
 
@@ -122,6 +123,8 @@ static void empty_directory(const char *path)
 
 int gz_server_fini(gz_server_t *self)
 {
+    if (IS_HOSTED(self))
+        return 0; /* it ends with its world */
     GZ_MESSAGE(GZ_FILES, "deleting %s", self->filename);
     if (rmdir(self->filename) != 0) {
         GZ_MESSAGE(0, "failed to cleanly remove [%s] : [%s]", self->filename, strerror(errno));
@@ -138,5 +141,7 @@ int gz_server_fini(gz_server_t *self)
 
 int gz_server_post(gz_server_t *self)
 {
+    if (IS_HOSTED(self))
+        return gz_host->post(self);
     return set_flags(self->sem_cid, 1);
 }

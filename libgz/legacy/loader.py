@@ -18,12 +18,12 @@ from libgz.geometry import GzPose
 from libgz.legacy.factory import ModelFactory
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_world
-from libgz.legacy.plugin_search import find_plugin
+from libgz.legacy.plugin_search import find_plugin, load
 from libgz.legacy.settings import is_settings
 from libgz.legacy.world_joints import move_with_world_joints
 from libgz.physics.body import Body
 from libgz.simulation.journal import Origin
-from libgz.simulation.plugins import load_plugin, own_place, own_traceback
+from libgz.simulation.plugins import own_place, own_traceback
 from libgz.simulation.problems import note_threads_of
 from libgz.simulation.world import World
 from libgz.transport.paths import check_id
@@ -116,7 +116,7 @@ class ModelLoader:
             path = find_plugin(plugin, filename)
             log.info("loading %s...", path)
             note_threads_of(path)
-            self.factory.register_plugin(load_plugin(path))
+            self.factory.register_plugin(load(path))
         model = self.factory.NewModel(self.world, node.GetName())
         if model is not None and not hasattr(model, "modelSpaceId"):
             raise ParameterError(

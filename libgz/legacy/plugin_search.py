@@ -4,13 +4,39 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from libgz.errors import PluginError
 from libgz.legacy.factory import builtin_folder
-from libgz.simulation.plugins import search
+from libgz.simulation.plugins import Plugin, load_plugin, search
 
-__all__ = ["find_plugin", "plugin_directories"]
+__all__ = ["find_plugin", "load", "plugin_directories", "register_compiled"]
+
+SHARED = ".so"
+
+_is_compiled: Callable[[Path], bool] | None = None
+_load_compiled: Callable[[Path], Plugin] = load_plugin
+
+
+def register_compiled(is_plugin: Callable[[Path], bool], load: Callable[[Path], Plugin]) -> None:
+    """Let worldfiles name shared objects.
+
+    Args:
+        is_plugin: whether a file is one that can be loaded.
+        load: loads it.
+    """
+    global _is_compiled, _load_compiled
+    _is_compiled, _load_compiled = is_plugin, load
+
+
+def load(path: Path) -> Plugin:
+    """The plugin of a file that `find_plugin` found.
+
+    Raises:
+        PluginError: it fails, or registers nothing.
+    """
+    return _load_compiled(path) if path.suffix == SHARED else load_plugin(path)
 
 
 def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
@@ -26,7 +52,7 @@ def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:
 
 
 def find_plugin(name: str, worldfile: str | None) -> Path:
-    """The Python file of a plugin that a legacy worldfile names.
+    """The file of a plugin that a legacy worldfile names: a shared object of libgz's C++ adapter, or a Python file.
 
     An absolute name (or one that begins with `~`) means that file only; others are searched for in each directory of
     GAZEBOPATH, the worldfile's directory, the installed plugins, and the installed models.
@@ -36,9 +62,9 @@ def find_plugin(name: str, worldfile: str | None) -> Path:
     """
     name = name.strip()
     if not name:
-        raise PluginError("<plugin> is empty; it must name a Python file, such as ExampleModel.py")
+        raise PluginError("<plugin> is empty; it must name a file, such as ExampleModel.py")
     tried: list[str] = []
-    found = search(name, plugin_directories(worldfile), tried)
+    found = search(name, plugin_directories(worldfile), tried, _is_compiled)
     if found is None:
         raise PluginError(f"plugin {name!r} was not found; tried\n" + "\n".join(tried))
     return found

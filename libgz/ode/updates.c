@@ -65,6 +65,7 @@ typedef struct {
     int64_t command_count;
     char *kept, *found; /* commands when the file was last found whole; space for a copy */
     int64_t kept_any;
+    int64_t head_size;
     char head[HEAD]; /* as the server wrote it */
 } link_record;
 
@@ -83,7 +84,7 @@ static int is_whole(link_record *l)
 {
     int due;
     double now;
-    if (memcmp(l->memory, l->head, HEAD))
+    if (memcmp(l->memory, l->head, (size_t)l->head_size))
         return 0;
     now = now_monotonic();
     due = now >= l->next_check;
@@ -128,7 +129,7 @@ static void keep_commands(link_record *l)
             memcpy(l->found + at, l->memory + s->offset, (size_t)s->size);
         at += s->size;
     }
-    if (memcmp(l->memory, l->head, HEAD))
+    if (memcmp(l->memory, l->head, (size_t)l->head_size))
         return;
     memcpy(l->kept, l->found, (size_t)at);
     l->kept_any = 1;

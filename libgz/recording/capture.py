@@ -118,6 +118,7 @@ class Capture(Closing):
             "world": world.name,
             "era": world.era.name,
             "wire_version": str(world.gz_server.version),
+            "abi": world.gz_server.abi,
             "step_time": repr(world.engine.step_time),
         }
         self._frames.append(frame(Kind.METADATA, 0, json.dumps(about).encode()))
@@ -226,8 +227,10 @@ class Capture(Closing):
 
     def _interface_channel(self, interface: Interface[Any]) -> int:
         kind, name, size = interface.type, interface.id, interface.size
-        version = self.world.gz_server.version
-        return self._channel(f"/{kind}/{name}", kind="interface", type=kind, id=name, version=version, size=size)
+        version, abi = self.world.gz_server.version, self.world.gz_server.abi
+        return self._channel(
+            f"/{kind}/{name}", kind="interface", type=kind, id=name, version=version, abi=abi, size=size
+        )
 
     def _take_topics(self, tap: TopicTap) -> None:
         for topic, type_name, declaration, content in tap.take():

@@ -26,7 +26,7 @@ from libgz.recording.own_messages import States, read_file, read_tables
 from libgz.recording.reader import LogChannel, LogMessage, LogReader
 from libgz.transport.control import Control
 from libgz.transport.interface import Interface
-from libgz.transport.layout import LIBGAZEBO_VERSION
+from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.paths import DATA_FILE
 from libgz.transport.server import Server
 from libgz.transport.tables import BODY_COLUMNS, JOINT_COLUMNS, SharedTables
@@ -97,6 +97,7 @@ class Player(Closing):
             version = int(self.reader.about.get("wire_version", LIBGAZEBO_VERSION))
         except ValueError:
             version = LIBGAZEBO_VERSION
+        abi = self.reader.about.get("abi", NATIVE)
         self.speed, self.paused, self.at_end = speed, False, False
         self.time = self.reader.begin
         self._topics = topics
@@ -113,7 +114,7 @@ class Player(Closing):
         self._anchor = (0.0, 0.0, 0.0)  # real time [s], time of the log [s] and speed there
         self._control: Control | None = None
         try:
-            self.server = Server(server_id, force, version)
+            self.server = Server(server_id, force, version, abi if abi in ABIS else NATIVE)
             self.server.start()
         except GazeboError:
             self.reader.close()

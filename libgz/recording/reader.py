@@ -27,7 +27,10 @@ MAGIC = b"\x89MCAP0\r\n"
 CHUNK, METADATA = 0x06, 0x0C
 LONGEST = 1 << 31  # [byte] of a record
 # What the library raises for files that are damaged.
-DAMAGE = (McapError, struct.error, zstandard.ZstdError, ValueError, KeyError, IndexError, EOFError, MemoryError)
+DAMAGE = (
+    *(McapError, struct.error, zstandard.ZstdError),
+    *(ValueError, KeyError, IndexError, EOFError, MemoryError, OverflowError),
+)
 
 
 @dataclass(frozen=True)

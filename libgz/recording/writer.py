@@ -24,6 +24,7 @@ from libgz.recording.mcap_file import McapFile
 from libgz.recording.own_messages import read_file, read_tables, tables_message
 from libgz.recording.schemas import descriptors_of, message_descriptors, struct_schema
 from libgz.recording.topics import type_of_topic
+from libgz.transport.layout import for_abi
 
 __all__ = ["LogWriter", "main"]
 
@@ -44,7 +45,7 @@ class _Channel:
         self.copy = bytearray()  # of an interface
         if self.kind == "interface":
             interface = new_interface(about["type"])
-            self.layout = interface.layout_for(about["version"], about["size"])
+            self.layout = for_abi(interface.layout_for(about["version"], about["size"]), about["abi"])
             self.name = about["type"], about["id"]
             self.copy = bytearray(about["size"])
             schema = f"gz/{self.layout.__name__}", "ros1msg", struct_schema(self.layout).encode()

@@ -55,6 +55,7 @@ class Entity:
 
     error = _Error()
     is_model: ClassVar[bool] = True  # whether it is listed among the world's models
+    not_kept: ClassVar[str] = ""  # of its own state, in a warning; by default, what its class does not declare
 
     def __init__(self, world: World) -> None:
         self.world = world
@@ -122,6 +123,9 @@ class Entity:
             if level >= logging.ERROR:
                 note(f"model {self.GetId()!r}", "its Fini", error)
             log.log(level, "Fini of model %r failed with\n%s", self.GetId(), own_traceback(error), extra=NOTED)
+
+    def MasterEnd(self) -> None:
+        """The world is about to be closed as a whole: release what its engine does not."""
 
     def close(self) -> None:
         """Destroy bodies, joints and space."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import contextvars
 import importlib.util
+import logging
 import sys
 import traceback
 import zlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from importlib.abc import SourceLoader
 from pathlib import Path
@@ -17,6 +18,8 @@ from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
 from libgz.files import exists, expand, is_file, is_folder
 
 __all__ = ["Plugin", "collect", "load_plugin", "own_place", "own_traceback", "search"]
+
+log = logging.getLogger("libgz.simulation")
 
 CPP_SUFFIXES = (".cc", ".cpp", ".cxx", ".c", ".hh", ".hpp", ".h")
 
@@ -43,11 +46,11 @@ def collect(name: str, kind: Any) -> bool:
     return True
 
 
-def _file_names(name: str) -> list[str]:
-    """The Python files that a plugin's name may mean, best first: X.so and libX.so are both X.py."""
+def _file_names(name: str, ends: tuple[str, ...] = (".py", "/__init__.py")) -> list[str]:
+    """The files that a plugin's name may mean, best first: for Python, X.so and libX.so are both X.py."""
     stem = name.removesuffix(".so").removesuffix(".py")
     stems = [stem, stem.removeprefix("lib"), f"lib{stem}"]
-    return list(dict.fromkeys(f"{s}{end}" for s in stems if s for end in (".py", "/__init__.py")))
+    return list(dict.fromkeys(f"{s}{end}" for end in ends for s in stems if s))
 
 
 def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
@@ -60,38 +63,56 @@ def _matches(folder: Path, names: list[str]) -> Iterator[Path]:
     yield from (path for path in with_other_case if path.name.lower() in wanted)
 
 
-def search(name: str, places: list[tuple[str, Path]], tried: list[str]) -> Path | None:
-    """The Python file of a plugin in the first of several (why, directory) that has it; an absolute name means itself.
+def search(
+    name: str, places: list[tuple[str, Path]], tried: list[str], compiled: Callable[[Path], bool] | None = None
+) -> Path | None:
+    """The file of a plugin in the first of several (why, directory) that has it; an absolute name means itself.
 
     Every place without it is added to `tried`, a line each.
+
+    Args:
+        name: as the world gives it.
+        places: where to look.
+        tried: out: why each place has none.
+        compiled: whether a shared object can be loaded; it then comes before a Python file. None: none can.
     """
-    names = _file_names(name)
     if name[0] in "/~":
         path = expand(name)
-        places, names = [("the absolute path", path.parent)], _file_names(path.name)
+        places, name = [("the absolute path", path.parent)], path.name
+    names = _file_names(name)
+    shared = _file_names(name, (".so",)) if compiled is not None and not name.endswith(".py") else []
     for why, folder in places:
         found = next(_matches(folder, names), None)
+        library = next((path for path in _matches(folder, shared) if compiled is not None and compiled(path)), None)
+        if library is not None:
+            if found is not None:
+                log.info("plugin %r: %s is used, not %s beside it", name, library.name, found.relative_to(folder))
+            return library.resolve()
         if found is not None:
             return found.resolve()
         if not exists(folder):
             tried.append(f"  {folder}/ ({why}): there is no such directory")
         elif name.endswith(".so") and is_file(folder / Path(name).name):
-            tried.append(
-                f"  {folder / Path(name).name} ({why}): a compiled plugin cannot be loaded; "
-                f"port it to Python as {names[0]}"
-            )
+            what = "this file is no C++ plugin of libgz, so build its source with `libgz cxx build`, or"
+            what = what if compiled is not None else "a compiled plugin cannot be loaded;"
+            tried.append(f"  {folder / Path(name).name} ({why}): {what} port it to Python as {names[0]}")
         else:
-            tried.append(f"  {folder}/ ({why}): {_absent(folder, names)}")
+            tried.append(f"  {folder}/ ({why}): {_absent(folder, names, compiled is not None)}")
     return None
 
 
-def _absent(folder: Path, names: list[str]) -> str:
+def _absent(folder: Path, names: list[str], builds: bool) -> str:
     """Why a folder has no plugin of one of the names: there is only its C++ source, or a similar name, or nothing."""
     stems = {Path(name).stem.lower() for name in names if "/" not in name}
     files = sorted(path.name for path in folder.iterdir())
     source = next((f for f in files if Path(f).stem.lower() in stems and Path(f).suffix.lower() in CPP_SUFFIXES), None)
     if source is not None:
         port = Path(source).with_suffix(".py")
+        if builds:
+            return (
+                f"{source} is C++ source: build it, `libgz cxx build {folder / source}`, or port it to Python as "
+                f"{port} beside it (docs/cxx.md)"
+            )
         return (
             f"{source} is C++ source, which cannot be loaded; port it to Python as {port} beside it (docs/plugins.md)"
         )

@@ -53,7 +53,7 @@ from libgz.simulation.state import undeclared
 from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
 from libgz.transport.interface import Interface
-from libgz.transport.layout import LIBGAZEBO_VERSION
+from libgz.transport.layout import LIBGAZEBO_VERSION, NATIVE
 from libgz.transport.server import LocalServer, Server
 from libgz.transport.tables import LocalTables
 
@@ -138,11 +138,12 @@ class World(Closing):
         seed: int = 0,
         solver: str = "world",
         wire_version: int = LIBGAZEBO_VERSION,
+        abi: str = NATIVE,
         strict: bool = False,
     ) -> None:
         self.server_id = server_id
         self.gz_server: LocalServer = (
-            LocalServer(wire_version) if server_id is None else Server(server_id, force, wire_version)
+            LocalServer(wire_version, abi) if server_id is None else Server(server_id, force, wire_version, abi)
         )
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
@@ -539,6 +540,8 @@ class World(Closing):
         self.Finalize()
         self.gz_server.stop()
         self.events.close()
+        for entity in reversed(self.entities):
+            entity.MasterEnd()
         self.engine.close()
         self._start = self._rewind = None  # large
         if sys.exc_info()[1] is None:  # an error that ends the world now has other causes
@@ -1018,6 +1021,7 @@ class World(Closing):
                 seed=self.seed,
                 solver=self.engine.solver,
                 wire_version=self.gz_server.version,
+                abi=self.gz_server.abi,
                 strict=self.problems.strict,
             )
             clone.clone_name = f"{self.name}_clone{next(_clones)}"
@@ -1082,6 +1086,9 @@ class World(Closing):
         if kind in self._undeclared or not undeclared(kind):
             return
         self._undeclared.add(kind)
+        if getattr(kind, "not_kept", ""):
+            log.warning("%s %s: %s", what, kind.__name__, kind.not_kept)  # type: ignore[attr-defined]
+            return
         log.warning(
             "%s %s declares no state, so states and resets keep only its bodies, joints and interfaces: add STATE = "
             '("name", ...) with the attributes that change while it runs, or STATE = () if none does',

@@ -19,7 +19,16 @@ from numpy.typing import NDArray
 
 from libgz.errors import ClosedError, InterfaceError
 from libgz.records import LinkRecord, SpanRecord
-from libgz.transport.layout import GAZEBO_MAX_MODEL_TYPE, LIBGAZEBO_VERSION, Data, commands_of, fields_of, numpy_type
+from libgz.transport.layout import (
+    GAZEBO_MAX_MODEL_TYPE,
+    LIBGAZEBO_VERSION,
+    Data,
+    abi_of,
+    commands_of,
+    fields_of,
+    for_abi,
+    numpy_type,
+)
 from libgz.transport.paths import check_id, file_name
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
@@ -37,14 +46,13 @@ SERVER_TIMEOUT = 0.02  # [s] that a server waits for a lock
 _POLL = 0.0002  # [s]
 _SPINS = 10  # attempts before the first pause: most clients hold a lock for microseconds
 _CHECK_PERIOD = 0.05  # [s] between checks of a file's length where its truncation is survived, and copies of commands
-_HEAD = ctypes.sizeof(Data)  # [byte]
-_NO_HEAD = bytes(_HEAD)  # of a file that was truncated
 
 
 class InterfaceServer(Protocol):
     """The server of an interface, as the interface uses it."""
 
     version: int  # of the wire
+    abi: str  # of its clients
     patience: Patience  # with clients that hold locks
 
     def allocate(self, interface: Interface[Any]) -> Segment:
@@ -138,6 +146,7 @@ class Interface(Generic[D]):
         self._arrays: dict[str, NDArray[Any]] = {}
         self._owner = ("", 0, 0)  # model type, model id, id of the parent model
         self._head = b""  # as the server wrote it
+        self._no_head = b""  # of a file that was truncated
         self._watch: Watch | None = None
         self._tally = Tally()
         self.link = LinkRecord(descriptor=-1)
@@ -225,7 +234,7 @@ class Interface(Generic[D]):
         """
         self.id = check_id(self.type, id)
         self._require_closed()
-        self.layout = self.layout_for(server.version, None)
+        self.layout = for_abi(self.layout_for(server.version, None), server.abi)
         self._owner = (model_type, model_id, parent_model_id)
         self.server = server
         try:
@@ -235,6 +244,11 @@ class Interface(Generic[D]):
         except OSError as error:
             self.destroy()
             raise InterfaceError(f"error creating mmap file: {error.strerror} ({self.type}.{self.id})") from None
+
+    def set_owner(self, model_type: str, model_id: int, parent_model_id: int) -> None:
+        """Change the model that owns the interface; server only. See `create`."""
+        self._owner = (model_type, model_id, parent_model_id)
+        self._write_head()
 
     def _write_head(self) -> None:
         head = self.data.head
@@ -247,8 +261,9 @@ class Interface(Generic[D]):
         self._set_head(bytes(head))
 
     def _set_head(self, head: bytes) -> None:
-        self._head = head
-        ctypes.memmove(ctypes.addressof(self.link) + LinkRecord.head.offset, head, _HEAD)
+        self._head, self._no_head = head, bytes(len(head))
+        self.link.head_size = len(head)
+        ctypes.memmove(ctypes.addressof(self.link) + LinkRecord.head.offset, head, len(head))
 
     @property
     def gap(self) -> tuple[int, int]:
@@ -297,7 +312,7 @@ class Interface(Generic[D]):
             memory[:begin], memory[end : self.size] = state[:begin], state[begin:]
             if before > begin:
                 memory[begin:before] = bytes(before - begin)
-            self._set_head(bytes(state[:_HEAD]))
+            self._set_head(bytes(state[: len(self._head)]))
             head = self.data.head
             self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
             self.keep_commands()
@@ -347,9 +362,10 @@ class Interface(Generic[D]):
             hint = client.hint(self.type, self.id) if error.errno == errno.ENOENT else ""
             raise InterfaceError(f"error opening device file {path} : {error.strerror}{hint}") from None
         try:
-            version = int.from_bytes(os.pread(descriptor, 4, 0), sys.byteorder)
+            head = os.pread(descriptor, 8, 0)
+            version = int.from_bytes(head[:4], sys.byteorder)
             length = os.fstat(descriptor).st_size
-            self.layout = self.layout_for(version, length)
+            self.layout = for_abi(self.layout_for(version, length), abi_of(head))
             size = self.size
             if length < size:
                 raise InterfaceError(f"expected file size: {size} < {length} ({path})")
@@ -468,12 +484,13 @@ class Interface(Generic[D]):
             link.next_check, link.keeps = now + _CHECK_PERIOD, 1
         if self._watch is None:
             truncated = self._restore_length()
-        head = memory[:_HEAD]
-        if self._watch is not None and (due or head == _NO_HEAD):
+        size = len(self._head)
+        head = memory[:size]
+        if self._watch is not None and (due or head == self._no_head):
             truncated = self._restore_length()
             truncated |= self._report_failures(self._watch)
         if head != self._head:
-            memory[:_HEAD] = self._head
+            memory[:size] = self._head
             begin = 0
             for span in self._spans if link.kept_any else ():
                 memory[span.offset : span.offset + span.size] = self._kept[begin : begin + span.size]
@@ -487,7 +504,7 @@ class Interface(Generic[D]):
         If one has, without the lock, then what was read since is no command but overwritten memory.
         """
         memory: Any = self._memory
-        return bool(memory[:_HEAD] == self._head)
+        return bool(memory[: len(self._head)] == self._head)
 
     def keep_commands(self) -> None:
         """Keep commands as they are now, to restore them if a client overwrites the file; the caller holds the lock.

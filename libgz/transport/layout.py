@@ -17,7 +17,7 @@ from __future__ import annotations
 import ctypes
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, ClassVar, Protocol, TypeVar
 
@@ -26,10 +26,13 @@ import numpy as np
 from libgz.errors import GazeboError, ParameterError
 
 __all__ = [
+    "ABIS",
     "BOTH",
     "CLIENT",
     "GAZEBO_MAX_MODEL_TYPE",
+    "I386",
     "LIBGAZEBO_VERSION",
+    "NATIVE",
     "SERVER",
     "VERSIONS",
     "Array",
@@ -38,6 +41,7 @@ __all__ = [
     "Field",
     "GzData",
     "Struct",
+    "abi_of",
     "byte",
     "c_name",
     "c_type",
@@ -47,6 +51,7 @@ __all__ = [
     "elements",
     "fields_of",
     "float32",
+    "for_abi",
     "int32",
     "layout",
     "uint16",
@@ -56,6 +61,9 @@ __all__ = [
 LIBGAZEBO_VERSION = 0x060
 VERSIONS = (0x050, 0x060)  # that a server can announce: Gazebo 0.5, and Gazebo 0.6 and 0.7
 GAZEBO_MAX_MODEL_TYPE = 128
+# Of the programs that a server serves: those of this machine, and those of 32-bit PCs, where size_t has 4 bytes and
+# doubles are aligned to 4 inside structs.
+NATIVE, I386 = ABIS = ("x86_64", "i386")
 
 SERVER, CLIENT, BOTH = "S", "C", "S/C"
 
@@ -158,6 +166,12 @@ class GzData(ctypes.Structure):
     ]
 
 
+class GzData32(ctypes.Structure):
+    """gz_data_t of 32-bit programs."""
+
+    _fields_ = [(name, ctypes.c_uint32 if kind is ctypes.c_size_t else kind) for name, kind, *_ in GzData._fields_]
+
+
 class Data(Struct):
     """Base of the data structs: a head, then the declared fields."""
 
@@ -180,6 +194,42 @@ def layout(declaration: S) -> S:
     setattr(declaration, "_fields_", [(name, spec.whole_ctype) for name, spec in declared.items()])  # noqa: B010
     declaration.declared = declared
     return declaration
+
+
+@lru_cache
+def for_abi(struct: type[Any], abi: str) -> type[Any]:
+    """The same declaration as a struct of another ABI.
+
+    Args:
+        struct: a struct of this machine's.
+        abi: one of `ABIS`.
+
+    Raises:
+        ParameterError: there is no such ABI.
+    """
+    if abi == NATIVE:
+        return struct
+    if abi != I386:
+        raise ParameterError(f"ABI is {abi!r}; allowed are {', '.join(ABIS)}")
+    declared = {
+        name: replace(field, ctype=for_abi(field.ctype, abi)) if issubclass(field.ctype, Struct) else field
+        for name, field in fields_of(struct).items()
+    }
+    head = [("head", GzData32)] if issubclass(struct, Data) else []
+    members = {
+        "__doc__": struct.__doc__,
+        "__module__": struct.__module__,
+        "_pack_": 4,
+        "_layout_": "ms",  # without bit fields that means the same, and later Pythons want it said
+        "_fields_": [*head, *((name, spec.whole_ctype) for name, spec in declared.items())],
+        "declared": declared,
+    }
+    return type(struct.__name__, (Struct,), members)
+
+
+def abi_of(head: bytes) -> str:
+    """The ABI of a struct, by the first 8 bytes of its file: in that of this machine, nothing follows the version."""
+    return I386 if any(head[4:8]) else NATIVE
 
 
 def fields_of(struct: type[Struct]) -> dict[str, Field]:

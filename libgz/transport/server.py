@@ -13,7 +13,7 @@ from libgz.errors import ParameterError, ServerError
 from libgz.records import PostRecord
 from libgz.transport.directory import ServerDirectory
 from libgz.transport.interface import Interface
-from libgz.transport.layout import LIBGAZEBO_VERSION, VERSIONS
+from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE, VERSIONS
 from libgz.transport.paths import LONGEST_PATH, check_server_id, file_name, server_directory
 from libgz.transport.patience import Patience
 from libgz.transport.segment import Segment
@@ -32,19 +32,22 @@ class LocalServer:
 
     Args:
         version: the wire version that interfaces announce: 0x060 or 0x050.
+        abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
 
     Raises:
-        ParameterError: the version is not supported.
+        ParameterError: the version or the ABI is not supported.
     """
 
     server_id: int | None = None
     shared: LocalTables | None = None  # what those that look on read, while a server for them runs
 
-    def __init__(self, version: int = LIBGAZEBO_VERSION) -> None:
+    def __init__(self, version: int = LIBGAZEBO_VERSION, abi: str = NATIVE) -> None:
+        if abi not in ABIS:
+            raise ParameterError(f"ABI is {abi!r}; allowed are {', '.join(ABIS)}")
         if version not in VERSIONS:
             allowed = ", ".join(f"{known:#05x}" for known in VERSIONS)
             raise ParameterError(f"wire version is {version:#05x}; allowed are {allowed}")
-        self.version = version
+        self.version, self.abi = version, abi
         self.patience = Patience()
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
         self._kept: dict[tuple[str, str], Segment] | None = None  # of interfaces that may return
@@ -136,17 +139,20 @@ class Server(LocalServer):
             disturbed.
         version: the wire version that interfaces announce, and whose structs they have: 0x060, or 0x050 for clients of
             Gazebo 0.5.
+        abi: of the programs that it serves: ``"x86_64"`` for those of this machine, ``"i386"`` for 32-bit ones.
 
     Raises:
-        ParameterError: the server id or the version is invalid, or the path of the directory is too long.
+        ParameterError: the server id, the version or the ABI is invalid, or the path of the directory is too long.
     """
 
     server_id: int
     force: bool
     _directory: ServerDirectory
 
-    def __init__(self, server_id: int = 0, force: bool = False, version: int = LIBGAZEBO_VERSION) -> None:
-        super().__init__(version)
+    def __init__(
+        self, server_id: int = 0, force: bool = False, version: int = LIBGAZEBO_VERSION, abi: str = NATIVE
+    ) -> None:
+        super().__init__(version, abi)
         self._semaphores: SemaphoreSet | None = None
         self._lost_semaphores = False
         self.configure(server_id, force)

@@ -82,7 +82,8 @@ def test_a_miss_lists_every_place(tmp_path, monkeypatch):
     assert "w.world:2: <model:Gone>: plugin 'gone.so' was not found; tried" in text
     assert "/no/such/place/ (GAZEBOPATH): there is no such directory" in text
     assert (
-        "gone.so (the worldfile's directory): a compiled plugin cannot be loaded; port it to Python as gone.py" in text
+        "gone.so (the worldfile's directory): this file is no C++ plugin of libgz, so build its source with "
+        "`libgz cxx build`, or port it to Python as gone.py" in text
     )
     assert "gazebo/plugins/ (the installed plugins)" in text
     assert "(the installed models): has no gone.py" in text
@@ -299,7 +300,9 @@ def test_a_message_about_init_has_the_line(tmp_path):
 @pytest.mark.parametrize("name", ["libhello_world.so", "hello_world.so", "Hello_World.so"])
 def test_a_folder_with_only_the_source_of_a_plugin_is_explained(tmp_path, name):
     (tmp_path / "hello_world.cc").write_text("class WorldPluginTutorial;")
-    with pytest.raises(PluginError, match=r"hello_world.cc is C\+\+ source, .* port it to Python as hello_world.py"):
+    with pytest.raises(
+        PluginError, match=r"hello_world.cc is C\+\+ source: build it, .* port it to Python as hello_world.py"
+    ):
         find_plugin(name, str(tmp_path / "w.world"))
 
 

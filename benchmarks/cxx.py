@@ -1,0 +1,146 @@
+"""What C++ plugins cost: a call of the old API above the Python method itself, and an empty Update.
+
+    python benchmarks/cxx.py
+
+Processor time, medians taken in turn within one run.
+"""
+
+from __future__ import annotations
+
+import functools
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import libgz
+from libgz.cxx.build import build
+
+ROUNDS = 25
+CALLS = 2000  # in an Update
+MOST_CALL, MOST_UPDATE = 2.0, 3.0  # [us]
+STEPS = 300
+LOCK = "gz_position_lock( this->iface, 1 ); gz_position_unlock( this->iface )"
+# Name, C++, Python.
+METHODS = (
+    ("Body::GetPose", "this->body->GetPose()", "body.GetPose()"),
+    ("Body::GetPosition", "this->body->GetPosition()", "body.GetPosition()"),
+    ("Body::SetLinearVel", "this->body->SetLinearVel( v )", "body.SetLinearVel(v)"),
+    ("Body::AddForce", "this->body->AddForce( 0, 0, 0 )", "body.AddForce(0, 0, 0)"),
+    ("HingeJoint::GetAngleRate", "this->joint1->GetAngleRate()", "joint.GetAngleRate()"),
+    ("HingeJoint::SetParam", "this->joint1->SetParam( dParamVel, 1 )", "joint.SetParam(vel, 1)"),
+    ("World::GetSimTime", "this->world->GetSimTime()", "world.GetSimTime()"),
+    ("Geom::SetMass", "this->geom->SetMass( 1 )", "geom.SetMass(1)"),
+    (
+        "gz_position_lock, unlock",
+        "gz_position_lock( this->iface, 1 ); gz_position_unlock( this->iface )",
+        "iface.lock(); iface.unlock()",
+    ),
+)
+SOURCE = """
+#include <gazebo.h>
+#include <gazebo/World.hh>
+#include <gazebo/WorldFile.hh>
+#include <gazebo/ModelFactory.hh>
+#include <gazebo/SphereGeom.hh>
+#include <gazebo/HingeJoint.hh>
+
+class Calls : public Model
+{
+  public: Calls( World *world ) : Model( world ) {}
+  public: int Load( WorldFile *, WorldFileNode *node )
+    {
+      this->which = node->GetInt( "which", -1 );
+      this->body = new Body( this->world );
+      this->geom = new SphereGeom( this->body, this->modelSpaceId, 0.1 );
+      this->geom->SetMass( 1 );
+      this->AddBody( this->body, true );
+      Body *other = new Body( this->world );
+      ( new SphereGeom( other, this->modelSpaceId, 0.1 ) )->SetMass( 1 );
+      this->AddBody( other );
+      this->joint1 = new HingeJoint( this->world );
+      this->joint1->Attach( other, this->body );
+      this->joint1->SetAxis( GzVectorSet( 0, 0, 1 ) );
+      return 0;
+    }
+  public: int Init( WorldFile *, WorldFileNode * )
+    {
+      this->iface = gz_position_alloc();
+      return gz_position_create( this->iface, this->world->gz_server, this->GetId(), "Calls", 1, 0 );
+    }
+  public: int Fini() { return gz_position_destroy( this->iface ); }
+  public: void Update( double )
+    {
+      GzVector v = { 0, 0, 0 };
+      if ( this->which < 0 )
+        return;
+      for ( int i = 0; i < COUNT; i++ )
+        switch ( this->which )
+        {
+          CASES
+        }
+    }
+  private: int which;
+  private: Body *body;
+  private: Geom *geom;
+  private: HingeJoint *joint1;
+  private: gz_position_t *iface;
+};
+GZ_REGISTER_PLUGIN( "Calls", Calls )
+"""
+WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
+<model:Calls><id>m</id><plugin>Calls.so</plugin><which>{}</which></model:Calls></gz:world>"""
+
+
+def _time(work: Callable[[], object], count: int = 1) -> float:
+    start = time.process_time()
+    for _ in range(count):
+        work()
+    return (time.process_time() - start) / count
+
+
+def main() -> int:
+    """Print the table; 1 if a figure exceeds its limit."""
+    failed = False
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        cases = "".join(f"case {i}: {code}; break;\n" for i, (_, code, _) in enumerate(METHODS))
+        (folder / "Calls.cc").write_text(SOURCE.replace("CASES", cases).replace("COUNT", str(CALLS)))
+        errors = build([folder / "Calls.cc"], folder / "Calls.so")
+        if errors:
+            print(*errors, sep="\n", file=sys.stderr)
+            return 2
+        for which, (title, _, code) in enumerate(METHODS):
+            (folder / "w.world").write_text(WORLD.format(which))
+            with libgz.World.from_file(folder / "w.world") as world:
+                model = world.models[0]
+                names = {
+                    "body": model.GetBody(),
+                    "geom": model.GetBody().geoms[0],
+                    "joint": model.joints[0],
+                    "world": world,
+                    "iface": world.interface("position", "m"),
+                    "vel": libgz.dParamVel,
+                    "v": libgz.GzVector(),
+                }
+                exec(f"def calls():\n    for i in range({CALLS}):\n        {code}", names)
+                update = functools.partial(model.Update, 0.02)
+                samples = [(_time(update), _time(names["calls"])) for _ in range(ROUNDS)]
+            cxx, python = (1e6 * statistics.median(column) / CALLS for column in zip(*samples, strict=True))
+            failed |= cxx - python > MOST_CALL
+            above = f"{cxx - python:5.2f} us above (at most {MOST_CALL:g})"
+            print(f"{title:26} C++ {cxx:5.2f} us, Python {python:5.2f} us: {above}")
+        (folder / "w.world").write_text(WORLD.format(-1))
+        with libgz.World.from_file(folder / "w.world") as world:
+            model = world.models[0]
+            update = functools.partial(model.Update, 0.02)
+            empty = 1e6 * statistics.median(_time(update, STEPS) for _ in range(ROUNDS))
+        failed |= empty > MOST_UPDATE
+        print(f"{'an empty Update':26} {empty:5.2f} us (at most {MOST_UPDATE:g})")
+    return int(failed)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

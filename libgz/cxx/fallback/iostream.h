@@ -1,0 +1,3 @@
+/* The header of this name of C++ before its standard. License: Apache License 2.0. */
+#include <iostream>
+using namespace std;

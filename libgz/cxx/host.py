@@ -1,0 +1,232 @@
+"""The native part of the adapter (host.c), and the interfaces that plugins create with the C functions."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+from collections.abc import Callable
+from ctypes import CFUNCTYPE, POINTER, c_char_p, c_int, c_size_t, c_void_p
+from functools import cache
+from typing import Any
+
+from libgz.cxx import FOLDER
+from libgz.cxx.objects import running
+from libgz.cxx.shadow import Shadow
+from libgz.errors import USER_ERRORS, GazeboError, InterfaceError, LibraryError
+from libgz.interfaces.catalog import INTERFACES
+from libgz.simulation.world import World
+from libgz.transport.interface import Interface
+from libgz.transport.semaphores import GZ_SEM_KEY
+from libgz.transport.server import Server
+
+__all__ = ["HostedServer", "fail", "frames_address", "install"]
+
+log = logging.getLogger("libgz.plugin")
+
+HOSTED = -0x6877  # GZ_HOSTED of host.h
+LIBRARY = FOLDER / "_host.so"
+_LOW = 0xFFFFFFFF
+
+
+class _Server(ctypes.Structure):
+    """gz_server_t."""
+
+    _fields_ = [("server_id", c_int), ("filename", c_char_p), ("sem_key", c_int), ("sem_cid", c_int)]
+
+
+class _Iface(ctypes.Structure):
+    """gz_iface_t."""
+
+    _fields_ = [
+        ("server", c_void_p),
+        ("client", c_void_p),
+        ("mmap_fd", c_int),
+        ("mmap", c_void_p),
+        ("filename", c_void_p),
+    ]
+
+
+class HostedServer:
+    """What plugins know as `world->gz_server`: the server of a world, whose interfaces they create.
+
+    Args:
+        world: the world.
+        numbers: the number of the model of a C++ object, by the low 32 bits of its address: old plugins pass these as
+            numbers of models.
+    """
+
+    def __init__(self, world: World, numbers: Callable[[int], int | None]) -> None:
+        self.world = world
+        self.numbers = numbers
+        server = world.gz_server
+        path = server.path.encode() if isinstance(server, Server) else b""
+        number = world.server_id or 0
+        self.struct = _Server(number, path, GZ_SEM_KEY + number, HOSTED)
+        self.interfaces: dict[int, tuple[Interface[Any], Any]] = {}  # and their memory, by address of the gz_iface_t
+        self.shadows: dict[int, Shadow] = {}  # likewise, where clients have another ABI
+        _servers[self.address] = self
+
+    @property
+    def address(self) -> int:
+        """Of the gz_server_t."""
+        return ctypes.addressof(self.struct)
+
+    def create(self, iface: _Iface, address: int, type: str, id: str | None) -> None:
+        """Create an interface on the world's server."""
+        if type not in INTERFACES:
+            raise InterfaceError(f"there are no interfaces of type {type!r}; there are {', '.join(sorted(INTERFACES))}")
+        interface, version = INTERFACES[type](), self.world.gz_server.version
+        wire = running.model.plugin.wire if running.model is not None else version
+        native: Any = interface.layout_for(version, None)
+        if interface.layout_for(wire, None) is not native:
+            raise InterfaceError(
+                f"the plugin was compiled for {type} of version {wire:#05x}, and the server's interfaces are of "
+                f"{version:#05x}; compile it with -DLIBGAZEBO_VERSION={version:#05x}"
+            )
+        interface.create(self.world.gz_server, id)
+        data: Any = interface.data
+        if interface.layout is not native:
+            shadow = self.shadows[address] = Shadow(interface, native)
+            data = shadow.struct
+        self.interfaces[address] = interface, data
+        iface.mmap = ctypes.addressof(data)
+        iface.mmap_fd = -1 if interface.descriptor is None else interface.descriptor
+
+    def pull(self) -> None:
+        """Take what clients have written, before code of a plugin runs."""
+        for shadow in self.shadows.values():
+            shadow.pull()
+
+    def push(self) -> None:
+        """Write what a plugin has changed without a lock."""
+        for shadow in self.shadows.values():
+            shadow.push()
+
+    def number(self, passed: int) -> int:
+        """The number of a model, which a plugin may have passed as the address of its C++ object."""
+        found = self.numbers(passed & _LOW)
+        return passed if found is None else found
+
+    def close(self) -> None:
+        """Plugins do not use it any more."""
+        _servers.pop(self.address, None)
+        self.interfaces.clear()
+        self.shadows.clear()
+
+
+_servers: dict[int, HostedServer] = {}
+
+
+def _hosted(address: int) -> tuple[HostedServer, _Iface]:
+    iface = _Iface.from_address(address)
+    return _servers[iface.server], iface
+
+
+def _attempt(action: Callable[[], int | None]) -> int:
+    """0, or -1 after an error message of the C library."""
+    try:
+        return action() or 0
+    except GazeboError as error:
+        _library().gz_host_report(str(error).encode(errors="surrogateescape"))
+        return -1
+    except USER_ERRORS as error:
+        running.failure = error
+        fail()
+        return -1
+
+
+def _create(address: int, type: bytes, id: bytes | None, _size: int) -> int:
+    server, iface = _hosted(address)
+    name = None if id is None else id.decode(errors="surrogateescape")
+    return _attempt(lambda: server.create(iface, address, type.decode(), name))
+
+
+def _set_owner(address: int, model_type: bytes | None, model_id: int, parent_model_id: int) -> None:
+    server, _ = _hosted(address)
+    interface, _ = server.interfaces[address]
+    kind = (model_type or b"").decode(errors="surrogateescape")
+    interface.set_owner(kind, server.number(model_id), server.number(parent_model_id))
+
+
+def _destroy(address: int) -> int:
+    server, iface = _hosted(address)
+    interface, _ = server.interfaces.pop(address, (None, None))
+    server.shadows.pop(address, None)
+    iface.mmap, iface.mmap_fd = None, -1
+    return _attempt(interface.destroy) if interface is not None else -1
+
+
+def _lock(address: int) -> int:
+    server, _ = _hosted(address)
+    if _attempt(lambda: 0 if server.interfaces[address][0].lock() else -1) != 0:
+        return -1
+    if address in server.shadows:
+        server.shadows[address].pull()
+    return 0
+
+
+def _unlock(address: int) -> None:
+    server, _ = _hosted(address)
+    if address in server.shadows:
+        server.shadows[address].push()
+    _attempt(server.interfaces[address][0].unlock)
+
+
+def _post(address: int) -> int:
+    _servers[address].push()
+    return _attempt(_servers[address].world.gz_server.post)
+
+
+class _Host(ctypes.Structure):
+    """struct gz_host."""
+
+    _fields_ = [
+        ("create", CFUNCTYPE(c_int, c_void_p, c_char_p, c_char_p, c_size_t)),
+        ("set_owner", CFUNCTYPE(None, c_void_p, c_char_p, c_int, c_int)),
+        ("destroy", CFUNCTYPE(c_int, c_void_p)),
+        ("lock", CFUNCTYPE(c_int, c_void_p)),
+        ("unlock", CFUNCTYPE(None, c_void_p)),
+        ("post", CFUNCTYPE(c_int, c_void_p)),
+    ]
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    if not LIBRARY.exists():
+        raise LibraryError(
+            "libgz was installed without a C compiler, so it cannot run C++ plugins: apt-get install gcc libc6-dev, "
+            "and install libgz again"
+        )
+    # Plugins are linked without libraries: they find the C functions here.
+    library = ctypes.CDLL(str(LIBRARY), mode=ctypes.RTLD_GLOBAL)
+    library.gz_host_install.argtypes = [POINTER(_Host)]
+    library.gz_host_install.restype = None
+    library.gz_host_report.argtypes = [c_char_p]
+    library.gz_host_report.restype = None
+    library.gz_host_fail.argtypes = []
+    library.gz_host_fail.restype = None
+    return library
+
+
+@cache
+def install() -> _Host:
+    """Offer the C functions to plugins that are loaded later, and report crashes.
+
+    Raises:
+        LibraryError: libgz was installed without a C compiler.
+    """
+    kinds: list[Any] = [field[1] for field in _Host._fields_]
+    functions = (_create, _set_owner, _destroy, _lock, _unlock, _post)
+    host = _Host(*(kind(function) for kind, function in zip(kinds, functions, strict=True)))
+    _library().gz_host_install(host)
+    return host
+
+
+def frames_address() -> int:
+    """Where the C function is by which plugins mark what runs."""
+    return ctypes.cast(_library().gz_host_frames, c_void_p).value or 0
+
+
+def fail() -> None:
+    """Let the method of a plugin that runs in this thread end after the present call."""
+    _library().gz_host_fail()

@@ -1,0 +1,222 @@
+"""CxxPlugin: a shared object of C++ models, loaded into this process."""
+
+from __future__ import annotations
+
+import ctypes
+import logging
+import os
+import re
+import shutil
+import tempfile
+from ctypes import c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
+from pathlib import Path
+from typing import Any
+
+from libgz.cxx.headers import mark
+from libgz.cxx.host import install
+from libgz.cxx.model import CxxModel
+from libgz.cxx.objects import running
+from libgz.cxx.table import table
+from libgz.errors import PluginError
+from libgz.files import read_limited
+from libgz.ode.lib import ode
+from libgz.simulation.plugins import Plugin
+
+__all__ = ["CxxPlugin", "is_plugin", "load"]
+
+log = logging.getLogger("libgz.plugin")
+
+MARK = re.compile(rb"libgz C\+\+ plugin: ([^;\0]{1,80});")
+UNDEFINED = re.compile(r"undefined symbol: (\w+)")
+RENDERING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
+DONE, RETURNED, FAILED, THREW = range(4)  # as in ModelFactory.hh
+LONGEST = 1024  # of the description of an exception
+
+NOT_KEPT = (
+    "states and resets keep its bodies, joints, sensors and interfaces, but not the variables of its C++ object, "
+    "which libgz does not know (C++ plugin {})"
+)
+
+_loaded: dict[Path, tuple[tuple[int, int], Plugin]] = {}
+
+
+def _mark_of(path: Path) -> str | None:
+    """For which libgz a file was compiled; None if it is no plugin of libgz."""
+    try:
+        found = MARK.search(read_limited(path))
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
+    return found[0].decode(errors="replace") if found else None
+
+
+def is_plugin(path: Path) -> bool:
+    """Whether a file is a C++ plugin of some libgz."""
+    return _mark_of(path) is not None
+
+
+class CxxPlugin:
+    """A loaded file.
+
+    Args:
+        path: where it was found.
+        library: the shared object.
+    """
+
+    def __init__(self, path: Path, library: ctypes.CDLL) -> None:
+        self.path = path
+        text = [c_char_p, c_size_t]
+        kinds: dict[str, list[Any]] = {
+            "create": [c_void_p, c_void_p, c_char_p, c_void_p, *text],
+            "call": [c_void_p, c_int, c_void_p, c_void_p, c_char_p, c_void_p, *text],
+            "update": [c_void_p, c_double, c_char_p, *text],
+            "delete": [c_void_p, c_char_p, *text],
+            "wrap": [c_char_p, c_long, c_void_p],
+            "fields": [c_void_p],
+            "on_heap": [c_void_p],
+        }
+        functions = {name: library[f"libgz_plugin_{name}"] for name in kinds}
+        for name, types in kinds.items():
+            functions[name].argtypes = types
+        for name in ("wrap", "fields"):
+            functions[name].restype = c_void_p
+        self._create, self._call, self.update = functions["create"], functions["call"], functions["update"]
+        self._delete, self._wrap = functions["delete"], functions["wrap"]
+        self.fields, self.on_heap = functions["fields"], functions["on_heap"]
+        self.wire = c_int.in_dll(library, "libgz_plugin_wire").value
+        self.text = ctypes.create_string_buffer(LONGEST)
+
+    def create(self, function: int, world: int, label: bytes) -> int:
+        """Create a model by a function that the plugin registered; `world` is the C++ object."""
+        model = c_void_p()
+        text = ctypes.create_string_buffer(LONGEST)
+        status = self._create(function, world, label, ctypes.byref(model), text, LONGEST)
+        self.check(status, "the constructor", 0, text)
+        return model.value or 0
+
+    def call(self, model: int, method: int, file: int, node: int, label: bytes) -> tuple[int, int, Any]:
+        """Call Load, Init or Fini: how it ended, its result, and the text of an exception."""
+        result = c_int()
+        text = ctypes.create_string_buffer(LONGEST)
+        status = self._call(model, method, file, node, label, ctypes.byref(result), text, LONGEST)
+        return status, result.value, text
+
+    def delete(self, pointer: int, label: bytes) -> None:
+        """Delete a C++ object; an exception of its destructor is logged."""
+        text = ctypes.create_string_buffer(LONGEST)
+        status = self._delete(pointer, label, text, LONGEST)
+        if status != DONE:
+            log.error(
+                "the destructor of %s failed: %s", label.decode(errors="replace"), text.value.decode(errors="replace")
+            )
+
+    def wrap(self, kind: str, handle: int, world: int) -> int:
+        """A C++ object of a class for an object of libgz."""
+        return int(self._wrap(kind.encode(), handle, world) or 0)
+
+    def check(self, status: int, method: str, result: int, text: Any, who: str = "") -> None:
+        """Raise what a method failed with.
+
+        Raises:
+            PluginError: it returned a number that is not 0, or threw.
+        """
+        failure, running.failure = running.failure, None
+        if status == DONE:
+            return
+        what = f"plugin {self.path}: {method}{f' of {who}' if who else ''}"
+        if status == RETURNED:
+            raise PluginError(f"{what} returned {result}, which is not 0")
+        if status == THREW:
+            raise PluginError(f"{what} threw {text.value.decode(errors='replace')}")
+        if failure is None:
+            raise PluginError(f"{what} failed")
+        if not isinstance(failure, Exception):
+            raise failure
+        raise PluginError(f"{what}: {failure}") from failure
+
+
+def load(path: Path) -> Plugin:
+    """Load a C++ plugin, and collect what it registers. A file that was built again since is loaded again.
+
+    Raises:
+        PluginError: it was built for another libgz, cannot be loaded, or registers nothing.
+        LibraryError: libgz was installed without a C compiler.
+    """
+    path = path.resolve()
+    status = path.stat()
+    edited = (status.st_mtime_ns, status.st_size)
+    known = _loaded.get(path)
+    if known is not None and known[0] == edited:
+        return known[1]
+    found, own = _mark_of(path), mark()
+    if found != own:
+        raise PluginError(
+            f"error loading plugin: {path} was built for another libgz: it needs {_named(found)}, and this is "
+            f"{_named(own)}; build it again: libgz cxx build"
+        )
+    install()
+    ctypes.CDLL(ode().path, mode=ctypes.RTLD_GLOBAL)  # the same library again: plugins may call ODE themselves
+    library = _open(path, again=known is not None)
+    library["libgz_plugin_bind"](table())
+    cxx = CxxPlugin(path, library)
+    plugin = Plugin(path, edited=edited)
+    for name, function in _registered(path, library):
+        values = {"plugin": cxx, "create": function, "not_kept": NOT_KEPT.format(path), "__module__": "C++"}
+        plugin.registered.append((name, type(name, (CxxModel,), values)))
+    _loaded[path] = edited, plugin
+    return plugin
+
+
+def _named(text: str | None) -> str:
+    return (text or "none").removeprefix("libgz C++ plugin: ").rstrip(";")
+
+
+def _registered(path: Path, library: ctypes.CDLL) -> list[tuple[str, int]]:
+    """What the file registers, as (name, function)."""
+    try:
+        function = library["gazebo_plugin_init"]
+    except AttributeError:
+        function = None
+    if function is None:
+        raise PluginError(
+            f'plugin {path} registers nothing; one of its files must have GZ_REGISTER_PLUGIN("MyModel", MyModel)'
+        )
+    found: list[tuple[str, int]] = []
+    running.registered = found
+    try:
+        result = function()
+    finally:
+        running.registered = None
+    if result:
+        raise PluginError(f"plugin init failed: gazebo_plugin_init() of {path} returned {result}")
+    if not found:
+        raise PluginError(
+            f"plugin {path} registers nothing; its gazebo_plugin_init must call ModelFactory::RegisterModel"
+        )
+    return found
+
+
+def _open(path: Path, again: bool) -> ctypes.CDLL:
+    """The shared object of a file. The dynamic linker knows files by their names: a changed one is loaded as a copy."""
+    if not again:
+        return _linked(path, path)
+    descriptor, name = tempfile.mkstemp(prefix=f"{path.stem}-", suffix=".so")
+    os.close(descriptor)
+    try:
+        shutil.copyfile(path, name)
+        return _linked(Path(name), path)
+    finally:
+        Path(name).unlink()
+
+
+def _linked(file: Path, path: Path) -> ctypes.CDLL:
+    try:
+        return ctypes.CDLL(str(file), mode=os.RTLD_NOW | os.RTLD_LOCAL)
+    except OSError as error:
+        missing = UNDEFINED.search(str(error))
+        if missing is not None and RENDERING.fullmatch(missing[1]):
+            log.info("plugin %s renders with %s: its Render is never called", path, missing[1])
+            return ctypes.CDLL(str(file), mode=os.RTLD_LAZY | os.RTLD_LOCAL)
+        reason = str(error).replace(f"{file}: ", "")
+        if missing is not None:
+            reason = f"nothing defines {missing[1]}; link the file or library that does"
+        raise PluginError(f"error loading plugin: {path}: {reason}") from None

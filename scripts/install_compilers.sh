@@ -1,0 +1,31 @@
+#!/bin/sh
+# Installs what the tests of C++ plugins and of 32-bit programs need. What cannot be installed is said, and its tests are skipped.
+set -eu
+
+as_root=
+if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null && sudo -n true 2>/dev/null && as_root="sudo -n" || as_root=none
+fi
+export DEBIAN_FRONTEND=noninteractive
+
+has_cxx() { echo "#include <exception>" | ${CXX:-g++} -x c++ -fsyntax-only - 2>/dev/null; }
+has_m32() { echo "int main(void) { return 0; }" | ${CC:-gcc} -m32 -x c - -o /dev/null 2>/dev/null; }
+
+# install PACKAGE WHAT: what is skipped without it
+install() {
+    log=$(mktemp)
+    if [ "$as_root" != none ] && command -v apt-get >/dev/null; then
+        echo "installing $1"
+        if { $as_root apt-get -q update && $as_root apt-get -q install -y --no-install-recommends "$1"; } >"$log" 2>&1
+        then
+            rm -f "$log"
+            return
+        fi
+        tail -n 3 "$log" >&2
+    fi
+    rm -f "$log"
+    echo "$1 could not be installed: the tests of $2 are skipped" >&2
+}
+
+has_cxx || install g++ "C++ plugins"
+has_m32 || install gcc-multilib "32-bit programs"

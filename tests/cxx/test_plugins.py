@@ -1,0 +1,407 @@
+"""C++ plugins in worlds: how they are found, loaded, called and ended, and how their errors are reported."""
+
+import logging
+import re
+import shutil
+import subprocess
+import sys
+
+import pytest
+from cxx_plugins import MODEL, compiled, load, needs_cxx, source, world_text
+
+import libgz
+from libgz.cxx.headers import mark
+from libgz.cxx.model import CxxModel
+from libgz.cxx.objects import OBJECTS
+from libgz.errors import PluginError, WorldFileError
+
+pytestmark = needs_cxx
+
+PYTHON = """
+from libgz import GZ_REGISTER_PLUGIN, Body, Model, SphereGeom
+
+class NAME(Model):
+    STATE = ()
+
+    def Load(self, file, node):
+        body = Body(self.world)
+        SphereGeom(body, self.modelSpaceId, 0.1).SetMass(1.0)
+        self.AddBody(body, True)
+
+GZ_REGISTER_PLUGIN("NAME", NAME)
+"""
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """A compiled plugin without code of its own."""
+    return compiled(tmp_path_factory.mktemp("plain"))
+
+
+def test_a_shared_object_comes_before_a_python_file(tmp_path, plain, caplog):
+    caplog.set_level("INFO")
+    shutil.copy(plain, tmp_path)
+    (tmp_path / "Tester.py").write_text(PYTHON.replace("NAME", "Tester"))
+    with load(tmp_path, "Tester") as world:
+        assert isinstance(world.models[0], CxxModel)
+    assert "plugin 'Tester.so': Tester.so is used, not Tester.py beside it" in caplog.text
+    text = world_text("Tester").replace("Tester.so", "Tester.py")
+    (tmp_path / "python.world").write_text(text)
+    with libgz.World.from_file(tmp_path / "python.world") as world:
+        assert not isinstance(world.models[0], CxxModel)
+
+
+def test_a_shared_object_that_is_no_plugin_is_passed_over(tmp_path):
+    (tmp_path / "Tester.so").write_bytes(b"\x7fELF" + bytes(100))
+    with pytest.raises(WorldFileError, match=r"this file is no C\+\+ plugin of libgz, so build its source with"):
+        load(tmp_path, "Tester")
+    (tmp_path / "Tester.py").write_text(PYTHON.replace("NAME", "Tester"))
+    with load(tmp_path, "Tester") as world:
+        assert not isinstance(world.models[0], CxxModel)
+
+
+def test_a_plugin_for_another_libgz_is_refused_with_both_versions(tmp_path, plain):
+    data = plain.read_bytes()
+    own = mark().encode()
+    assert own in data
+    (tmp_path / "Tester.so").write_bytes(data.replace(own, own.replace(b"libgz 0.1.0", b"libgz 0.0.9")))
+    with pytest.raises(
+        WorldFileError, match=r"needs libgz 0\.0\.9, interface \w+, and this is libgz 0\.1\.0, interface"
+    ):
+        load(tmp_path, "Tester")
+
+
+def test_only_a_source_is_explained(tmp_path):
+    (tmp_path / "Tester.cc").write_text(source())
+    with pytest.raises(WorldFileError, match=r"Tester.cc is C\+\+ source: build it, `libgz cxx build .*/Tester.cc`"):
+        load(tmp_path, "Tester")
+
+
+def test_a_rebuilt_file_is_used_by_worlds_loaded_later(tmp_path):
+    compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 1, 0, 0 ), GzQuaternIdent() ) );")
+    with load(tmp_path, "Tester") as first:
+        compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 2, 0, 0 ), GzQuaternIdent() ) );")
+        with load(tmp_path, "Tester") as second:
+            for world in (first, second):
+                world.step()
+            assert (first.models[0].GetPose().pos.x, second.models[0].GetPose().pos.x) == (1.0, 2.0)
+
+
+ERRORS = {
+    'throw std::runtime_error( "no battery" );': "Load of model 'm0' threw std::runtime_error: no battery",
+    "throw 7;": "Load of model 'm0' threw int",
+    'throw "text";': r"Load of model 'm0' threw char const\*: text",
+    "return -1;": "Load of model 'm0' returned -1, which is not 0",
+    "geom->SetMass( -1 );": r"Load of model 'm0': mass \[kg\] of SphereGeom 1 .* must not be negative",
+    "new BoxGeom( this->body, this->modelSpaceId, 0, 1, 1 );": "Load of model 'm0': box length",
+    "new Body( NULL );": "Load of model 'm0': a Body needs its model's world, not NULL",
+    "INIT return 3;": "Init of model 'm0' returned 3",
+    'INIT throw std::runtime_error( "later" );': "Init of model 'm0' threw std::runtime_error: later",
+}
+
+
+@pytest.fixture(scope="module")
+def failing(tmp_path_factory):
+    """A plugin that fails in the way that the attribute `case` names."""
+    codes = list(enumerate(ERRORS))
+    load_ = "".join(f"case {i}: {{ {code} break; }}\n" for i, code in codes if not code.startswith("INIT"))
+    init = "".join(f"case {i}: {{ {code[5:]} break; }}\n" for i, code in codes if code.startswith("INIT"))
+    switch = 'switch ( node->GetInt( "case", -1 ) ) {{ {} }}'
+    text = source(load=switch.format(load_), init=switch.format(init))
+    return compiled(tmp_path_factory.mktemp("failing"), text="#include <stdexcept>\n" + text)
+
+
+@pytest.mark.parametrize("case", range(len(ERRORS)))
+def test_errors_name_plugin_method_and_model(tmp_path, failing, case):
+    shutil.copy(failing, tmp_path)
+    with pytest.raises((WorldFileError, PluginError)) as caught:
+        load(tmp_path, ("Tester", f"<case>{case}</case>"))
+    message = list(ERRORS.values())[case]
+    assert re.search(f"plugin {re.escape(str(tmp_path))}/Tester.so: {message}", str(caught.value))
+    assert not OBJECTS
+
+
+def test_an_error_in_update_stops_the_model(tmp_path, caplog):
+    compiled(tmp_path, update="if ( this->steps == 3 ) this->body->SetLinearVel( GzVectorSet( 0, 0, NAN ) );")
+    with load(tmp_path, "Tester", "Tester") as world:
+        world.step(5)
+        assert "Update of model 'm0': linear velocity [m/s]" in str(world.models[0].error)
+    assert "model 'm0' stopped, its motors off" in caplog.text
+    assert f"plugin {tmp_path}/Tester.so: Update of model 'm1'" in caplog.text
+
+
+def test_objects_are_destroyed_when_an_exception_passes(tmp_path):
+    marker = "struct Note { Geom *geom; ~Note() { geom->SetFiducial( 5 ); } } note = { geom };"
+    compiled(tmp_path, update=f"Geom *geom = this->body->GetGeoms()[0]; {marker} geom->SetMass( -1 );")
+    with load(tmp_path, "Tester") as world:
+        world.step()
+        assert world.models[0].GetBody().geoms[0].GetFiducial() == 5
+
+
+def test_what_nothing_defines_is_named(tmp_path):
+    compiled(tmp_path, text="extern int lost_function();\n" + source(update="lost_function();"))
+    with pytest.raises(WorldFileError, match=r"nothing defines _Z13lost_functionv; link the file or library that does"):
+        load(tmp_path, "Tester")
+
+
+def test_functions_of_opengl_need_no_library(tmp_path, caplog):
+    caplog.set_level("INFO")
+    text = 'extern "C" void gluSurely( unsigned );\n' + source().replace(
+        "public: Body *body;",
+        "public: virtual void Render( int, RenderOptions * ) { gluSurely( 1 ); } public: Body *body;",
+    )
+    compiled(tmp_path, text=text)
+    with load(tmp_path, "Tester") as world:
+        world.step()
+    assert "renders with gluSurely: its Render is never called" in caplog.text
+
+
+def test_two_plugins_with_several_instances_and_python_models(tmp_path):
+    # Both define a class of the same name, as HMT_RED and HMT_BLUE did.
+    for name, speed in (("Red", 1), ("Blue", 2)):
+        text = source("HMT", update=f"this->body->SetLinearVel( GzVectorSet( {speed}, 0, 0 ) );")
+        compiled(tmp_path, name, text=text.replace('"HMT"', f'"{name}"'))
+    (tmp_path / "Green.py").write_text(PYTHON.replace("NAME", "Green"))
+    more = [(name, f"<xyz>0 {y} 10</xyz>") for y, name in enumerate(["Red", "Blue", "Green", "Red", "Blue", "Green"])]
+    with load(tmp_path, *more) as world:
+        world.step(10)
+        speeds = [model.GetBody().GetLinearVel().x for model in world.models]
+        assert speeds == [1.0, 2.0, 0.0, 1.0, 2.0, 0.0]
+        world.DeleteModel("m0")
+        world.step(10)
+        assert len(world.models) == 5
+    assert not OBJECTS
+
+
+def test_the_parent_and_children(tmp_path):
+    code = (
+        'if ( this->parent == NULL || this->parentBody == NULL || strcmp( this->parent->GetId(), "base" ) ) return -1;'
+    )
+    compiled(
+        tmp_path, init=f"{code} if ( this->joint == NULL || this->parent->GetBody() != this->parentBody ) return -2;"
+    )
+    text = world_text(("Tester", "<xyz>0 0 1</xyz>")).replace(
+        "<model:Tester>", "<model:SimpleSolid><id>base</id><shape>box</shape><model:Tester>", 1
+    )
+    (tmp_path / "w.world").write_text(text.replace("</model:Tester>", "</model:Tester></model:SimpleSolid>"))
+    with libgz.World.from_file(tmp_path / "w.world") as world:
+        child = world.model("m0")
+        assert child.welded is not None
+        assert child.relPose.pos.z == child.initPose.pos.z == 1.0
+        world.step(3)
+
+
+def test_states_say_what_they_keep(tmp_path, plain, caplog):
+    shutil.copy(plain, tmp_path)
+    with load(tmp_path, ("Tester", "<xyz>0 0 5</xyz>")) as world:
+        world.step(10)
+        state = world.get_state()
+        assert "states and resets keep its bodies, joints, sensors and interfaces" in caplog.text
+        assert f"C++ plugin {tmp_path}/Tester.so" in caplog.text
+        world.step(10)
+        after = world.engine.states.tobytes()
+        world.set_state(state)
+        world.step(10)
+        assert world.engine.states.tobytes() == after
+        world.Reset()
+        assert world.models[0].GetPose().pos.z == 5.0
+        with world.clone() as other:
+            other.step(10)
+            assert isinstance(other.models[0], CxxModel)
+        world.DeleteModel("m0")
+        world.set_state(state)  # which builds the model again
+        world.step(10)
+        assert world.engine.states.tobytes() == after
+
+
+CRASHES = {
+    "null": ("*(volatile int *) 0 = 1;", "SIGSEGV", -11),
+    "abort": ("abort();", "SIGABRT", -6),
+    "recursion": (
+        "this->steps--; volatile char pad[1000]; pad[0] = 1; this->Update( step + 1 ); pad[1] = pad[0];",
+        "SIGSEGV",
+        -11,
+    ),
+    "exit": ("exit( 5 );", "exit() was called", 5),
+}
+
+
+@pytest.fixture(scope="module")
+def crashing(tmp_path_factory):
+    """A plugin that crashes in the way that the attribute `case` names."""
+    cases = "".join(f"case {i}: {{ {code} break; }}\n" for i, (code, _, _) in enumerate(CRASHES.values()))
+    text = source(
+        load='this->steps = 100 * node->GetInt( "case", 0 );', update=f"switch ( this->steps - 4 ) {{ {cases} }}"
+    )
+    return compiled(
+        tmp_path_factory.mktemp("crashing"),
+        text=text.replace("this->steps - 4", "this->steps % 100 < 4 ? -1 : this->steps / 100"),
+    )
+
+
+@pytest.mark.parametrize("case", range(len(CRASHES)), ids=list(CRASHES))
+def test_the_last_line_after_a_crash_names_plugin_and_method(tmp_path, crashing, case):
+    (tmp_path / "w.world").write_text(world_text(("Tester", f"<case>{case}</case>")))
+    path = shutil.copy(crashing, tmp_path)
+    code = f"import libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world: world.step(50)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    _, what, exit_code = list(CRASHES.values())[case]
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith(f"error   : {what} in Update of model 'm0', plugin {path}")
+    assert done.returncode == exit_code
+
+
+def test_a_crash_elsewhere_names_no_plugin(tmp_path, plain):
+    shutil.copy(plain, tmp_path)
+    (tmp_path / "w.world").write_text(world_text("Tester"))
+    code = (
+        f"import ctypes, libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world:\n"
+        "    world.step(10)\n    ctypes.string_at(0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == -11
+    assert "plugin" not in done.stderr
+
+
+def test_messages_have_the_place_in_the_source(tmp_path, caplog):
+    caplog.set_level(logging.DEBUG)
+    compiled(tmp_path, load='PRINT_ERR1( "bad %d", 3 ); PRINT_MSG0( 5, "detail" );')
+    load(tmp_path, "Tester").close()
+    records = {record.getMessage(): record for record in caplog.records if record.name == "libgz.plugin"}
+    assert (records["bad 3"].levelno, records["detail"].levelno) == (logging.ERROR, logging.DEBUG)
+    assert records["bad 3"].filename == "Tester.cc"
+
+
+CAMERA = """
+  int width, height;
+  if ( this->steps != 2 ) return;
+  Camera camera( this->world );
+  if ( camera.Init( 64, 48, 1.0, 0.1, 20, "GLX", 24 ) != 0 ) return;
+  camera.SetPose( GzPoseSet( GzVectorSet( -2, 0, 0.5 ), GzQuaternIdent() ) );
+  camera.SetSavePath( "SAVED" ); camera.EnableSaveFrame( true );
+  camera.Update(); camera.GetImageSize( &width, &height );
+  const unsigned char *image = camera.GetImageData();
+  FILE *out = fopen( "OUT", "wb" ); fwrite( image, 3, width * height, out ); fclose( out );
+  double z = camera.GetZValue( 32, 10 );
+  GzPose moved = camera.CalcCameraDelta( 0, GzVectorSet( 10, 10, 0.5 ), GzVectorSet( 10, 10, 0.5 ) );
+  this->world->simSpeed = z; this->world->fogDensity = GzVectorMag( moved.pos ) + 1;
+  camera.Fini();
+"""
+
+
+def test_a_camera_s_image_has_its_bottom_row_first(tmp_path):
+    code = CAMERA.replace("SAVED", str(tmp_path / "saved")).replace("OUT", str(tmp_path / "image.raw"))
+    compiled(tmp_path, text="#include <gazebo/Camera.hh>\n" + source(update=code))
+    path = tmp_path / "w.world"
+    ground = "<model:GroundPlane><id>g</id><color>0 1 0</color></model:GroundPlane>"
+    light = "<model:LightSource><id>l</id><xyz>0 0 5</xyz></model:LightSource>"
+    path.write_text(world_text(("Tester", "<xyz>5 5 5</xyz>")).replace("</gz:world>", f"{ground}{light}</gz:world>"))
+    with libgz.World.from_file(path) as world:
+        world.step(3)
+        assert 0.9 < world.simSpeed <= 1.0
+        assert world.fogDensity == 1.0
+    data = (tmp_path / "image.raw").read_bytes()
+    rows = [data[i * 192 : (i + 1) * 192] for i in range(48)]
+    assert rows[0][1] > 2 * rows[0][2]  # green ground
+    assert rows[47][2] > rows[47][1]  # blue sky
+    saved = (tmp_path / "saved" / "0000.pnm").read_bytes()
+    assert saved.startswith(b"P6\n# Gazebo\n64 48\n255\n")
+    assert saved.endswith(rows[0])
+
+
+INTERFACE_INIT = """
+  this->iface = gz_position_alloc();
+  gz_server_t *server = this->world->gz_server;
+  if ( gz_position_create( this->iface, server, this->GetId(), "Tester", (int) (long) this, 0 ) != 0 ) return -1;
+  if ( gz_position_create( gz_position_alloc(), server, "a.b", "Tester", 1, 0 ) != -1 ) return -2;
+"""
+INTERFACE_UPDATE = """
+  if ( gz_position_lock( this->iface, 1 ) != 0 ) return;
+  this->iface->data->time = this->world->GetSimTime();
+  this->iface->data->pos[0] += this->iface->data->cmd_vel_pos[0];
+  gz_position_unlock( this->iface ); gz_position_post( this->iface );
+"""
+INTERFACE_FINI = "gz_position_destroy( this->iface ); gz_position_free( this->iface );"
+
+
+@pytest.fixture(scope="module")
+def serving(tmp_path_factory):
+    """A plugin that serves a position interface."""
+    text = source(init=INTERFACE_INIT, update=INTERFACE_UPDATE, fini=INTERFACE_FINI)
+    return compiled(
+        tmp_path_factory.mktemp("serving"),
+        text=text.replace("public: int steps;", "public: int steps; gz_position_t *iface;"),
+    )
+
+
+def test_interfaces_are_those_of_the_world(tmp_path, serving, capfd):
+    shutil.copy(serving, tmp_path)
+    with load(tmp_path, "Tester") as world:
+        robot = world.interface("position", "m0")
+        assert robot.data.head.model_id == world.models[0].GetIntId()
+        assert robot.data.head.model_type == b"Tester"
+        robot.command(vx=0.5)
+        world.step(4)
+        assert (robot.pose[0], robot.data.time) == (2.0, pytest.approx(0.06))
+        world.DeleteModel("m0")
+        assert ("position", "m0") not in world.gz_server.interfaces
+    assert "invalid id [a.b]" in capfd.readouterr().err
+
+
+def test_clients_reach_them(tmp_path, serving, wire):
+    shutil.copy(serving, tmp_path)
+    with load(tmp_path, "Tester", server_id=wire) as world, libgz.Client(wire) as client:
+        robot = client.position("m0")
+        robot.command(vx=0.25)
+        world.step(4)
+        assert robot.pose[0] == 1.0
+        assert client.wait(timeout=5.0)
+
+
+@pytest.mark.parametrize("abi", ["x86_64", "i386"])
+def test_plugins_serve_32_bit_clients(tmp_path, serving, abi):
+    shutil.copy(serving, tmp_path)
+    with load(tmp_path, "Tester", abi=abi) as world:
+        robot = world.interface("position", "m0")
+        assert robot.size == {"x86_64": 312, "i386": 304}[abi]
+        robot.command(vx=0.5)
+        world.step(4)
+        assert (robot.pose[0], robot.data.time) == (2.0, pytest.approx(0.06))
+        robot.command(vx=0.25)
+        world.step(4)
+        assert robot.pose[0] == 3.0
+
+
+def test_another_version_of_the_structs_is_refused(tmp_path, capfd):
+    text = source(init=INTERFACE_INIT.replace("position", "truth").partition("if ( gz_truth_create( gz_truth")[0])
+    text = text.replace("public: int steps;", "public: int steps; gz_truth_t *iface;")
+    compiled(tmp_path, text=text)
+    load(tmp_path, "Tester", wire_version=0x060).close()
+    with pytest.raises(PluginError, match="Init of model 'm0' returned -1"):
+        load(tmp_path, "Tester", wire_version=0x050)
+    assert (
+        "truth of version 0x060, and the server's interfaces are of 0x050; compile it with -DLIBGAZEBO_VERSION=0x050"
+        in (capfd.readouterr().err)
+    )
+    compiled(tmp_path, text="#define LIBGAZEBO_VERSION 0x050\n" + text)
+    with load(tmp_path, "Tester", wire_version=0x050) as world:
+        assert world.interface("truth", "m0").size == 264
+
+
+def test_the_model_template_has_no_leftovers():
+    assert "NAME" not in source()
+    assert "LOAD" in MODEL
+
+
+@pytest.mark.trial
+def test_a_thousand_loads_leave_nothing(tmp_path, serving):
+    resource = pytest.importorskip("resource")
+    shutil.copy(serving, tmp_path)
+    sizes = []
+    for i in range(1000):
+        with load(tmp_path, "Tester", "Tester") as world:
+            world.step(2)
+        assert not OBJECTS
+        if i in (200, 999):
+            sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+    assert sizes[1] - sizes[0] < 4096  # [kB]

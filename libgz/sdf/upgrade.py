@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from libgz.files import is_file
+from libgz.sdf.description import NEWEST
 from libgz.sdf.element import Element
 
 __all__ = ["NEWEST", "upgraded"]
 
-NEWEST = "1.6"
 MOVED_UP = ("gravity", "magnetic_field")  # from <physics> to <world>
 NAMES_OF_FILES = ("uri", "diffuse", "normal")  # of meshes, height maps and their textures, scripts of materials
 NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <imu>

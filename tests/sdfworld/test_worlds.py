@@ -272,7 +272,7 @@ def test_all_faults_at_once(load):
 @pytest.mark.parametrize(
     ("inside", "said"),
     [
-        ("<model name='m'><pose>0 0 1</pose><link name='l'/></model>", r"<pose>: '0 0 1' .* must be 6 numbers: x y z"),
+        ("<model name='m'><pose>0 0 z</pose><link name='l'/></model>", r"<pose>: '0 0 z' .* must be 6 numbers: x y z"),
         ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<physics>: .* must be above zero"),
         ("<state world_name='w'><sim_time>soon</sim_time></state>", r"<sim_time>: 'soon' .* must be seconds"),
     ],

@@ -196,6 +196,11 @@ def prefer(choice: str | None) -> None:
     _preferred = None if choice is None else _checked(choice, "the choice of OpenGL")
 
 
+def preferred() -> str | None:
+    """What `prefer` chose; None for no preference."""
+    return _preferred
+
+
 def chosen() -> str:
     """The choice of `prefer`, else the environment's LIBGZ_GL, else ``"auto"``.
 

@@ -15,13 +15,15 @@ from pathlib import Path
 
 from lxml import etree
 
-from libgz.errors import Remark
-from libgz.sdf.xml import line_of, local_name
+from libgz.errors import Diagnostics, Remark, WorldFileError
+from libgz.sdf.description import LATER, NEWEST
+from libgz.sdf.xml import line_of, local_name, parse_document
 
-__all__ = ["OLDEST", "Change", "convert"]
+__all__ = ["OLDEST", "ROOTS", "Change", "convert", "upgrade_document"]
 
 OLDEST = "1.0"
-VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", "1.6")
+VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", NEWEST)
+ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
 TABLE = Path(__file__).with_name("conversions.tsv")
 KINDS = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of the noise of an <imu>
 
@@ -77,6 +79,29 @@ def convert(root: etree._Element, version: str, target: str, label: str = "<stri
         work.note(root, f"version {version} became {target}")
         root.set("version", target)
     return sorted(work.changes, key=lambda change: change.line)
+
+
+def upgrade_document(data: bytes, label: str = "<string>") -> tuple[bytes, list[Change]]:
+    """A document in SDF 1.6, and what was changed; one of a later version stays as it is.
+
+    Raises:
+        WorldFileError: it cannot be read, is not SDF, or its version is not known.
+    """
+    root = parse_document(data, label, Diagnostics())
+    version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
+    if local_name(root) not in ROOTS or not version:
+        raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: the root must be <sdf version='...'>")
+    if version not in VERSIONS:
+        if version in LATER:
+            return data, []
+        known = f"{OLDEST} to {LATER[-1]} are known"
+        raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: version is {version!r}; {known}")
+    changes = convert(root, version, NEWEST, label)
+    if not changes:
+        return data, []
+    tree = root.getroottree()
+    text = etree.tostring(tree, xml_declaration=True, encoding=tree.docinfo.encoding or "UTF-8")
+    return text + b"\n", changes
 
 
 class _Conversion:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from libgz.errors import ParameterError
 
-__all__ = ["NEWEST", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
+__all__ = ["LATER", "NEWEST", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 
 NEWEST = "1.6"  # that is written, and has all that worlds of Gazebo classic need
 LATER = ("1.7", "1.8", "1.9")

@@ -14,7 +14,7 @@ from lxml import etree
 from libgz.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
 from libgz.files import read_limited
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
-from libgz.sdf.conversion import OLDEST, convert
+from libgz.sdf.conversion import OLDEST, ROOTS, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
@@ -34,7 +34,8 @@ REPEATED = {
     ("script", "uri"),
     ("world", "physics"),
 }
-ROOTS = ("sdf", "gazebo")  # the second one until 1.2
+# Later names of sensors and of their elements -> those of Gazebo classic.
+SENSORS = {"lidar": "ray", "gpu_lidar": "gpu_ray", "depth_camera": "depth", "navsat": "gps"}
 NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
 HOLDERS = ("world", "model")  # of includes, in all versions
 
@@ -143,9 +144,12 @@ class SdfFile:
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
-        name = local_name(xml) if description is not None else tag_name(xml)
+        name = description.name if description is not None else tag_name(xml)
         element = Element(name, description, file=self.label, line=line_of(xml))
         self._read_attributes(xml, element)
+        if name == "sensor":
+            kind = element.attributes["type"]
+            kind.text = SENSORS.get(kind.text, kind.text)
         self._read_value(xml, element)
         for child in xml:
             if isinstance(child.tag, str):
@@ -235,8 +239,9 @@ class SdfFile:
         if name == "include" and description is not None and parent.name in HOLDERS:
             self._include(xml, parent)
             return
+        if parent.name == "sensor":
+            name = SENSORS.get(name, name)
         extension = ":" in name  # whose prefix says that it is not of SDF
-        name = name if extension else local_name(xml)
         known = description.children.get(name) if description is not None and not description.open else None
         if name == "actor" and known is None and parent.name in ("world", "sdf"):
             self._warn(xml, "actors are not simulated; it has no effect")

@@ -158,7 +158,7 @@ class SdfModel(Entity):
             body.set_kinematic(True)
 
     def _mass(self, inertial: Element) -> Mass:
-        """The mass matrix of an `<inertial>`; what no body can have is replaced as in Gazebo classic, and warned about."""
+        """The mass matrix of `<inertial>`; what no body can have is replaced as in Gazebo classic, with a warning."""
         inertia = inertial.child("inertia")
         moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
         if all(map(math.isfinite, moments)) and not positive_definite(moments):

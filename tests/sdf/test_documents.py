@@ -191,7 +191,9 @@ def test_all_errors_at_once_with_their_lines():
 def test_joints_need_an_axis_but_balls_do_not():
     joint = "<joint name='j' type='{}'><parent>a</parent><child>b</child></joint>"
     assert texts(read(f"<model name='m'>{joint.format('ball')}</model>", "1.4")) == []
-    assert "<axis> is missing; it is 0 0 1" in texts(read(f"<model name='m'>{joint.format('revolute')}</model>", "1.4"))[0]
+    assert (
+        "<axis> is missing; it is 0 0 1" in texts(read(f"<model name='m'>{joint.format('revolute')}</model>", "1.4"))[0]
+    )
 
 
 @pytest.mark.parametrize(

@@ -284,7 +284,7 @@ def test_a_wrong_number_is_told_with_its_place(load, inside, said):
 
 def test_a_wrong_number_does_not_hide_what_else_is_wrong(load):
     with pytest.raises(WorldFileError) as caught:
-        load("<world name='w'><model name='a'><pose>0 0 1</pose><link name='l'/></model><model name='b'/></world>")
+        load("<world name='w'><model name='a'><pose>0 0 z</pose><link name='l'/></model><model name='b'/></world>")
     assert "must be 6 numbers" in str(caught.value)
     assert "GzPose" not in str(caught.value)
 

@@ -58,14 +58,11 @@ class WorldSensors:
     def create(self, parent: Link | Joint, element: Element) -> Sensor | None:
         """Make the sensor of a `<sensor>`; None if its type is not simulated, or after an error, which is kept."""
         kind = element.Get(str, "type")
-        if kind in ABSENT:
-            log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out", element.where, kind)
+        if kind not in KINDS:
+            hint = "" if kind in ABSENT else f"; there are {', '.join(KINDS)}{nearest(kind, KINDS)}"
+            log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out%s", element.where, kind, hint)
             return None
         try:
-            if kind not in KINDS:
-                raise ParameterError(
-                    f"{element.where}: <sensor>: type is {kind!r}; allowed are {', '.join(KINDS)}{nearest(kind, KINDS)}"
-                )
             if kind not in ON_JOINTS and not hasattr(parent, "pose"):
                 raise ParameterError(
                     f"{element.where}: <sensor>: type is {kind!r}, which stands in a <link>; in a <joint>, "

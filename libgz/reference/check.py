@@ -15,7 +15,6 @@ from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering import context
 from libgz.rendering.image import read_image
-from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile, is_sdf
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import find_worldfile, why_missing

@@ -11,6 +11,7 @@ import csv
 import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 
 from lxml import etree
@@ -100,8 +101,9 @@ def upgrade_document(data: bytes, label: str = "<string>") -> tuple[bytes, list[
     if not changes:
         return data, []
     tree = root.getroottree()
-    text = etree.tostring(tree, xml_declaration=True, encoding=tree.docinfo.encoding or "UTF-8")
-    return text + b"\n", changes
+    out = BytesIO()
+    tree.write(out, xml_declaration=True, encoding=tree.docinfo.encoding or "UTF-8")
+    return out.getvalue() + b"\n", changes
 
 
 class _Conversion:
@@ -147,7 +149,8 @@ class _Conversion:
             if attribute:
                 target.text = source.get(attribute)
             else:
-                target.text, target[:] = source.text, source[:]
+                target.text = source.text
+                target.extend(list(source))
                 target.attrib.update(source.attrib)
         if attribute:
             del source.attrib[attribute]

@@ -32,7 +32,17 @@ def upgraded(element: Element, folder: Path | None = None) -> Element:
                 _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes are in the model's frame
     for imu in copy.find("imu"):
         _spread_noise(imu)
+    _remove_frames(copy)
     return copy
+
+
+def _remove_frames(element: Element) -> None:
+    """Remove the frames: all that was relative to them was resolved when the document was read."""
+    for child in list(element.children):
+        if child.name == "frame" and child.HasAttribute("name"):
+            element.RemoveChild(child)
+        elif child.name != "plugin":
+            _remove_frames(child)
 
 
 def _make_absolute(element: Element, folder: Path | None) -> None:

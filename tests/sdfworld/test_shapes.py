@@ -178,3 +178,28 @@ def test_more_contacts_than_ten_on_request(load, tmp_path):
         )
         made.step()
         assert made.engine.contact_count == expected
+
+
+def volume(geom):
+    a, b, c = (geom.vertices[geom.triangles[:, i]] for i in range(3))
+    return float(np.einsum("ij,ij->i", a, np.cross(b, c)).sum()) / 6
+
+
+def test_outlines_in_any_order_are_solids_and_holes_by_turns(load):
+    def square(x, y, size):
+        corners = points((x, y), (x + size, y), (x + size, y + size), (x, y + size))
+        return f"<polyline>{corners}<height>1</height></polyline>"
+
+    island, hole, outer, other = square(2, 2, 1), square(1, 1, 3), square(0, 0, 5), square(8, 0, 2)
+    made = load(world(model("m", "<static>1</static>", link("l", collision(island + hole + outer + other)))))
+    assert volume(made.model("m").bodies[0].geoms[0]) == pytest.approx(25 - 9 + 1 + 4)
+
+
+def test_an_ellipsoid_is_nearly_its_volume_and_stands_on_its_pole(load):
+    egg = "<ellipsoid><radii>0.3 0.2 0.5</radii></ellipsoid>"
+    made = load(world(GROUND, model("m", link("l", inertial(1.0, (0.1,) * 3), collision(egg)), pose="0 0 0.51 0 0 0")))
+    geom = made.model("m").bodies[0].geoms[0]
+    assert volume(geom) == pytest.approx(4 / 3 * math.pi * 0.3 * 0.2 * 0.5, rel=0.05)
+    assert geom.vertices.max(axis=0) == pytest.approx((0.3, 0.2, 0.5), rel=1e-3)
+    made.run(0.3)
+    assert made.body("m").GetPosition().z == pytest.approx(0.5, abs=0.005)

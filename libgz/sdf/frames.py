@@ -29,13 +29,36 @@ NAMED = ("link", "frame", "joint", "model")  # what a name can mean; of several 
 SCOPES = ("model", "world", "sdf")
 REFERENCES = ("relative_to", "frame")  # of a pose; the second one up to 1.6
 ENDS = ("parent", "child", "gearbox_reference_body")
+NAMING = ("placement_frame", "expressed_in")  # attributes with names, beside those of poses
 MODEL, WORLD = "__model__", "world"
 IDENTITY = GzPose()
 
 
 def resolve_frames(root: Element, diagnostics: Diagnostics) -> None:
     """Resolve all named frames of a document in place; a name that is unknown, or means itself, is an error."""
-    _Scope(root, None, diagnostics).resolve()
+    if _needed(root):
+        _Scope(root, None, diagnostics).resolve()
+
+
+def _needed(element: Element) -> bool:
+    """Whether an element or one in it may name a frame."""
+    for child in element.children:
+        name = child.name
+        if name == "pose":
+            if _attribute(child, *REFERENCES):
+                return True
+        elif name == "plugin":
+            continue
+        elif name in ("frame", "model", "xyz") and any(map(child.HasAttribute, ("attached_to", *NAMING))):
+            return True
+        elif name in ENDS and element.name == "joint":
+            end, above = child.value.text, element.parent
+            links = above.named("link") if above is not None else ()
+            if end != WORLD and not any(link.attributes["name"].text == end for link in links):
+                return True
+        if child.children and _needed(child):
+            return True
+    return False
 
 
 def merge(model: Element, parent: Element, diagnostics: Diagnostics) -> None:
@@ -350,7 +373,7 @@ class _Scope:
     def _forget(self) -> None:
         """Remove the references that are resolved now; frames keep what they are attached to."""
         for element in self._inside(self.holder):
-            for key in ("expressed_in", "placement_frame", *(REFERENCES if element.name == "pose" else ())):
+            for key in (*NAMING, *(REFERENCES if element.name == "pose" else ())):
                 if element.HasAttribute(key):
                     element.attributes[key].SetFromString("")
                     element.attributes[key].given = False

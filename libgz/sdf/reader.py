@@ -165,6 +165,8 @@ class SdfFile:
             if description is not None and not description.open and name not in element.attributes:
                 self.diagnostics.no_effect(self._place(xml), functools.partial(self._unknown_attribute, name, element))
                 continue
+            if name == "frame" and not text.strip():
+                continue  # of a pose: an empty frame is none
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
             allowed = check(param.kind, param.text)

@@ -11,7 +11,6 @@ import csv
 import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
 from lxml import etree
@@ -25,6 +24,7 @@ __all__ = ["OLDEST", "ROOTS", "Change", "convert", "upgrade_document"]
 OLDEST = "1.0"
 VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", NEWEST)
 ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
+SENSORS = ("camera", "ray", "contact")  # types with an element of their name
 TABLE = Path(__file__).with_name("conversions.tsv")
 KINDS = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of the noise of an <imu>
 
@@ -100,10 +100,11 @@ def upgrade_document(data: bytes, label: str = "<string>") -> tuple[bytes, list[
     changes = convert(root, version, NEWEST, label)
     if not changes:
         return data, []
-    tree = root.getroottree()
-    out = BytesIO()
-    tree.write(out, xml_declaration=True, encoding=tree.docinfo.encoding or "UTF-8")
-    return out.getvalue() + b"\n", changes
+    encoding = root.getroottree().docinfo.encoding or "UTF-8"
+    nodes = [*reversed(list(root.itersiblings(preceding=True))), root, *root.itersiblings()]
+    lines = [f"<?xml version='1.0' encoding='{encoding}'?>"]
+    lines += [etree.tostring(node, encoding="unicode", with_tail=False) for node in nodes]
+    return "\n".join([*lines, ""]).encode(encoding, "xmlcharrefreplace"), changes
 
 
 class _Conversion:
@@ -121,6 +122,8 @@ class _Conversion:
             for move in moves.get(path[-1], ()):
                 if path[-len(move.where) :] == move.where:
                     self._move(xml, move)
+            if version == "1.2" and path[-1] == "sensor" and "type" not in xml.attrib:
+                self._name_type(xml)
             if version == "1.5" and path[-1] in ("axis", "axis2") and _child(xml, "use_parent_model_frame") is None:
                 _add(xml, "use_parent_model_frame").text = "true"
                 self.note(xml, "<use_parent_model_frame> true was added: up to 1.4, axes are in the model's frame")
@@ -156,6 +159,13 @@ class _Conversion:
             del source.attrib[attribute]
         if source is not xml and source is not present and (not attribute or _is_empty(source)):
             _remove(source)
+
+    def _name_type(self, sensor: etree._Element) -> None:
+        """Set the type of a sensor that has none, by its content."""
+        kind = next((name for name in SENSORS if _child(sensor, name) is not None), None)
+        if kind is not None:
+            sensor.set("type", kind)
+            self.note(sensor, f"type {kind!r} was added, for there is a <{kind}>")
 
     def _spread_noise(self, imu: etree._Element) -> None:
         """Replace one noise for all axes by one for each."""

@@ -271,6 +271,8 @@ class SdfFile:
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
+            if element.name == "model" and name == "link":
+                continue  # it is only a name then
             if element.name == "script" and "uri" in description.children:
                 element.AddElement(name)  # of a material: many files have only one of both, or plain text
             elif (element.name, name) in NEEDED:
@@ -305,10 +307,13 @@ class SdfFile:
         One that cannot be read stays as it is, with a warning: the rest of the world runs.
         """
         given = {local_name(child): child for child in xml if isinstance(child.tag, str)}
-        uri = (given["uri"].text or "").strip() if "uri" in given else ""
+        uri = (given["uri"].text or "").strip() if "uri" in given else xml.get("filename", "").strip()
         if not uri:
-            self._error(xml, "<uri> is missing and must be given")
+            self._warn(xml, "<uri> is missing; the include is left out")
             return
+        if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
+            given["pose"] = etree.SubElement(xml, "pose")
+            given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
         if self._depth >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return

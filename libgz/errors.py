@@ -263,6 +263,14 @@ class Diagnostics:
         else:
             self.error(where, text)
 
+    def remark(self, file: str, text: str) -> None:
+        """Add a message that was logged, as a warning at the place that it names, or else about the whole file."""
+        placed = _PLACED.match(text)
+        if placed is not None:
+            self.add(Diagnostic(placed[1], int(placed[2]), placed[3], placed[4], "warning"))
+        else:
+            self.add(Diagnostic(file, 0, "", text, "warning"))
+
     def add(self, *diagnostics: Diagnostic) -> None:
         """Add diagnostics, such as those of an included file; the known ones are skipped."""
         self.found.update(dict.fromkeys(diagnostics))

@@ -18,7 +18,7 @@ __all__ = ["main"]
 # Subcommand -> help text. The module of the same name has configure(parser), which adds the options, and run(options),
 # which returns the exit code.
 COMMANDS = {
-    "check": "report errors and unused elements in worldfiles",
+    "check": "report errors and unused elements in worldfiles and SDF files",
     "clean": "remove stale files of dead servers",
     "completion": "print the completion of all commands for a shell",
     "config": "print compiler flags for C programs that use libgazebo, and for C++ plugins",
@@ -43,7 +43,7 @@ COMMANDS = {
     "stats": "print the real-time factor of a running SDF world",
     "topic": "list, print, measure and publish topics of a running gzserver",
     "view": "show a running world in a browser, with controls",
-    "upgrade": "convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7",
+    "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 to SDF 1.6",
     "worlds": "list the worlds that are installed with libgz",
 }
 

@@ -1,13 +1,17 @@
-"""libgz upgrade: convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7."""
+"""libgz upgrade: convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7, or older SDF to SDF 1.6."""
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from libgz.apps.console import writing
-from libgz.files import write_whole
+from libgz.errors import Remark, WorldFileError
+from libgz.files import read_limited, write_whole
+from libgz.sdf.conversion import upgrade_document
+from libgz.sdf.reader import is_sdf
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
 
@@ -16,10 +20,10 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile to convert")
+    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile or SDF file to convert")
     target = parser.add_mutually_exclusive_group()
     target.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
-    target.add_argument("--in-place", action="store_true", help="overwrite the worldfile")
+    target.add_argument("--in-place", action="store_true", help="overwrite the file")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -29,7 +33,7 @@ def run(options: argparse.Namespace) -> int:
         WorldFileError: the file cannot be read.
         GazeboError: the output cannot be written.
     """
-    text, changes = upgrade(WorldFile.from_file(options.worldfile))
+    text, changes = _upgraded(options.worldfile)
     for change in changes:
         print(change, file=sys.stderr)
     target = options.worldfile if options.in_place else options.output
@@ -41,3 +45,13 @@ def run(options: argparse.Namespace) -> int:
     if not changes:
         print(f"{options.worldfile}: nothing to change", file=sys.stderr)
     return 0
+
+
+def _upgraded(path: Path) -> tuple[bytes, Sequence[Remark]]:
+    """The bytes of the converted file, and what was changed."""
+    if not is_sdf(path):
+        return upgrade(WorldFile.from_file(path))
+    try:
+        return upgrade_document(read_limited(path), str(path))
+    except OSError as error:
+        raise WorldFileError(f"{path} cannot be read: {error.strerror}") from None

@@ -20,6 +20,7 @@ __all__ = [
     "cylinder_mass",
     "given_mass",
     "moved",
+    "positive_definite",
     "scaled",
     "sphere_mass",
     "sum_masses",
@@ -88,6 +89,13 @@ def sum_masses(masses: Iterable[Mass]) -> Mass:
     return total
 
 
+def positive_definite(moments: Iterable[float]) -> bool:
+    """Whether moments of inertia ixx, iyy, izz, ixy, ixz, iyz [kg m^2] are positive about every axis."""
+    ixx, iyy, izz, ixy, ixz, iyz = moments
+    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
+    return bool(np.linalg.eigvalsh(matrix).min() > 0.0)
+
+
 def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass:
     """A mass matrix from its numbers.
 
@@ -102,9 +110,7 @@ def given_mass(kilograms: float, moments: Iterable[float], pose: GzPose) -> Mass
     mass = Mass()
     numbers = finite_tuple(moments, 6, "moments of inertia [kg m^2]", LARGEST * LARGEST)
     finite_tuple(pose.pos, 3, "centre of mass [m]", LARGEST)
-    ixx, iyy, izz, ixy, ixz, iyz = numbers
-    matrix = np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-    if np.linalg.eigvalsh(matrix).min() <= 0.0:
+    if not positive_definite(numbers):
         raise ParameterError(f"moments of inertia {numbers} are not positive definite")
     ode().dMassSetParameters(_address(mass), positive(kilograms, "mass [kg]"), 0.0, 0.0, 0.0, *numbers)
     return moved(mass, pose)

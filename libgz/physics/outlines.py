@@ -80,8 +80,27 @@ def _sees(a: Points, b: Points, rings: list[Points]) -> bool:
     return True
 
 
+def _holds(outer: Points, inner: Points) -> bool:
+    """Whether most corners of a polygon lie inside another one."""
+    x, y = inner[:, 0:1], inner[:, 1:2]
+    (ax, ay), (bx, by) = outer.T, np.roll(outer, -1, axis=0).T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        crossed = ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+    return bool((crossed.sum(axis=1) % 2).mean() > 0.5)
+
+
+def _shapes(polygons: list[Points]) -> list[list[Points]]:
+    """Outlines, each with the holes in it: what lies in an even number of others is solid, in an odd number a hole."""
+    around = [[k for k, other in enumerate(polygons) if other is not p and _holds(other, p)] for p in polygons]
+    shapes = {k: [polygons[k]] for k, outside in enumerate(around) if len(outside) % 2 == 0}
+    for k, outside in enumerate(around):
+        if k not in shapes:
+            shapes[max((m for m in outside if m in shapes), key=lambda m: len(around[m]))].append(polygons[k])
+    return list(shapes.values())
+
+
 def extrude(rings: list[ArrayLike], height: float) -> tuple[Points, NDArray[np.int64]]:
-    """A solid between z = 0 and the height [m] whose outline is the first polygon, and whose holes are the others.
+    """Solids between z = 0 and the height [m] with polygons as outlines; a polygon inside another one is a hole in it.
 
     Returns:
         (vertices [m], shape (n, 3); triangles, counter-clockwise seen from outside, shape (m, 3)).
@@ -94,6 +113,17 @@ def extrude(rings: list[ArrayLike], height: float) -> tuple[Points, NDArray[np.i
     for polygon in polygons:
         if len(polygon) < 3 or abs(_area(polygon)) < 1e-12:
             raise ParameterError("a polyline needs three points that span an area")
+    vertices, triangles, count = [], [], 0
+    for shape in _shapes(polygons):
+        points, faces = _extrude(shape, height)
+        vertices.append(points)
+        triangles.append(faces + count)
+        count += len(points)
+    return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def _extrude(polygons: list[Points], height: float) -> tuple[Points, NDArray[np.int64]]:
+    """The solid of one outline, and of the holes in it."""
     outline = polygons[0] if _area(polygons[0]) > 0.0 else polygons[0][::-1]
     for hole in sorted(polygons[1:], key=lambda p: -float(p[:, 0].max())):
         outline = _bridged(outline, hole)

@@ -1,21 +1,25 @@
-"""Checking a worldfile: it is loaded as in the server, but no server is started and no step is made."""
+"""Checking a worldfile or an SDF file: it is loaded as in the server, but no server is started and no step is made."""
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from libgz.errors import Diagnostic, GazeboError, WorldFileError
+from libgz.classic.loading import find_plugin
+from libgz.errors import Diagnostic, Diagnostics, GazeboError, PluginError, WorldFileError
 from libgz.files import exists
 from libgz.front import World
 from libgz.legacy.model import Model
+from libgz.rendering.choice import prefer, preferred
 from libgz.rendering.image import read_image
+from libgz.sdf.reader import SdfFile, is_sdf
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import find_worldfile, why_missing
 
-__all__ = ["check"]
+__all__ = ["check", "check_sdf"]
 
 
 class _Collector(logging.Handler):
@@ -32,12 +36,14 @@ class _Collector(logging.Handler):
 def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
     """All errors and warnings about a worldfile, in order of its lines.
 
-    Loading runs `Load` of its plugins; `Init` of no model is called.
+    Loading runs `Load` of its plugins; `Init` of no model is called. An SDF file is checked by `check_sdf`.
 
     Args:
         filename: the worldfile, or the name of one of libgz's worlds.
     """
     path = find_worldfile(filename)
+    if is_sdf(path):
+        return check_sdf(path)
     file, name = WorldFile(), str(path)
     if not exists(path):
         missing = f"cannot read worldfile {name!r}: it does not exist{why_missing(filename)}"
@@ -46,26 +52,66 @@ def check(filename: str | os.PathLike[str]) -> list[Diagnostic]:
         file.Load(path)
     except WorldFileError as error:
         return [_from_text(name, line) for line in str(error).splitlines()]
+    with _collected(file.diagnostics, name) as found, World() as world:
+        try:
+            world.Load(file)
+        except WorldFileError:
+            pass  # its lines are the file's errors
+        else:
+            _find_clashes(world.legacy.models)
+            _find_unreadable(world.legacy.models)
+    return found
+
+
+@contextlib.contextmanager
+def _collected(diagnostics: Diagnostics, name: str) -> Iterator[list[Diagnostic]]:
+    """Fill a list, by line, with a file's diagnostics and with what is logged meanwhile."""
     handler, logger = _Collector(), logging.getLogger("libgz")
     before, propagate = logger.handlers[:], logger.propagate
     logger.handlers[:], logger.propagate = [handler], False
-    world = World()
+    found: list[Diagnostic] = []
     try:
-        world.Load(file)
-    except WorldFileError:
-        pass  # its lines are the file's errors
-    else:
-        _find_clashes(world.legacy.models)
-        _find_unreadable(world.legacy.models)
+        yield found
     finally:
-        world.close()
         logger.handlers[:], logger.propagate = before, propagate
-    known = {str(diagnostic) for diagnostic in file.diagnostics.found}
-    logged = dict.fromkeys(record.getMessage() for record in handler.records)
-    others = (Diagnostic(name, 0, "", text, "warning") for text in logged if text not in known)
-    return sorted(
-        [*file.diagnostics.errors, *file.diagnostics.warnings, *others], key=lambda diagnostic: diagnostic.line
-    )
+    known = {str(diagnostic) for diagnostic in diagnostics.found}
+    for record in handler.records:
+        text = record.getMessage()
+        if text not in known:
+            known.add(text)
+            diagnostics.remark(name, text)
+    found += sorted([*diagnostics.errors, *diagnostics.warnings], key=lambda diagnostic: diagnostic.line)
+
+
+def check_sdf(filename: str | os.PathLike[str]) -> list[Diagnostic]:
+    """All errors and warnings about an SDF file: it is built with its sensors, in order of its lines.
+
+    Plugins are searched for, not run; nothing is rendered.
+    """
+    name = str(filename)
+    try:
+        file = SdfFile.load(filename)
+    except WorldFileError as error:
+        return [_from_text(name, line) for line in str(error).splitlines()]
+    for element in list(file.root.find("plugin")):
+        library = element.Get(str, "filename")
+        try:
+            find_plugin(library, name)
+        except PluginError:
+            file.diagnostics.warn(element, f"there is no plugin {library!r} here; a run goes without it")
+        if element.parent is not None:
+            element.parent.RemoveChild(element)
+    before = preferred()
+    with _collected(file.diagnostics, name) as found, World() as world:
+        prefer("none")
+        try:
+            world.load_sdf(file)
+            world.Initialize()
+        except GazeboError as error:
+            file.diagnostics.failure(file.root, error)
+        finally:
+            prefer(before)
+    return found
 
 
 def _from_text(name: str, line: str) -> Diagnostic:

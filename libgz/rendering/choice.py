@@ -6,7 +6,7 @@ import os
 
 from libgz.errors import ParameterError, nearest
 
-__all__ = ["CHOICES", "check_choice", "chosen", "prefer"]
+__all__ = ["CHOICES", "check_choice", "chosen", "prefer", "preferred"]
 
 CHOICES = ("auto", "osmesa", "egl", "none")
 
@@ -21,6 +21,11 @@ def prefer(choice: str | None) -> None:
     """
     global _preferred
     _preferred = None if choice is None else check_choice(choice, "the choice of OpenGL")
+
+
+def preferred() -> str | None:
+    """What `prefer` chose; None for no preference."""
+    return _preferred
 
 
 def chosen() -> str:

@@ -1,7 +1,8 @@
-"""What SDF 1.4, 1.5 and 1.6 allow: elements, attributes, types, defaults, and how often each may occur.
+"""What SDF 1.4 to 1.9 allow: elements, attributes, types, defaults, and how often each may occur.
 
 The table elements.tsv has one row per element or attribute: its path below a block, its type, and default and count in
-each version. A type `@block` refers to that block; count 1 is exactly one, `+` at least one, 0 at most one, `*` any.
+1.4, 1.5 and 1.6. A type `@block` refers to that block; count 1 is exactly one, `+` at least one, 0 at most one, `*`
+any. The table later.tsv has what 1.7 to 1.9 added or changed.
 """
 
 from __future__ import annotations
@@ -14,12 +15,24 @@ from pathlib import Path
 
 from libgz.errors import ParameterError
 
-__all__ = ["UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
+__all__ = ["LATER", "NEWEST", "UNSET", "VERSIONS", "AttributeDescription", "Description", "describe"]
 
-VERSIONS = ("1.4", "1.5", "1.6")
+NEWEST = "1.6"  # that is written, and has all that worlds of Gazebo classic need
+LATER = ("1.7", "1.8", "1.9")
+VERSIONS = ("1.4", "1.5", NEWEST, *LATER)
 UNSET = "__default__"  # instead of a default, where none makes sense: a name, a type, a file
 ABSENT = "(absent)"
 TABLE = Path(__file__).with_name("elements.tsv")
+ADDED = Path(__file__).with_name("later.tsv")
+# Of every pose; up to 1.6 the frame that it is relative to has another name.
+POSE_ATTRIBUTES = {
+    "1.4": {"frame": "string"},
+    "1.5": {"frame": "string"},
+    "1.6": {"frame": "string"},
+    "1.7": {"relative_to": "string"},
+    "1.8": {"relative_to": "string"},
+    "1.9": {"relative_to": "string", "degrees": "bool", "rotation_format": "string"},
+}
 
 
 @dataclass(frozen=True)
@@ -72,17 +85,35 @@ def describe(version: str) -> Mapping[str, Description]:
     """Block name -> description for one version of SDF.
 
     Raises:
-        ParameterError: the version is not one of 1.4, 1.5, 1.6.
+        ParameterError: the version is not one of `VERSIONS`.
     """
     if version not in VERSIONS:
         raise ParameterError(f"SDF version is {version!r}; {', '.join(VERSIONS)} are described")
     blocks: dict[str, Description] = {}
-    with TABLE.open(encoding="utf-8", newline="") as table:
-        for row in csv.DictReader(table, delimiter="\t"):
-            default, count = row[f"default_{version}"] or "", row[f"count_{version}"] or ""
-            if default != ABSENT and count != "-":
-                _add(blocks, row["path"], row["type"] or "", default, count)
+    column = min(version, NEWEST)
+    for row in _rows(TABLE):
+        default, count = row[f"default_{column}"], row[f"count_{column}"]
+        if default != ABSENT and count != "-":
+            _add(blocks, row["path"], row["type"], default, count)
+    for row in _rows(ADDED):
+        if row["version"] <= version:
+            _add(blocks, row["path"], row["type"], row["default"], row["count"])
+    for block in blocks.values():
+        _complete_poses(block, POSE_ATTRIBUTES[version])
     return blocks
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a table; what is missing at the end of a row is empty."""
+    with path.open(encoding="utf-8", newline="") as table:
+        return [{key: value or "" for key, value in row.items()} for row in csv.DictReader(table, delimiter="\t")]
+
+
+def _complete_poses(element: Description, attributes: Mapping[str, str]) -> None:
+    for child in element.own_children.values():
+        if child.type == "pose":
+            child.attributes |= {key: AttributeDescription(key, kind, "", False) for key, kind in attributes.items()}
+        _complete_poses(child, attributes)
 
 
 def _add(blocks: dict[str, Description], path: str, kind: str, default: str, count: str) -> None:

@@ -17,6 +17,7 @@ added_models: list[Path] = []
 added_resources: list[Path] = []
 
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
+OLD_SUFFIXES = (".model", ".light")  # of models in Gazebo 1, before they had folders
 MEDIA = ("", "models", "media/models", "Media/models")
 
 
@@ -83,7 +84,13 @@ def find_model(uri: str, beside: Path | None = None) -> Path:
     Raises:
         NotFoundError: there is no such model, or its folder names no SDF file.
     """
-    place = find_uri(uri, beside)
+    try:
+        place = find_uri(uri, beside)
+    except NotFoundError:
+        name = Path(uri.strip())
+        if name.suffix not in OLD_SUFFIXES or "://" in uri:
+            raise
+        place = find_uri(f"model://{name.stem}", beside)
     return place if is_file(place) else _named_in_config(place)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import os
 from io import BytesIO
 from pathlib import Path
@@ -10,13 +11,17 @@ from typing import IO
 
 from lxml import etree
 
-from libgz.errors import Diagnostics, NotFoundError, Place, WorldFileError, nearest
-from libgz.files import read_limited, xml_parser
-from libgz.sdf.description import UNSET, VERSIONS, Description, describe
+from libgz.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
+from libgz.files import read_limited
+from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
+from libgz.sdf.conversion import OLDEST, ROOTS, convert
+from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
+from libgz.sdf.frames import merge, resolve_frames
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
-from libgz.sdf.value import check
+from libgz.sdf.value import check, exact_pose, parse, repaired
+from libgz.sdf.xml import line_of, local_name, parse_document, tag_name
 
 __all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
 
@@ -30,7 +35,10 @@ REPEATED = {
     ("script", "uri"),
     ("world", "physics"),
 }
-LATER = ("frame", "relative_to")  # SDF 1.7's frames
+# Later names of sensors and of their elements -> those of Gazebo classic.
+SENSORS = {"lidar": "ray", "gpu_lidar": "gpu_ray", "depth_camera": "depth", "navsat": "gps"}
+NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
+HOLDERS = ("world", "model")  # of includes, in all versions
 
 
 class SdfFile:
@@ -43,7 +51,7 @@ class SdfFile:
     def __init__(self) -> None:
         self.root = Element("sdf")
         self.diagnostics = Diagnostics()
-        self.version = VERSIONS[-1]
+        self.version = NEWEST
         self.label = "<string>"
         self._folder: Path | None = None
         self._text = b""
@@ -87,37 +95,43 @@ class SdfFile:
 
     def _read(self, data: bytes) -> None:
         self._text = data
-        try:
-            xml = etree.fromstring(data, xml_parser())
-        except etree.XMLSyntaxError as error:
-            raise WorldFileError(f"{self.label}:{error.lineno or 1}: {error.msg}") from None
-        if _local(xml) != "sdf":
+        xml = parse_document(data, self.label, self.diagnostics)
+        if local_name(xml) not in ROOTS:
             raise WorldFileError(
-                f"{self.label}:{_line(xml)}: <{_local(xml)}>: the root of an SDF file must be <sdf version='...'>"
+                f"{self.label}:{line_of(xml)}: <{local_name(xml)}>: the root of an SDF file must be <sdf version='...'>"
             )
         self.version = self._described_version(xml)
         blocks = describe(self.version)
         self.root = self._element(xml, blocks["sdf"])
+        if self._depth:
+            return
+        if not self.diagnostics.errors:
+            try:
+                resolve_frames(self.root, self.diagnostics)
+            except RecursionError as error:
+                self.diagnostics.failure(self.root, error)
         self._check_names()
-        if not self._depth:
-            warn_of_unsimulated(self.root, self.diagnostics)
+        warn_of_unsimulated(self.root, self.diagnostics)
 
     def _described_version(self, xml: etree._Element) -> str:
         """The version whose description applies: the file's, or the nearest one, with a warning."""
-        given = xml.get("version")
+        given = xml.get("version", OLDEST if local_name(xml) == "gazebo" else None)
         if given is None:
             self._error(xml, "version is missing and must be given")
-            return VERSIONS[-1]
+            return NEWEST
         if given in VERSIONS:
             return given
         try:
             number = tuple(map(int, given.split(".")))
         except ValueError:
-            self._error(xml, f"version {given!r} is not allowed; {', '.join(VERSIONS)} are")
-            return VERSIONS[-1]
-        nearest_version = VERSIONS[0] if number < (1, 4) else VERSIONS[-1]
-        self._warn(xml, f"version {given} is read as {nearest_version}; {', '.join(VERSIONS)} are known")
-        return nearest_version
+            self._error(xml, f"version {given!r} is not allowed; {OLDEST} to {VERSIONS[-1]} are")
+            return NEWEST
+        if number < (1, 4):
+            convert(xml, given, VERSIONS[0], self.label)
+            self._warn(xml, f"version {given} is read as {VERSIONS[0]}; `libgz upgrade` writes it as {NEWEST}")
+            return VERSIONS[0]
+        self._warn(xml, f"version {given} is read as {VERSIONS[-1]}; {OLDEST} to {VERSIONS[-1]} are known")
+        return VERSIONS[-1]
 
     def _error(self, xml: etree._Element, message: str) -> None:
         self.diagnostics.error(self._place(xml), message)
@@ -126,15 +140,18 @@ class SdfFile:
         self.diagnostics.warn(self._place(xml), message)
 
     def _place(self, xml: etree._Element) -> Place:
-        return Place(self.label, _line(xml), _local(xml))
+        return Place(self.label, line_of(xml), local_name(xml))
 
     # Elements ----------------------------------------------------------------------------------------------------
 
     def _element(self, xml: etree._Element, description: Description | None) -> Element:
         """An element and all in it, checked against its description."""
-        name = _local(xml) if description is not None or not xml.prefix else f"{xml.prefix}:{_local(xml)}"
-        element = Element(name, description, file=self.label, line=_line(xml))
+        name = description.name if description is not None else tag_name(xml)
+        element = Element(name, description, file=self.label, line=line_of(xml))
         self._read_attributes(xml, element)
+        if name == "sensor":
+            kind = element.attributes["type"]
+            kind.text = SENSORS.get(kind.text, kind.text)
         self._read_value(xml, element)
         for child in xml:
             if isinstance(child.tag, str):
@@ -147,11 +164,11 @@ class SdfFile:
         description = element.description
         for key, text in xml.attrib.items():
             name = str(key).rpartition("}")[2]
-            if name in LATER:
-                self._error(xml, f"{name} is part of SDF 1.7 and later, which libgz does not read")
-            elif description is not None and not description.open and name not in element.attributes:
+            if description is not None and not description.open and name not in element.attributes:
                 self.diagnostics.no_effect(self._place(xml), functools.partial(self._unknown_attribute, name, element))
                 continue
+            if name == "frame" and not text.strip():
+                continue  # of a pose: an empty frame is none
             param = element.attributes.setdefault(name, Param(name, "string", "", given=True))
             param.SetFromString(str(text))
             allowed = check(param.kind, param.text)
@@ -171,23 +188,75 @@ class SdfFile:
         if not text.strip():
             return
         element.value.SetFromString(text)
-        allowed = check(element.value.kind, text)
-        if allowed:
+        kind = element.value.kind
+        try:
+            if kind == "pose" and self._in_other_units(element, text):
+                return
+        except ParameterError as error:
+            self._error(xml, str(error))
+            return
+        allowed = check(kind, text)
+        if not allowed:
+            return
+        usable = repaired(kind, text)
+        if usable:
+            element.value.SetFromString(usable)
+            self._warn(xml, f"{text.strip()!r} is read as {usable!r}; it should be {allowed}")
+        else:
             self._error(xml, f"{text.strip()!r} is not allowed; it must be {allowed}")
 
+    @staticmethod
+    def _in_other_units(pose: Element, text: str) -> bool:
+        """Replace a pose in degrees, or with a quaternion, by one in radians; whether it was one.
+
+        Raises:
+            ParameterError: it has not the numbers that it needs.
+        """
+        form = pose.attributes["rotation_format"].text if pose.HasAttribute("rotation_format") else "euler_rpy"
+        degrees = pose.HasAttribute("degrees") and pose.attributes["degrees"].Get(bool)
+        if form not in ("", "euler_rpy", "quat_xyzw"):
+            raise ParameterError(f"rotation_format is {form!r}; euler_rpy and quat_xyzw are allowed")
+        quaternion = form == "quat_xyzw"
+        if not (quaternion or degrees):
+            return False
+        if quaternion and degrees:
+            raise ParameterError("degrees have no meaning for rotation_format='quat_xyzw'")
+        numbers = [parse(float, word) for word in text.split()]
+        if len(numbers) != (7 if quaternion else 6):
+            raise ParameterError(f"{text.strip()!r} is not allowed; it must be {7 if quaternion else 6} numbers")
+        if quaternion:
+            x, y, z, w = numbers[3:]
+            size = math.sqrt(x * x + y * y + z * z + w * w)
+            if not size > 0.0:
+                raise ParameterError(f"{text.strip()!r} is not allowed; a quaternion must not be zero")
+            rotation = GzQuatern(w / size, x / size, y / size, z / size)
+        else:
+            rotation = GzQuaternFromEuler(*map(math.radians, numbers[3:]))
+        pose.value.SetFromString(exact_pose(GzPose(GzVector(*numbers[:3]), rotation)))
+        for key in ("degrees", "rotation_format"):
+            pose.attributes[key].given = False
+        return True
+
     def _read_child(self, xml: etree._Element, parent: Element) -> None:
-        name, description = _local(xml), parent.description
-        if name == "include" and description is not None and "include" in description.children:
-            self._include(xml, parent, description.children["include"])
+        description = parent.description
+        name = tag_name(xml)
+        if name == "include" and description is not None and parent.name in HOLDERS:
+            self._include(xml, parent)
             return
+        if parent.name == "sensor":
+            name = SENSORS.get(name, name)
+        extension = ":" in name  # whose prefix says that it is not of SDF
         known = description.children.get(name) if description is not None and not description.open else None
-        if name == "frame" and known is None and description is not None and not description.open:
-            self._error(xml, "frames are part of SDF 1.7 and later, which libgz does not read")
-            return
         if known is not None and known.count in ("0", "1") and parent.HasElement(name) and not _repeated(parent, name):
             again = f"occurs more than once in <{parent.name}>; only the first one has an effect"
             self.diagnostics.no_effect(self._place(xml), lambda: again)
-        elif known is None and description is not None and not description.open and description.children:
+        elif (
+            known is None
+            and not extension
+            and description is not None
+            and not description.open
+            and description.children
+        ):
             names = description.children
             self.diagnostics.no_effect(
                 self._place(xml),
@@ -200,16 +269,22 @@ class SdfFile:
         for name, about in description.children.items():
             if not about.required or element.HasElement(name):
                 continue
+            if element.name == "model" and name == "link":
+                continue  # it is only a name then
             if element.name == "script" and "uri" in description.children:
                 element.AddElement(name)  # of a material: many files have only one of both, or plain text
-            elif about.default == UNSET:
+            elif (element.name, name) in NEEDED:
                 self._error(xml, f"<{name}> is missing and must be given")
             elif element.name == "joint" and name == "axis" and element.attributes["type"].text in ("ball", "fixed"):
                 continue
-            elif element.name == "joint" and name == "axis":
-                self._error(xml, "<axis> is missing and must be given")
             else:
-                element.AddElement(name)
+                axis = element.AddElement(name)
+                if element.name == "joint" and name == "axis":
+                    self._warn(xml, f"<axis> is missing; it is {axis.Get(str, 'xyz')}")
+                elif (
+                    about.default == UNSET and name != "uri"
+                ):  # what lacks a file is left out with a warning of its own
+                    self._warn(xml, f"<{name}> is missing")
 
     def _check_names(self) -> None:
         """Warn of two elements of one kind and name in one parent: only the first is found by its name."""
@@ -224,13 +299,19 @@ class SdfFile:
 
     # Includes ----------------------------------------------------------------------------------------------------
 
-    def _include(self, xml: etree._Element, parent: Element, description: Description) -> None:
-        """Replace an include by its model, actor or light, with the name and pose that the include sets."""
-        given = {_local(child): (child.text or "").strip() for child in xml if isinstance(child.tag, str)}
-        uri = given.get("uri", "")
+    def _include(self, xml: etree._Element, parent: Element) -> None:
+        """Replace an include by its model, actor or light, with the name and pose that the include sets.
+
+        One that cannot be read stays as it is, with a warning: the rest of the world runs.
+        """
+        given = {local_name(child): child for child in xml if isinstance(child.tag, str)}
+        uri = (given["uri"].text or "").strip() if "uri" in given else xml.get("filename", "").strip()
         if not uri:
-            self._error(xml, "<uri> is missing and must be given")
+            self._warn(xml, "<uri> is missing; the include is left out")
             return
+        if "model_pose" in xml.attrib and "pose" not in given:  # beside `filename`, in worlds of Gazebo 1
+            given["pose"] = etree.SubElement(xml, "pose")
+            given["pose"].text, given["pose"].sourceline = xml.get("model_pose"), xml.sourceline
         if self._depth >= DEEPEST_INCLUDE:
             self._error(xml, f"includes are nested deeper than {DEEPEST_INCLUDE}: does {uri} include itself?")
             return
@@ -240,7 +321,8 @@ class SdfFile:
             included._depth = self._depth + 1
             included._read_file(path)
         except (NotFoundError, WorldFileError) as error:
-            self._error(xml, str(error))
+            self._warn(xml, f"{error}; it is left out")
+            parent.InsertElement(self._element(xml, describe(NEWEST)["world"].children["include"]))
             return
         self.diagnostics.include(included.diagnostics)
         entity = next((e for e in included.root.children if e.name in ("model", "light", "actor")), None)
@@ -249,23 +331,30 @@ class SdfFile:
             return
         self._apply_include(xml, entity, given)
         included.root.RemoveChild(entity)
-        parent.InsertElement(entity)
+        if xml.get("merge", "").strip().lower() in ("true", "1") and entity.name == parent.name == "model":
+            merge(entity, parent, self.diagnostics)
+        else:
+            parent.InsertElement(entity)
 
-    def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, str]) -> None:
+    def _apply_include(self, xml: etree._Element, entity: Element, given: dict[str, etree._Element]) -> None:
         """Apply name, pose, static and plugins of an include to the included entity."""
-        if given.get("name"):
-            entity.set_attribute("name", given["name"])
+        name = (given["name"].text or "").strip() if "name" in given else ""
+        if name:
+            entity.set_attribute("name", name)
+        if "placement_frame" in given:
+            entity.set_attribute("placement_frame", (given["placement_frame"].text or "").strip())
+        described = describe(self.version)["model"].children
         for key in ("pose", "static"):
-            if key in given:
-                target = entity.GetElement(key)
-                if target is not None:
-                    target.value.SetFromString(given[key])
-                    allowed = check(target.value.kind, given[key])
-                    if allowed:
-                        self._error(xml, f"<{key}> is {given[key]!r}; it must be {allowed}")
+            old = next(entity.named(key), None)
+            known = entity.description is None or key in entity.description.children
+            if key not in given or not known:
+                continue
+            if old is not None:
+                entity.RemoveChild(old)
+            entity.InsertElement(self._element(given[key], described[key]))
         plugin = describe(self.version)["plugin"]
         for child in xml:
-            if isinstance(child.tag, str) and _local(child) == "plugin":
+            if isinstance(child.tag, str) and local_name(child) == "plugin":
                 entity.InsertElement(self._element(child, plugin))
 
 
@@ -276,7 +365,7 @@ def _repeated(parent: Element, name: str) -> bool:
 
 
 def is_sdf(filename: str | os.PathLike[str]) -> bool:
-    """Whether the root element of a file is `<sdf>`; false for what cannot be read or is not XML."""
+    """Whether the root of a file is `<sdf>`, or the older `<gazebo>`; false for what cannot be read or is not XML."""
     try:
         with Path(filename).open("rb") as stream:
             return _root_is_sdf(stream)
@@ -293,16 +382,6 @@ def _root_is_sdf(stream: IO[bytes]) -> bool:
     try:
         events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
         _, root = next(iter(events))
-        return _local(root) == "sdf"
+        return local_name(root) in ROOTS
     except (StopIteration, etree.XMLSyntaxError):
         return False
-
-
-def _local(xml: etree._Element) -> str:
-    """The tag without its namespace."""
-    return str(xml.tag).rpartition("}")[2]
-
-
-def _line(xml: etree._Element) -> int:
-    line = xml.sourceline
-    return line if isinstance(line, int) else 0

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from libgz.files import is_file
+from libgz.sdf.description import NEWEST
 from libgz.sdf.element import Element
 
 __all__ = ["NEWEST", "upgraded"]
 
-NEWEST = "1.6"
 MOVED_UP = ("gravity", "magnetic_field")  # from <physics> to <world>
 NAMES_OF_FILES = ("uri", "diffuse", "normal")  # of meshes, height maps and their textures, scripts of materials
 NOISES = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of an <imu>
@@ -32,7 +32,17 @@ def upgraded(element: Element, folder: Path | None = None) -> Element:
                 _add(axis, "use_parent_model_frame").Set(True)  # up to 1.4 axes are in the model's frame
     for imu in copy.find("imu"):
         _spread_noise(imu)
+    _remove_frames(copy)
     return copy
+
+
+def _remove_frames(element: Element) -> None:
+    """Remove the frames: all that was relative to them was resolved when the document was read."""
+    for child in list(element.children):
+        if child.name == "frame" and child.HasAttribute("name"):
+            element.RemoveChild(child)
+        elif child.name != "plugin":
+            _remove_frames(child)
 
 
 def _make_absolute(element: Element, folder: Path | None) -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 
-__all__ = ["check", "format_value", "parse"]
+__all__ = ["check", "exact_pose", "format_value", "parse", "repaired"]
 
 T = TypeVar("T")
 
@@ -124,6 +125,32 @@ def check(kind: str, text: str) -> str:
     except ParameterError:
         return allowed
     return ""
+
+
+# Type in the description -> how many numbers its text has, at most.
+_LENGTHS = {"double": 1, "int": 1, "unsigned int": 1, "vector2d": 2, "vector2i": 2, "vector3": 3, "pose": 6, "color": 4}
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def repaired(kind: str, text: str) -> str:
+    """The text that Gazebo classic reads in place of one that `check` refuses; empty if there is none.
+
+    It reads the number that a word begins with, takes missing numbers as 0, and ignores those beyond the last.
+    """
+    found = [_NUMBER.match(word) for word in text.replace(",", " ").split()]
+    words = [match[0] for match in found if match is not None]
+    if kind not in _LENGTHS or not found or len(words) < len(found):
+        return ""
+    words = words[: _LENGTHS[kind]]
+    if kind in ("int", "unsigned int"):
+        return str(int(float(words[0]))) if math.isfinite(float(words[0])) else ""
+    least = 3 if kind == "color" else _LENGTHS[kind]
+    return " ".join(words + ["0"] * (least - len(words)))
+
+
+def exact_pose(pose: GzPose) -> str:
+    """A pose as text, to the last bit of its numbers."""
+    return " ".join(repr(float(v) + 0.0) for v in (*pose.pos, *GzQuaternToEuler(pose.rot)))
 
 
 def format_value(value: Any) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from libgz.errors import NotFoundError, ParameterError
@@ -16,6 +16,9 @@ __all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "read_joint"]
 UNLIMITED = 1e16  # limits of this size and above mean none
 HALF_TURN = 3.0  # [rad], a little less than pi: stops yield
 
+NEEDED_AXES = {"revolute": 1, "prismatic": 1, "revolute2": 2, "universal": 2}  # for which ODE has defaults
+
+Note = Callable[[Element, str], None]  # reports a warning about an element
 FindLink = Callable[[str], Body]  # a link by its name in a file
 
 
@@ -67,13 +70,14 @@ class JointPlan:
     element: Element | None = None
 
 
-def read_joint(element: Element, find_link: FindLink, model_pose: GzPose) -> JointPlan:
+def read_joint(element: Element, find_link: FindLink, model_pose: GzPose, note: Note) -> JointPlan:
     """Read a `<joint>`.
 
     Args:
         element: the `<joint>`.
         find_link: returns a link by its name.
         model_pose: global pose of the model it stands in.
+        note: reports a warning about an element.
 
     Raises:
         NotFoundError: a link does not exist.
@@ -88,7 +92,7 @@ def read_joint(element: Element, find_link: FindLink, model_pose: GzPose) -> Joi
         parent,
         child,
         anchor,
-        _read_axes(element, anchor, _parent_frame(parent, model_pose)),
+        _read_axes(element, anchor, _parent_frame(parent, model_pose), note),
         pitch=element.Get(float, "thread_pitch"),
         ratio=element.Get(float, "gearbox_ratio"),
         element=element,
@@ -107,7 +111,17 @@ def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
     try:
         return find_link(name)
     except NotFoundError as error:
-        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {error}") from None
+        lost = ", ".join(f"{i.where} ({i.Get(str, 'uri').strip()})" for i in _missing_includes(element))
+        reason = f"it may be in what was not found: the <include> at {lost}" if lost else str(error)
+        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {reason}") from None
+
+
+def _missing_includes(element: Element) -> Iterator[Element]:
+    """The includes around an element that were left out."""
+    above: Element | None = element.parent
+    while above is not None:
+        yield from above.named("include")
+        above = above.parent
 
 
 def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
@@ -118,11 +132,17 @@ def _parent_frame(parent: Body | None, model_pose: GzPose) -> GzPose:
     return pose
 
 
-def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose) -> list[Axis]:
-    """The axes in global terms: in SDF 1.4 they are in the model's frame, later in the joint's by default."""
-    axes = []
-    for name in ("axis", "axis2"):
+def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note) -> list[Axis]:
+    """The axes in global terms: in SDF 1.4 they are in the model's frame, later in the joint's by default.
+
+    Missing ones are those of ODE: x of the joint, and y.
+    """
+    axes: list[Axis] = []
+    for name, default in (("axis", GzVector(1.0, 0.0, 0.0)), ("axis2", GzVector(0.0, 1.0, 0.0))):
         if not element.HasElement(name):
+            if len(axes) < NEEDED_AXES.get(element.Get(str, "type"), 0):
+                note(element, f"<{name}> is missing; it is {' '.join(f'{v:g}' for v in default)} of the joint")
+                axes.append(Axis(rotate(anchor.rot, default)))
             continue
         axis = element.child(name)
         described = axis.description.children if axis.description is not None else {}

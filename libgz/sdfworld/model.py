@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, Gz
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.physics.joint import Joint
-from libgz.physics.mass import given_mass
+from libgz.physics.mass import Mass, given_mass, positive_definite
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
 from libgz.sdfworld.axis import Axis, JointPlan, read_joint
@@ -70,13 +71,24 @@ class SdfModel(Entity):
             self._guard(link, self._add_link, link, pose)
         for element in self.sdf.named("model"):
             self._guard(element, self._add_nested, element, pose)
-        self._canonical = next((body for model in self.nested_family() for body in model.bodies), None)
+        self._canonical = self._canonical_link()
         if self._canonical is None and self.parent is None:
-            self.diagnostics.error(self.sdf, "a model needs at least one link")
+            self.diagnostics.warn(
+                self.sdf, "a model without links is only a name: it neither moves nor touches anything"
+            )
         elif self._canonical is not None:
             self._frame_in_canonical = GzCoordPoseSub(pose, self._canonical.GetPose())
         self._places = [(body, GzCoordPoseSub(body.GetPose(), pose), body.GetPose()) for body in self.bodies]
         self._start = self.GetPose()
+
+    def _canonical_link(self) -> Body | None:
+        """The link that the model's frame is fixed to: the one that the file names, or the first."""
+        name = self.sdf.attributes["canonical_link"].text if self.sdf.HasAttribute("canonical_link") else ""
+        link = self._own_link(name) if name else None
+        if name and link is None:
+            names = list(self.link_names())
+            self.diagnostics.error(self.sdf, f"canonical_link is {name!r}; it must be a link{nearest(name, names)}")
+        return link or next((body for model in self.nested_family() for body in model.bodies), None)
 
     def build_joints(self) -> None:
         """Make the joints of this model and of those nested in it, and enable auto-disable for links without joints."""
@@ -144,14 +156,30 @@ class SdfModel(Entity):
         if self.static:
             return
         inertial = element.child("inertial")
-        inertia = inertial.child("inertia")
-        moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
-        body.SetMassMatrix(given_mass(inertial.Get(float, "mass"), moments, inertial.Get(GzPose, "pose")))
+        body.SetMassMatrix(self._mass(inertial))
         body.SetGravityMode(element.Get(bool, "gravity"))
         body.set_damping(*self._decay(element))
         body.in_wind = self._in_wind(element)
         if element.Get(bool, "kinematic"):
             body.set_kinematic(True)
+
+    def _mass(self, inertial: Element) -> Mass:
+        """The mass matrix of `<inertial>`; what no body can have is replaced as in Gazebo classic, with a warning."""
+        inertia = inertial.child("inertia")
+        moments = [inertia.Get(float, key) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")]
+        if all(map(math.isfinite, moments)) and not positive_definite(moments):
+            words = " ".join(f"{moment:g}" for moment in moments)
+            self.diagnostics.warn(
+                inertia,
+                f"moments of inertia ixx iyy izz ixy ixz iyz are {words}, which no body has: they are not positive "
+                "definite; 1 kg m^2 about each axis is used instead",
+            )
+            moments = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0]
+        mass = inertial.Get(float, "mass")
+        if mass == 0.0:
+            self.diagnostics.warn(inertial, "mass is 0; 1 kg is used instead")
+            mass = 1.0
+        return given_mass(mass, moments, inertial.Get(GzPose, "pose"))
 
     def create_link(self, name: str) -> Body:
         """Add a link without shapes, of 1 kg, at the model's pose.
@@ -271,7 +299,7 @@ class SdfModel(Entity):
             ParameterError: the name is taken, or a value is not allowed.
             NotFoundError: a link does not exist.
         """
-        return self._take_joint(read_joint(element, self.find_link, self.GetPose()))
+        return self._take_joint(read_joint(element, self.find_link, self.GetPose(), self.diagnostics.warn))
 
     def make_joint(self, name: str, kind: str, parent: Body | None, child: Body | None, *axes: GzVector) -> SdfJoint:
         """Join two links as they stand now; None is the world. The joint's frame is the child's, axes are global.

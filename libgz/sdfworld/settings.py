@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from libgz.errors import Diagnostics, ParameterError
 from libgz.geometry import GzVector
-from libgz.sdf.description import VERSIONS, describe
+from libgz.sdf.description import NEWEST, describe
 from libgz.sdf.element import Element
 from libgz.sdfworld.air import Atmosphere, Wind, read_atmosphere, read_wind
 from libgz.sdfworld.physics import apply_physics
@@ -34,7 +34,7 @@ class SdfSettings:
 
 def default_settings() -> SdfSettings:
     """SDF's defaults, for a world that was not loaded from SDF."""
-    element = Element("world", describe(VERSIONS[-1])["world"])
+    element = Element("world", describe(NEWEST)["world"])
     return SdfSettings(element, element.child("physics"))
 
 

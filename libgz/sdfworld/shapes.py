@@ -15,12 +15,13 @@ from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.physics.check import positive
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.image_files import open_image
 from libgz.physics.mesh_files import MeshPart, read_mesh
 from libgz.physics.meshes import grid_triangles, vertex_normals
 from libgz.physics.outlines import extrude
 from libgz.physics.space import Space
+from libgz.sdf.description import UNSET
 from libgz.sdf.element import Element
 from libgz.sdf.paths import find_uri
 
@@ -28,7 +29,9 @@ __all__ = ["KNOWN", "make_collision", "make_visual"]
 
 log = logging.getLogger("libgz.simulation")
 
-KNOWN = ("box", "sphere", "cylinder", "plane", "mesh", "heightmap", "polyline", "empty")
+KNOWN = ("box", "sphere", "cylinder", "capsule", "ellipsoid", "plane", "mesh", "heightmap", "polyline", "empty")
+ROUND = 24  # corners of an ellipsoid's equator
+THINNEST = 1e-4  # [m]
 MOST_PIXELS = 4097 * 4097
 PATCHES = 16  # of a rendered plane, in each direction: light is computed at their corners
 
@@ -51,7 +54,7 @@ def make_collision(body: Body, space: Space, element: Element, note: Note) -> Ge
         normal = rotate(placed.rot, shape.Get(GzVector, "normal"))
         altitude = sum(n * p for n, p in zip(normal, placed.pos, strict=True))
         return PlaneGeom(body, space, altitude, normal)
-    geom = _simple(body, space, shape)
+    geom = _simple(body, space, shape, note)
     if geom is None:
         parts = _meshes(shape, element, note)
         if not parts:
@@ -68,7 +71,7 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
     if shape is None:
         return []
     pose = element.Get(GzPose, "pose")
-    geom = _simple(body, None, shape)
+    geom = _simple(body, None, shape, note)
     found = [geom] if geom is not None else []
     if geom is None:
         for part in [_plane(shape)] if shape.name == "plane" else _meshes(shape, element, note):
@@ -97,15 +100,24 @@ def _shape(element: Element, note: Note) -> Element | None:
     return shape
 
 
-def _simple(body: Body, space: Space | None, shape: Element) -> Geom | None:
+def _simple(body: Body, space: Space | None, shape: Element, note: Note) -> Geom | None:
     """The geom of a shape that ODE knows; None for others."""
     if shape.name == "box":
-        return BoxGeom(body, space, *shape.Get(GzVector, "size"))
+        return BoxGeom(body, space, *(_extent(shape, "size", length, note) for length in shape.Get(GzVector, "size")))
     if shape.name == "sphere":
-        return SphereGeom(body, space, shape.Get(float, "radius"))
-    if shape.name == "cylinder":
-        return CylinderGeom(body, space, shape.Get(float, "radius"), shape.Get(float, "length"))
+        return SphereGeom(body, space, _extent(shape, "radius", shape.Get(float, "radius"), note))
+    if shape.name in ("cylinder", "capsule"):
+        kind = CylinderGeom if shape.name == "cylinder" else CapsuleGeom
+        return kind(body, space, *(_extent(shape, key, shape.Get(float, key), note) for key in ("radius", "length")))
     return None
+
+
+def _extent(shape: Element, key: str, value: float, note: Note) -> float:
+    """A length [m]; one of 0 is a little more than that, as in Gazebo classic, with a warning."""
+    if value == 0.0:
+        note(shape, f"{key} is 0; {THINNEST:g} m is used instead")
+        return THINNEST
+    return value
 
 
 def _plane(shape: Element) -> MeshPart:
@@ -136,7 +148,7 @@ def _merged(parts: list[MeshPart]) -> Triangles:
 
 def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
     """The triangles of a mesh-like shape; none, with a warning, where a file is missing or cannot be read."""
-    makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline}
+    makers = {"mesh": _read, "heightmap": _heightmap, "polyline": _polyline, "ellipsoid": _ellipsoid}
     try:
         return makers[shape.name](shape, element)
     except NotFoundError as error:
@@ -149,6 +161,8 @@ def _meshes(shape: Element, element: Element, note: Note) -> list[MeshPart]:
 
 
 def _find(shape: Element) -> Path:
+    if shape.Get(str, "uri") in ("", UNSET):
+        raise NotFoundError("it has no <uri>")
     folder = Path(shape.file).parent if shape.file and not shape.file.startswith("<") else None
     path = find_uri(shape.Get(str, "uri"), folder)
     if not is_file(path):
@@ -186,8 +200,6 @@ def _read(shape: Element, _element: Element) -> list[MeshPart]:
 
 def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
     """Ground from an image: black is the bottom, the brightest pixel is size z above it; the top row lies at +y."""
-    if not shape.HasElement("uri") or not shape.Get(str, "uri"):
-        raise ParameterError("<heightmap> needs the <uri> of an image")
     path = _find(shape)
     size, pos = shape.Get(GzVector, "size"), shape.Get(GzVector, "pos")
     for value, what in ((size.x, "heightmap size x [m]"), (size.y, "heightmap size y [m]")):
@@ -210,12 +222,34 @@ def _heightmap(shape: Element, _element: Element) -> list[MeshPart]:
 
 
 def _polyline(_shape: Element, element: Element) -> list[MeshPart]:
-    """A solid extruded from an outline; further polylines of the geometry are holes in it."""
+    """Solids extruded from all outlines of the geometry; one inside another is a hole in it."""
     lines = list(element.child("geometry").named("polyline"))
     rings = [[_flat(point) for point in line.named("point")] for line in lines]
     height = positive(lines[0].Get(float, "height"), "polyline height [m]")
-    vertices, triangles = extrude(list(rings), height)
+    try:
+        vertices, triangles = extrude(list(rings), height)
+    except ParameterError as error:
+        raise GazeboError(str(error)) from None
     return [MeshPart("polyline", vertices, triangles)]
+
+
+def _ellipsoid(shape: Element, _element: Element) -> list[MeshPart]:
+    """A ball, stretched along x, y and z."""
+    radii = [positive(radius, "ellipsoid radius [m]") for radius in shape.Get(GzVector, "radii")]
+    up, around = np.linspace(-0.5 * np.pi, 0.5 * np.pi, ROUND // 2 + 1)[1:-1], np.arange(ROUND) * (2.0 * np.pi / ROUND)
+    rows = [
+        np.column_stack([np.cos(u) * np.cos(around), np.cos(u) * np.sin(around), np.full(ROUND, np.sin(u))]) for u in up
+    ]
+    ball = np.concatenate([*rows, [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]])
+    count, i = len(rows) * ROUND, np.arange(ROUND)
+    j = np.roll(i, -1)
+    faces = [np.stack([np.full(ROUND, count), j, i], axis=1)]
+    for k in range(len(rows) - 1):
+        low, high = k * ROUND, (k + 1) * ROUND
+        faces += [np.stack([low + i, low + j, high + j], axis=1), np.stack([low + i, high + j, high + i], axis=1)]
+    top = (len(rows) - 1) * ROUND
+    faces.append(np.stack([top + i, top + j, np.full(ROUND, count + 1)], axis=1))
+    return [MeshPart("ellipsoid", ball * np.array(radii), np.concatenate(faces))]
 
 
 def _flat(point: Element) -> tuple[float, float]:

@@ -39,7 +39,7 @@ class WorldJoints(Entity):
         self.sdf_joints: dict[str, SdfJoint] = {}
         for element in elements:
             try:
-                plan = read_joint(element, self.find_link, GzPose())
+                plan = read_joint(element, self.find_link, GzPose(), diagnostics.warn)
                 self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)

@@ -92,12 +92,12 @@ def test_files_that_are_no_worlds(tmp_path):
     assert {error.line for error in check(broken)} & {2, 3}
     (error,) = check(later)
     assert (error.line, error.element) == (2, "sdf")
-    assert "Gazebo classic" in error.message
+    assert error.message == "holds no world, model or light"
     (error,) = check(absent)
     assert str(error.message).startswith("cannot read worldfile")
     done = run_libgz("check", broken, later, absent)
     assert done.returncode == 1
-    assert f"{later}:2: <sdf>: this is an SDF world" in done.stdout
+    assert f"{later}:2: <sdf>: holds no world" in done.stdout
 
 
 def test_two_models_with_the_same_interface_and_id(tmp_path):

@@ -49,12 +49,6 @@ def test_joints_reach_into_nested_models(load):
     assert robot.sdf_joints["shoulder"].position() == pytest.approx(0.1, abs=1e-3)
 
 
-def test_frames_of_later_versions_are_refused(load):
-    for text in ("<pose frame='x'>0 0 0 0 0 0</pose>", "<pose relative_to='x'>0 0 0 0 0 0</pose>"):
-        with pytest.raises(WorldFileError, match=r"is part of SDF 1\.7 and later, which libgz does not read"):
-            load(world(f"<model name='m'>{text}<link name='l'/></model>"))
-
-
 # Links -----------------------------------------------------------------------------------------------------------
 
 

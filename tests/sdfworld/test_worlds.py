@@ -272,7 +272,7 @@ def test_all_faults_at_once(load):
 @pytest.mark.parametrize(
     ("inside", "said"),
     [
-        ("<model name='m'><pose>0 0 1</pose><link name='l'/></model>", r"<pose>: '0 0 1' .* must be 6 numbers: x y z"),
+        ("<model name='m'><pose>0 0 z</pose><link name='l'/></model>", r"<pose>: '0 0 z' .* must be 6 numbers: x y z"),
         ("<physics type='ode'><max_step_size>0</max_step_size></physics>", r"<physics>: .* must be above zero"),
         ("<state world_name='w'><sim_time>soon</sim_time></state>", r"<sim_time>: 'soon' .* must be seconds"),
     ],
@@ -284,7 +284,7 @@ def test_a_wrong_number_is_told_with_its_place(load, inside, said):
 
 def test_a_wrong_number_does_not_hide_what_else_is_wrong(load):
     with pytest.raises(WorldFileError) as caught:
-        load("<world name='w'><model name='a'><pose>0 0 1</pose><link name='l'/></model><model name='b'/></world>")
+        load("<world name='w'><model name='a'><pose>0 0 z</pose><link name='l'/></model><model name='b'/></world>")
     assert "must be 6 numbers" in str(caught.value)
     assert "GzPose" not in str(caught.value)
 

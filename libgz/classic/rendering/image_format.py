@@ -47,6 +47,10 @@ def _gray16(pixels: Pixels) -> NDArray[np.uint16]:
     return np.rint(_gray(pixels) * 257.0).astype(np.uint16)  # 255 becomes 65535
 
 
+def _color16(pixels: Pixels) -> NDArray[np.uint16]:
+    return pixels.astype(np.uint16) * np.uint16(257)  # 255 becomes 65535
+
+
 def _with_alpha(pixels: Pixels) -> Pixels:
     return np.dstack((pixels, np.full(pixels.shape[:2], 255, dtype=np.uint8)))
 
@@ -56,14 +60,19 @@ FORMATS: dict[str, tuple[int, Callable[[Pixels], NDArray[np.uint8] | NDArray[np.
     "R8G8B8": (3, _rgb),
     "RGB_INT8": (3, _rgb),
     "R8G8B8A8": (4, _with_alpha),
+    "RGBA_INT8": (4, _with_alpha),
+    "BGRA_INT8": (4, lambda pixels: _with_alpha(pixels[:, :, ::-1])),
     "B8G8R8": (3, lambda pixels: pixels[:, :, ::-1]),
     "BGR_INT8": (3, lambda pixels: pixels[:, :, ::-1]),
     "L8": (1, _gray8),
     "L_INT8": (1, _gray8),
     "L16": (2, _gray16),
     "L_INT16": (2, _gray16),
-    "R16G16B16": (6, lambda pixels: pixels.astype(np.uint16) * np.uint16(257)),
-    "RGB_INT16": (6, lambda pixels: pixels.astype(np.uint16) * np.uint16(257)),
+    "L_UINT16": (2, _gray16),
+    "R16G16B16": (6, _color16),
+    "RGB_INT16": (6, _color16),
+    "RGB_UINT16": (6, _color16),
+    "BGR_INT16": (6, lambda pixels: _color16(pixels[:, :, ::-1])),
     **{f"BAYER_{order}8": (1, _bayer(order)) for order in ("RGGB", "BGGR", "GBRG", "GRBG")},
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,7 +13,7 @@ from libgz.classic import msgs
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
-from libgz.classic.sensors.read import clip, count, first, known_children, number, wrong
+from libgz.classic.sensors.read import UNSET, clip, count, first, known_children, number, wrong
 from libgz.errors import ParameterError
 from libgz.geometry import GzPose
 from libgz.rendering.camera import LONGEST_SIDE, MOST_PIXELS
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["CameraPlan", "image_message"]
 
+log = logging.getLogger("libgz.classic")
+
 C = TypeVar("C", bound=Camera)
 
 # Numbers of gazebo.common.Image's pixel formats.
@@ -31,19 +34,25 @@ PIXEL_FORMATS = {
     "L_INT8": 1,
     "L16": 2,
     "L_INT16": 2,
+    "L_UINT16": 2,
     "R8G8B8": 3,
     "RGB_INT8": 3,
     "R8G8B8A8": 4,
+    "RGBA_INT8": 4,
+    "BGRA_INT8": 5,
     "R16G16B16": 6,
     "RGB_INT16": 6,
+    "RGB_UINT16": 6,
     "B8G8R8": 8,
     "BGR_INT8": 8,
+    "BGR_INT16": 9,
     "FLOAT32": 13,
     "BAYER_RGGB8": 15,
     "BAYER_BGGR8": 16,
     "BAYER_GBRG8": 17,
     "BAYER_GRBG8": 18,
 }
+DEFAULT_FORMAT = "R8G8B8"
 NARROWEST, WIDEST = 0.01, math.pi - 0.01  # [rad]
 NEAREST = 0.01  # [m]
 
@@ -72,7 +81,8 @@ class CameraPlan:
         try:
             self.format = check_format(image.Get(str, "format"))
         except ParameterError as error:
-            raise wrong(image, "format", str(error)) from None
+            log.warning("%s; the camera uses %s", wrong(image, "format", str(error)), DEFAULT_FORMAT)
+            self.format = DEFAULT_FORMAT
         distances = element.child("clip")
         if depth and "depth_camera" in known_children(element) and element.HasElement("depth_camera"):
             distances = first(element.child("depth_camera"), "clip") or distances
@@ -84,7 +94,8 @@ class CameraPlan:
         camera = kind(world, name, self.width, self.height, self.hfov, near, self.far, self.format)
         save, noise = first(self.element, "save"), self.noise
         if save is not None and save.Get(bool, "enabled"):
-            camera.SetSaveFramePathname(save.Get(str, "path"))
+            path = save.Get(str, "path")
+            camera.SetSaveFramePathname("" if path in UNSET else path)
             camera.EnableSaveFrame(True)
         if noise is not None and noise.GetNoiseType() != Noise.NONE:
             camera.filters.append(lambda pixels: add_noise(pixels, noise))

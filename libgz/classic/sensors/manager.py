@@ -60,11 +60,11 @@ class WorldSensors:
         kind = element.Get(str, "type")
         if kind in ABSENT:
             return None  # a warning of the file
+        if kind not in KINDS:
+            hint = f"; there are {', '.join(KINDS)}{nearest(kind, KINDS)}"
+            log.warning("%s: <sensor>: type %r is not simulated; the sensor is left out%s", element.where, kind, hint)
+            return None
         try:
-            if kind not in KINDS:
-                raise ParameterError(
-                    f"{element.where}: <sensor>: type is {kind!r}; allowed are {', '.join(KINDS)}{nearest(kind, KINDS)}"
-                )
             if kind not in ON_JOINTS and not hasattr(parent, "pose"):
                 raise ParameterError(
                     f"{element.where}: <sensor>: type is {kind!r}, which stands in a <link>; in a <joint>, "

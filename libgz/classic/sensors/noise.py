@@ -173,11 +173,11 @@ class GaussianNoiseModel(Noise):
         self.SampleBias()
 
 
-KINDS = ("none", "gaussian", "gaussian_quantized")
+KINDS = ("none", "gaussian", "gaussian_quantized", "custom")
 
 
 def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0) -> Noise:
-    """The noise that a `<noise>` element describes.
+    """The noise that a `<noise>` element describes; a custom one adds none until a plugin sets its callback.
 
     Args:
         element: with `type` as an attribute, or as a child in older places.
@@ -190,6 +190,8 @@ def new_noise(element: Element, seed: int = 0, name: str = "", channel: int = 0)
     kind = choice(element, "type", KINDS)
     if kind == "none":
         return Noise()
+    if kind == "custom":
+        return Noise(NoiseType.CUSTOM)
     stream = np.random.SeedSequence(entropy=seed, spawn_key=(zlib.crc32(name.encode()), channel))
     return GaussianNoiseModel(
         number(element, "mean"),

@@ -210,12 +210,15 @@ class RaySensor(LinkSensor):
 def _row(element: Element) -> tuple[int, int, tuple[float, float]]:
     """(rays, readings, (first, last) angle [rad]) of `<horizontal>` or `<vertical>`."""
     samples = count(element, "samples", most=MOST_RAYS)
-    resolution = number(element, "resolution")
-    if not 1.0 <= samples * resolution <= MOST_RAYS:
-        bound = f"at most {MOST_RAYS}" if samples * resolution > MOST_RAYS else "at least 1"
-        allowed = f"samples times resolution must be {bound}"
-        raise wrong(element, "resolution", f"is {resolution:g}; {allowed}")
+    resolution = number(element, "resolution", 0.0)
+    if samples * resolution > MOST_RAYS:
+        message = f"is {resolution:g}; samples times resolution must be at most {MOST_RAYS}"
+        raise wrong(element, "resolution", message)
     readings = int(samples * resolution)
+    if readings < 1:
+        message = f"is {resolution:g}; samples times resolution is less than 1, and 1 is used instead"
+        log.warning("%s", wrong(element, "resolution", message))
+        readings = 1
     low, high = (number(element, key, -FULL_TURN, FULL_TURN, "rad") for key in ("min_angle", "max_angle"))
     if high < low:
         raise wrong(element, "max_angle", f"is {high:g} rad; it must be at least <min_angle>, {low:g} rad")

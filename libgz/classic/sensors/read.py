@@ -8,7 +8,7 @@ from collections.abc import Collection, Iterable
 from libgz.errors import Diagnostic, ParameterError, nearest
 from libgz.sdf.element import Element
 
-__all__ = ["choice", "clip", "count", "custom_topic", "first", "known_children", "number", "wrong"]
+__all__ = ["UNSET", "choice", "clip", "count", "custom_topic", "first", "known_children", "number", "wrong"]
 
 UNSET = ("", "__default__", "__default_topic__")
 

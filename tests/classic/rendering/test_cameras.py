@@ -211,7 +211,6 @@ def test_a_camera_goes_with_its_link():
     ("text", "message"),
     [
         (camera(size=(0, 10)), "<width>: is 0; it must be at least 1"),
-        (camera(image="<format>R9G9</format>"), "<format>: there is no image format 'R9G9'"),
         (camera(clip=(2, 1)), "<far>: is 1 m; it must be beyond <near>, 2 m"),
         (camera().replace(">1.0<", ">4<"), "<horizontal_fov>: is 4 rad"),
         ("<sensor name='eye' type='multicamera'/>", "at least one <camera>"),

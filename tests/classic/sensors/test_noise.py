@@ -68,3 +68,15 @@ def test_two_runs_with_one_seed_are_equal_and_sensors_have_noise_of_their_own():
     assert first[0] != first[1]
     angles = np.linspace(-0.5, 0.5, 50)
     assert np.std(np.array(first[0]) - 2.5 / np.cos(angles)) == pytest.approx(0.1, rel=0.35)
+
+
+def test_custom_noise_is_what_a_plugin_sets():
+    content = ray(3, (-0.5, 0.5), (0.1, 10), noise="<noise><type>custom</type></noise>")
+    with world_of(model("m", sensor("ray", content)) + box("b", "3 0 0 0 0 0", "1 9 9")) as world:
+        world.step(1)
+        kind = sensors.SensorNoiseType.RAY_NOISE
+        assert get("s").Range(1) == pytest.approx(2.5)
+        assert get("s").Noise(kind).GetNoiseType() == get("s").Noise(kind).CUSTOM
+        get("s").Noise(kind).SetCustomNoiseCallback(lambda value: 0.5 * value)
+        world.step(1)
+        assert get("s").Range(1) == pytest.approx(1.25)

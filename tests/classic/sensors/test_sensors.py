@@ -2,6 +2,7 @@
 
 import logging
 import math
+import re
 
 import numpy as np
 import pytest
@@ -359,8 +360,7 @@ def test_rays_of_one_s_own():
         (sensor("ray", ray(0)), r":\d+: <samples>: is 0; it must be at least 1"),
         (sensor("ray", ray(5, reach=(3, 2))), "<max>: is 2 m; it must be beyond <min>, 3 m"),
         (sensor("ray", ray(5, (1, -1))), "<max_angle>: is -1 rad; it must be at least <min_angle>, 1 rad"),
-        (sensor("ray", ray(5, resolution=0.1)), "samples times resolution must be at least 1"),
-        (sensor("rai", ""), "type is 'rai'; allowed are altimeter, .*did you mean 'ray'"),
+        (sensor("ray", ray(5, resolution=-1)), "<resolution>: is -1; it must be at least 0"),
         (sensor("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
         (sensor("logical_camera", "<logical_camera><near>5</near></logical_camera>"), "<far>: is 1 m"),
         (sensor("force_torque", ""), "must be a joint"),
@@ -395,3 +395,29 @@ def test_sensors_that_are_not_simulated_are_left_out_with_a_word(caplog):
     with world_of(model("m", sensor("rfid", "") + imu())):
         assert "type 'rfid' is not simulated" in caplog.text
         assert len(sensors.SensorManager.Instance().GetSensors()) == 1
+
+
+LENIENT = [
+    (sensor("ray", ray(1, (0, 0), resolution=0.5)), "<resolution>: is 0.5; .* 1 is used instead"),
+    (sensor("rai", ""), "type 'rai' is not simulated; the sensor is left out; .*did you mean 'ray'"),
+    (
+        sensor("camera", "<camera><image><format>RGB_FOO</format></image></camera>"),
+        "'RGB_FOO'.* the camera uses R8G8B8",
+    ),
+    (sensor("camera", "<camera><save enabled='0'/></camera>"), "<save>: <path> is missing"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), LENIENT)
+def test_what_classic_let_pass_is_a_warning(text, message, caplog):
+    with world_of(model("m", text)) as world:
+        world.step(1)
+    assert re.search(rf":\d+: .*{message}", caplog.text)
+
+
+def test_later_names_of_sensors_are_those_of_classic():
+    lidar = ray(3, (-0.5, 0.5)).replace("ray>", "lidar>")
+    with world_of(model("m", sensor("lidar", lidar)), "1.8") as world:
+        world.step(1)
+        assert get("s").Type() == "ray"
+        assert len(get("s").Ranges()) == 3

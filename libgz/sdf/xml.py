@@ -1,0 +1,119 @@
+"""Parsing the text of SDF files: strictly, and else as leniently as Gazebo classic's parser did, with warnings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from lxml import etree
+
+from libgz.errors import Diagnostics, Place, WorldFileError
+from libgz.files import xml_parser
+
+__all__ = ["line_of", "local_name", "parse_document", "tag_name"]
+
+_DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
+_ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
+# A comment, a CDATA section, or an ampersand that begins no reference.
+_SLIPS = re.compile(rb"<!--(.*?)-->|<!\[CDATA\[.*?\]\]>|&(?!(?:#\d+|#x[0-9a-fA-F]+|lt|gt|amp|quot|apos);)", re.DOTALL)
+# libxml2's names of what it recovers from without loss -> what is reported.
+_TOLERATED = {
+    "NS_ERR_UNDEFINED_NAMESPACE": "{message}; it is read without xmlns",
+    "ERR_ATTRIBUTE_REDEFINED": "{message}; the first one counts",
+    "ERR_DOCUMENT_END": "what follows the root element is ignored",
+    "ERR_LT_IN_ATTRIBUTE": "'<' in the value of an attribute should be written &lt;",
+    "ERR_INVALID_ENCODING": "there are bytes that are not of the document's encoding; they are replaced",
+    "I18N_NO_INPUT": "there are bytes that are not of the document's encoding; they are replaced",
+}
+
+Report = Callable[[int, str], None]  # of a warning, with its line
+
+
+def parse_document(data: bytes, label: str, diagnostics: Diagnostics) -> etree._Element:
+    """The root element of a document.
+
+    Args:
+        data: the document's bytes.
+        label: its name in messages.
+        diagnostics: takes a warning for each thing that is not well-formed, and was passed by Gazebo classic's parser.
+
+    Raises:
+        WorldFileError: it is not well-formed, and cannot be read all the same.
+    """
+    try:
+        return etree.fromstring(data, xml_parser())
+    except etree.XMLSyntaxError as error:
+        refused = WorldFileError(f"{label}:{error.lineno or 1}: {error.msg}")
+
+    def report(line: int, message: str) -> None:
+        found[Place(label, line, "xml"), message] = None
+
+    found: dict[tuple[Place, str], None] = {}
+    parser = xml_parser(recover=True)
+    try:
+        root = etree.fromstring(_repaired(data, report), parser)
+    except etree.XMLSyntaxError:
+        raise refused from None
+    if root is None or any(entry.type_name not in _TOLERATED for entry in parser.error_log):
+        raise refused
+    prefixes = set()
+    for entry in parser.error_log:
+        prefix = entry.message.split(" ")[2] if entry.type_name == "NS_ERR_UNDEFINED_NAMESPACE" else None
+        if prefix is None or prefix not in prefixes:
+            prefixes.add(prefix)
+            report(entry.line, _TOLERATED[entry.type_name].format(message=entry.message))
+    for place, message in found:
+        diagnostics.warn(place, message)
+    return root
+
+
+def _repaired(data: bytes, report: Report) -> bytes:
+    """The document without what a strict parser stops at; lines keep their numbers."""
+
+    def line(at: int) -> int:
+        return data.count(b"\n", 0, at) + 1
+
+    declaration = _DECLARATION.search(data)
+    if declaration is not None and data[: declaration.start()] not in (b"", b"\xef\xbb\xbf"):
+        report(line(declaration.start()), "the XML declaration stands after the start of the document")
+        encoding = _ENCODING.search(declaration[0])
+        blank = bytes(c if c == 10 else 32 for c in declaration[0])
+        data = data[: declaration.start()] + blank + data[declaration.end() :]
+        if encoding is not None and encoding[1].lower() not in (b"utf-8", b"us-ascii"):
+            data = _decoded(data, encoding[1].decode()).encode()
+
+    def repair(match: re.Match[bytes]) -> bytes:
+        if match[0] == b"&":
+            report(line(match.start()), "'&' should be written &amp;")
+            return b"&amp;"
+        inside = match[1]
+        if inside is None or (b"--" not in inside and not inside.endswith(b"-")):
+            return match[0]
+        report(line(match.start()), "'--' in a comment is not allowed in XML")
+        return b"<!--" + inside.replace(b"-", b" ") + b"-->"
+
+    return _SLIPS.sub(repair, data)
+
+
+def _decoded(data: bytes, encoding: str) -> str:
+    try:
+        return data.decode(encoding, "replace")
+    except LookupError:
+        return data.decode("utf-8", "replace")
+
+
+def local_name(xml: etree._Element) -> str:
+    """The tag without its namespace or prefix."""
+    return str(xml.tag).rpartition("}")[2].rpartition(":")[2]
+
+
+def tag_name(xml: etree._Element) -> str:
+    """The tag as it is written, with its prefix; without that of the document's own namespace."""
+    tag = str(xml.tag).rpartition("}")[2]
+    return f"{xml.prefix}:{tag}" if xml.prefix else tag
+
+
+def line_of(xml: etree._Element) -> int:
+    """The line where an element starts, from 1; 0 if it has none."""
+    line = xml.sourceline
+    return line if isinstance(line, int) else 0

@@ -1,0 +1,155 @@
+"""Named frames: resolved when a document is read; what cannot be resolved is an error with its line."""
+
+import math
+
+import pytest
+from commands import run_libgz
+
+import libgz
+from libgz.classic import physics
+from libgz.errors import WorldFileError
+from libgz.geometry import GzPose
+from libgz.sdf.reader import SdfFile
+
+LINK = "<link name='l'/>"
+
+
+def read(body, version="1.8"):
+    return SdfFile.from_string(f"<sdf version='{version}'>\n<world name='w'>\n{body}\n</world></sdf>", "w.sdf")
+
+
+def errors(body, version="1.8"):
+    return [str(error) for error in read(body, version).diagnostics.errors]
+
+
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        (
+            f"<model name='m'>{LINK}\n<link name='k'><pose relative_to='L'>0 0 0 0 0 0</pose></link></model>",
+            "w.sdf:4: <pose>: it names frame 'L', which there is not in <model> 'm'; did you mean 'l'?",
+        ),
+        (
+            "<model name='m'><pose relative_to='nowhere'/><link name='l'/></model>",
+            "w.sdf:3: <pose>: it names frame 'nowhere', which there is not in <world> 'w'",
+        ),
+        (
+            "<model name='m'><link name='a'><pose relative_to='b'/></link>\n"
+            "<link name='b'><pose relative_to='a'/></link></model>",
+            "w.sdf:3: <link>: its pose is relative to itself: a -> b -> a",
+        ),
+        (
+            f"<model name='m'>{LINK}<frame name='f' attached_to='g'><pose relative_to='l'/></frame>\n"
+            "<frame name='g' attached_to='f'><pose relative_to='l'/></frame></model>",
+            "is attached to itself: ",
+        ),
+        (f"<model name='m'>{LINK}<frame name='f' attached_to='x'/></model>", "attached_to names frame 'x'"),
+        (
+            f"<model name='m'>{LINK}<joint name='j' type='revolute'><parent>world</parent><child>l</child>"
+            "<axis><xyz expressed_in='q'>0 0 1</xyz></axis></joint></model>",
+            "<xyz>: expressed_in names frame 'q'",
+        ),
+        (f"<model name='m' placement_frame='sole'>{LINK}</model>", "placement_frame names frame 'sole'"),
+        (
+            "<model name='m'><pose relative_to='m::l'/><link name='l'/></model>",
+            "its pose is relative to itself: m -> m",
+        ),
+    ],
+)
+def test_names_that_lead_nowhere_are_errors(body, said):
+    found = errors(body)
+    assert any(said in error for error in found)
+    assert all(error.startswith("w.sdf:") for error in found)
+
+
+def test_an_unknown_frame_of_1_6_is_an_error_and_an_empty_one_is_none():
+    body = "<model name='m'><link name='l'><pose frame='{}'>1 0 0 0 0 0</pose></link></model>"
+    assert "names frame 'base'" in errors(body.format("base"), "1.6")[0]
+    assert errors(body.format(""), "1.6") == []
+    assert read(body.format(""), "1.6").diagnostics.found == {}
+
+
+def test_a_canonical_link_that_is_not_there_is_an_error():
+    with pytest.raises(WorldFileError, match="canonical_link is 'x'; it must be a link"):
+        libgz.World.from_string(f"<sdf version='1.7'><model name='m' canonical_link='x'>{LINK}</model></sdf>")
+
+
+def test_documents_have_plain_poses_afterwards():
+    root = read(
+        "<frame name='f'><pose>1 0 0 0 0 0</pose></frame>"
+        "<model name='m'><pose relative_to='f'>0 1 0 0 0 0</pose><link name='l'/></model>"
+    ).root
+    pose = root.child("world").child("model").child("pose")
+    assert not pose.HasAttribute("relative_to")
+    assert tuple(pose.Get(GzPose).pos) == (1, 1, 0)
+
+
+def test_the_model_frame_follows_its_canonical_link():
+    text = (
+        "<sdf version='1.7'><world name='w'><gravity>0 0 0</gravity><model name='m' canonical_link='b'>"
+        "<link name='a'/><link name='b'><pose>1 0 0 0 0 0</pose></link></model></world></sdf>"
+    )
+    with libgz.World.from_string(text) as world:
+        model = world.model("m")
+        model.GetBody("b").SetLinearVel((0, 1, 0))
+        model.GetBody("a").SetLinearVel((0, 0, 5))
+        world.step(1000)
+        assert tuple(model.GetPose().pos) == pytest.approx((0, 1, 0), abs=1e-6)
+
+
+def test_a_merged_model_keeps_its_frames(tmp_path, monkeypatch):
+    folder = tmp_path / "part"
+    folder.mkdir()
+    (folder / "model.config").write_text("<model><sdf version='1.9'>model.sdf</sdf></model>")
+    (folder / "model.sdf").write_text(
+        "<sdf version='1.9'><model name='part'><link name='p'><pose>1 0 0 0 0 0</pose></link>"
+        "<frame name='tip' attached_to='p'><pose>1 0 0 0 0 0</pose></frame>"
+        "<link name='q'><pose relative_to='tip'>1 0 0 0 0 0</pose></link>"
+        "<joint name='j' type='revolute'><parent>p</parent><child>q</child>"
+        "<axis><xyz expressed_in='__model__'>1 0 0</xyz></axis></joint></model></sdf>"
+    )
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
+    quarter = math.pi / 2
+    text = (
+        "<sdf version='1.9'><world name='w'><model name='m'><link name='own'/><include merge='true'>"
+        f"<uri>model://part</uri><pose>0 0 1 0 0 {quarter}</pose></include>"
+        "<link name='r'><pose relative_to='tip'>0 0 1 0 0 0</pose></link></model></world></sdf>"
+    )
+    with libgz.World.from_string(text) as world:
+        model = world.model("m")
+        assert list(model.links) == ["own", "p", "q", "r"]
+        assert tuple(model.GetBody("p").GetPosition()) == pytest.approx((0, 1, 1))
+        assert tuple(model.GetBody("q").GetPosition()) == pytest.approx((0, 3, 1))
+        assert tuple(model.GetBody("r").GetPosition()) == pytest.approx((0, 2, 2))
+        assert tuple(model.sdf_joints["j"].axis(0)) == pytest.approx((0, 1, 0), abs=1e-9)
+
+
+def test_a_thousand_frames_in_a_chain():
+    frames = "".join(
+        f"<frame name='f{i}' attached_to='f{i - 1}'><pose>1 0 0 0 0 0</pose></frame>" for i in range(1, 150)
+    )
+    body = f"<model name='m'>{LINK}<frame name='f0'/>{frames}<link name='k'><pose relative_to='f149'/></link></model>"
+    root = read(body).root
+    links = list(root.child("world").child("model").named("link"))
+    assert links[1].Get(GzPose, "pose").pos.x == pytest.approx(149)
+    endless = body.replace("f149'/>", "f3999'/>") + "".join(
+        f"<frame name='f{i}' attached_to='f{i - 1}'/>" for i in range(150, 160)
+    )
+    assert all("w.sdf:" in error for error in errors(endless))
+
+
+def test_saved_worlds_have_no_frames(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text(
+        "<sdf version='1.7'><world name='w'><plugin name='p' filename='x.py'/><model name='m'>"
+        "<frame name='f'><pose>1 0 0 0 0 0</pose></frame>"
+        "<link name='l'><pose relative_to='f'/></link></model></world></sdf>"
+    )
+    with libgz.World.from_file(path):
+        physics.get_world("w").Save(str(tmp_path / "saved.world"))
+    text = (tmp_path / "saved.world").read_text()
+    assert "relative_to" not in text
+    assert "frame" not in text
+    done = run_libgz("sdf", "--check", tmp_path / "saved.world")
+    assert done.returncode == 0
+    assert "no effect" not in done.stderr

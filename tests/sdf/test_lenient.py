@@ -1,0 +1,130 @@
+"""What Gazebo classic's parser let pass is a warning with its line; what it could not read is an error."""
+
+import pytest
+from commands import run_libgz
+
+import libgz
+from libgz.errors import WorldFileError
+from libgz.reference.check import check_sdf
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.value import repaired
+
+MODEL = "<sdf version='1.6'>\n<model name='m'>{}<link name='l'/></model></sdf>"
+
+
+def warnings(text):
+    file = SdfFile.from_string(text, "w.sdf")
+    assert file.diagnostics.errors == []
+    assert file.root.child("model").HasElement("link")
+    return [str(warning) for warning in file.diagnostics.warnings]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("\n\n<?xml version='1.0'?>" + MODEL.format(""), "w.sdf:3: <xml>: the XML declaration stands after the start"),
+        (MODEL.format("<!-- a -- b -->"), "w.sdf:2: <xml>: '--' in a comment"),
+        (MODEL.format("<!-- a --->"), "w.sdf:2: <xml>: '--' in a comment"),
+        (MODEL.format("\n<plugin name='a&b' filename='x'/>"), "w.sdf:3: <xml>: '&' should be written &amp;"),
+        (MODEL.format("<x:y/><x:z/>"), "w.sdf:2: <xml>: Namespace prefix x on y is not defined"),
+        (MODEL.format("") + "<more/>", "w.sdf:2: <xml>: what follows the root element is ignored"),
+        (MODEL.format("").encode() + b"<!-- \xe9 -->", "w.sdf:2: <xml>: there are bytes"),
+        (MODEL.format("<pose>1 2</pose>"), "w.sdf:2: <pose>: '1 2' is read as '1 2 0 0 0 0'"),
+        (MODEL.format("<pose>1 2 3 0 0 0 9</pose>"), "<pose>: '1 2 3 0 0 0 9' is read as '1 2 3 0 0 0'"),
+    ],
+)
+def test_slips_are_warnings(text, said):
+    found = warnings(text)
+    assert len(found) == 1
+    assert said in found[0]
+
+
+def test_an_encoding_that_is_declared_late_is_used():
+    text = "\n<?xml version='1.0' encoding='latin-1'?>" + MODEL.format("").replace("'m'", "'\xe9'")
+    file = SdfFile.from_string(text.encode("latin-1"))
+    assert file.root.child("model").Get(str, "name") == "\xe9"
+
+
+@pytest.mark.parametrize(
+    "text", ["<sdf version='1.6'><model name='m'></sdf>", "<sdf version=1.6/>", "<sdf version='1.6'><a>", "", "plain"]
+)
+def test_what_is_not_well_formed_is_an_error_with_its_line(text):
+    with pytest.raises(WorldFileError, match=r"^w\.sdf:1: "):
+        SdfFile.from_string(text, "w.sdf")
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "read"),
+    [
+        ("double", "1.5kg", "1.5"),
+        ("int", "3.7", "3"),
+        ("int", "1e400", ""),
+        ("vector3", "1,2,3", "1 2 3"),
+        ("vector3", "1 x 3", ""),
+        ("color", "1", "1 0 0"),
+        ("color", "1 1 1 1 1", "1 1 1 1"),
+        ("bool", "yes", ""),
+        ("double", "", ""),
+    ],
+)
+def test_numbers_are_read_as_far_as_they_go(kind, text, read):
+    assert repaired(kind, text) == read
+
+
+def test_elements_with_a_prefix_are_kept_without_a_warning():
+    text = MODEL.format("<x:speed>3</x:speed>").replace("<sdf", "<sdf xmlns:x='u'")
+    assert warnings(text) == []
+    assert SdfFile.from_string(text).root.child("model").Get(float, "x:speed") == 3.0
+
+
+def test_a_joint_says_that_its_link_is_in_what_is_missing():
+    text = (
+        "<sdf version='1.6'><world name='w'><model name='m'><link name='l'/>\n<include><uri>model://lost</uri></include>"
+        "<joint name='j' type='fixed'><parent>l</parent><child>lost::wing</child></joint></model></world></sdf>"
+    )
+    with pytest.raises(WorldFileError, match=r"'lost::wing'; .* the <include> at <string>:2 \(model://lost\)"):
+        libgz.World.from_string(text)
+
+
+# The check finds what a run finds ------------------------------------------------------------------------------------
+
+SENSOR = "<link name='k'><sensor name='s' type='{}'>{}</sensor></link>"
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ("<joint name='j' type='fixed'><parent>l</parent><child>nowhere</child></joint>", "names link 'nowhere'"),
+        ("<joint name='j' type='rigid'><parent>world</parent><child>l</child></joint>", "rigid"),
+        (SENSOR.format("sonar", "<sonar><min>2</min><max>1</max></sonar>"), "<max>: is 1 m"),
+        (SENSOR.format("force_torque", ""), "must be a joint"),
+        (
+            "<link name='k'><collision name='c'><geometry><sphere><radius>-1</radius></sphere></geometry>"
+            "</collision></link>",
+            "-1",
+        ),
+        ("<link name='l'/>", "has a link 'l' already"),
+    ],
+)
+def test_the_check_reports_errors_of_building(tmp_path, inside, said):
+    path = tmp_path / "w.sdf"
+    path.write_text(MODEL.format(inside))
+    assert any(
+        said in str(error) and (error.file, error.line) == (str(path), 2)
+        for error in check_sdf(path)
+        if error.severity == "error"
+    )
+
+
+def test_the_check_runs_no_plugin_and_reports_those_that_are_missing(tmp_path):
+    path, trace = tmp_path / "w.sdf", tmp_path / "trace"
+    (tmp_path / "here.py").write_text(f"open({str(trace)!r}, 'w').close()\n")
+    plugins = "<plugin name='a' filename='libhere.so'/><plugin name='b' filename='liblost.so'/>"
+    camera = "<link name='k'><sensor name='c' type='camera'/></link>"
+    path.write_text(MODEL.format(plugins + camera))
+    done = run_libgz("sdf", "--check", path)
+    assert (done.returncode, done.stdout) == (0, "Check complete\n")
+    assert "warning : " in done.stderr
+    assert "there is no plugin 'liblost.so' here" in done.stderr
+    assert "libhere" not in done.stderr
+    assert not trace.exists()

@@ -212,14 +212,14 @@ def _inside(base: Get, parts: Sequence[Any]) -> Get:
     return get
 
 
-# Where values come from ------------------------------------------------------------------------------------------------
+# Where values come from -----------------------------------------------------------------------------------------------
 
 
 def _source(world: World, key: str, name: str, label: str) -> tuple[Get, Bounds | None]:
     """What returns the whole value of a field, and its bounds if they are not those of its type."""
-    kind, _, id = key.partition(".")
+    kind, _, served = key.partition(".")
     if kind in INTERFACES and "::" not in kind:
-        return _interface_source(world, world.interface(kind, id), name, label)
+        return _interface_source(world, world.interface(kind, served), name, label)
     found = list(_objects(world, key))
     for thing in found:
         source = _object_source(thing, name)
@@ -299,11 +299,13 @@ def _objects(world: World, key: str) -> Iterable[Any]:
 def _known(world: World) -> Iterable[str]:
     yield from (".".join(key) for key in world.gz_server.interfaces)
     for entity in world.entities:
-        id = entity.GetId()
-        yield from [id] if id else []
+        own = entity.GetId()
+        yield from [own] if own else []
         joints = getattr(entity, "sdf_joints", None)
         names = list(joints) if joints is not None else [joint.name for joint in entity.joints if joint.name]
-        yield from (f"{id}::{name}" if id else name for name in [*names, *(body.bodyName for body in entity.bodies)])
+        yield from (
+            f"{own}::{name}" if own else name for name in [*names, *(body.bodyName or "" for body in entity.bodies)]
+        )
     if world.sdf is not None and world.facade is not None and world.facade.server.sensors is not None:
         yield from (name.partition("::")[2] for name in world.facade.server.sensors.sensors)
 
@@ -319,7 +321,7 @@ def _sensors(world: World, key: str) -> list[Sensor]:
 
 def _fields_of(thing: Any) -> Sequence[str]:
     if isinstance(thing, Sensor):
-        return [name for name in _sensor_methods(thing)]
+        return list(_sensor_methods(thing))
     return JOINT_FIELDS if isinstance(thing, SdfJoint | Joint) else BODY_FIELDS
 
 
@@ -340,7 +342,7 @@ def _body_source(thing: Entity | Body, name: str) -> tuple[Get, Bounds | None] |
         return body if body is not None else thing.GetBody()  # type: ignore[union-attr]
 
     if name == "pos":
-        return (body.GetPosition if body is not None else lambda: thing.GetPose().pos), FREE  # type: ignore[return-value]
+        return (body.GetPosition if body is not None else lambda: thing.GetPose().pos), FREE
     if name == "rot":
         return lambda: tuple(GzQuaternToEuler(thing.GetPose().rot)), (-math.pi, math.pi)
     if name == "quat":
@@ -386,9 +388,12 @@ def _joint_source(joint: Joint, name: str) -> tuple[Get, Bounds | None] | None:
     )
     for kind, positions, velocities in kinds:
         if isinstance(joint, kind) and name in ("position", "velocity"):
-            getters = [getattr(joint, one) for one in (positions if name == "position" else velocities)]
-            return lambda: [get() for get in getters], FREE
+            return _all_of([getattr(joint, one) for one in (positions if name == "position" else velocities)]), FREE
     return None
+
+
+def _all_of(getters: Sequence[Get]) -> Get:
+    return lambda: [get() for get in getters]
 
 
 def _sensor_methods(sensor: Sensor) -> dict[str, str]:
@@ -442,7 +447,7 @@ def _sensor_source(sensor: Sensor, name: str) -> tuple[Get, Bounds | None] | Non
     return number, FREE
 
 
-# Commands ---------------------------------------------------------------------------------------------------------------
+# Commands -------------------------------------------------------------------------------------------------------------
 
 
 def commands_of(world: World, key: str, field: str, bounds: tuple[float, float] | None = None) -> list[Command]:
@@ -464,9 +469,9 @@ def commands_of(world: World, key: str, field: str, bounds: tuple[float, float] 
     label, match = f"{key}/{field}", _FIELD.fullmatch(field)
     if match is None:
         raise ParameterError(f"{label!r}: {field!r} is no command; write cmd_vel_pos[0] or effort")
-    kind, _, id = key.partition(".")
+    kind, _, served = key.partition(".")
     if kind in INTERFACES and "::" not in kind:
-        found = _interface_commands(world, world.interface(kind, id), match[1], _parts(match[2], label), label)
+        found = _interface_commands(world, world.interface(kind, served), match[1], _parts(match[2], label), label)
     else:
         found = _object_commands(world, key, match[1], _parts(match[2], label), label)
     return [_bounded(command, bounds) for command in found]
@@ -492,9 +497,8 @@ def _interface_commands(
     declared = fields_of(interface.layout)
     writable = [known for known, about in declared.items() if about.writer != SERVER or issubclass(about.ctype, Struct)]
     if name not in writable:
-        raise ParameterError(
-            f"{label!r}: clients cannot write {name!r}; they write {', '.join(writable) or 'nothing'}{nearest(name, writable)}"
-        )
+        known = f"they write {', '.join(writable) or 'nothing'}{nearest(name, writable)}"
+        raise ParameterError(f"{label!r}: clients cannot write {name!r}; {known}")
     places = _places(interface.data, declared[name], name, parts, label)
     owner = next((model for model in world.models if model.GetId() == interface.id), None)
     found = []

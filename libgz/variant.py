@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Generic, Protocol, Self, TypeVar, Unpack
+from typing import Any, Generic, Protocol, TypeVar, Unpack
 
 from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
 from libgz.files import exists
@@ -38,8 +38,8 @@ class Variant:
     """A world, in the file's text or with other values for elements of it, each named by a path.
 
     A path is the names of elements from the outside to the inside, such as ``robot1/laser1/rangeMax`` in a legacy world
-    or ``pendulum/upper/inertial/mass`` in one of SDF. A name is the id or `name` of an element, or its tag; the first one
-    may lie anywhere in the file. ``SimpleSolid#2`` is the second of several; ``crate/xyz[0]`` the first number of a
+    or ``pendulum/upper/inertial/mass`` in one of SDF. A name is the id or `name` of an element, or its tag; the first
+    one may lie anywhere in the file. ``SimpleSolid#2`` is the second of several; ``crate/xyz[0]`` the first number of a
     value; ``joint/@type`` an attribute of XML. An attribute that the file lacks is added.
 
     Args:

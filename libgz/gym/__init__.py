@@ -10,12 +10,17 @@
 
 from __future__ import annotations
 
+import os
+
 from libgz.errors import LibraryError
 
 try:
     import gymnasium
 except ImportError as error:
     raise LibraryError(f"libgz.gym needs the extra `gym`: pip install 'libgz[gym]' ({error})") from None
+
+# Mesa's threads do not survive a fork, and AsyncVectorEnv makes an environment before it forks its processes.
+os.environ.setdefault("LP_NUM_THREADS", "0")
 
 from libgz.gym.env import WorldEnv
 from libgz.gym.tasks import TASKS

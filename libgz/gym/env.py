@@ -6,7 +6,7 @@ import logging
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import gymnasium
 import numpy as np
@@ -15,12 +15,15 @@ from numpy.typing import NDArray
 
 from libgz.distribution import Distribution
 from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
-from libgz.front import World, WorldOptions
+from libgz.front import World
 from libgz.geometry import GzPose
 from libgz.physics.check import finite
 from libgz.signals import Command, Reading, commands_of, reading_of
 from libgz.transport.server import on_free_server_id
 from libgz.variant import Variant
+
+if TYPE_CHECKING:
+    from libgz.images import FreeView
 
 __all__ = ["Fields", "Observe", "Page", "WorldEnv"]
 
@@ -48,22 +51,25 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
     """A world that a learning program acts in and observes.
 
     One step of the environment writes the action, runs the world for `period`, and reads the observation. Names of
-    actions and observations are those of `libgz.signals`: fields of interfaces, or of models, joints, links and sensors.
+    actions and observations are those of `libgz.signals`: fields of interfaces, or of models, joints, links and
+    sensors.
 
     Args:
         world: a worldfile by its path or name, or the text of one, which begins with ``<``.
         actions: key -> fields that the action writes, or a table of fields with their bounds: ``{"effort": (-2, 2)}``.
             Where no bounds are given, they are those that the world obeys. All of them together are one Box of float32.
         observations: key -> fields that are observed. The observation is a Dict with a Box for each, named
-            ``key/field``, with the type and the bounds of the field. Instead of fields, or of the whole table, a pair of a
-            function of the world and the space of its values.
+            ``key/field``, with the type and the bounds of the field. Instead of fields, or of the whole table, a pair
+            of a function of the world and the space of its values.
         reward: ``reward(world, observation, action)``, after each step; None for 0.
         terminated: ``terminated(world, observation)``: whether the episode has ended; None for never.
-        start: ``start(world, random, options)``, called at each reset: it brings the world to where an episode begins, with
+        start: ``start(world, random, options)``, called at each reset: it brings the world to where an episode begins,
+            with
             numbers of the generator `random`; `options` are those of `reset`.
         update: ``update(world)``, called before the steps of each period, such as to move what no physics moves.
         info: ``info(world)``: more entries of the info table, which has ``sim_time`` [s].
-        randomise: path of an element of the file -> its distribution, sampled at each reset; see `libgz.variant.Variant`
+        randomise: path of an element of the file -> its distribution, sampled at each reset; see
+            `libgz.variant.Variant`
             and `libgz.distribution.Distribution`. The world is then built anew at each reset.
         period: sim time of one step of the environment [s]; a multiple of the world's step.
         settle: sim time that passes at a reset, before the first observation [s]; None for one period if interfaces or
@@ -73,7 +79,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         solver: of the world: ``"world"`` or ``"quick"``.
         render_mode: ``"rgb_array"`` for images, ``"human"`` for a page in the browser, which needs the extra `view`.
         width, height: of the images [px].
-        camera: whose images: the name of one of the world's cameras, or the pose of a free one [m]; None for the world's
+        camera: whose images: the name of one of the world's cameras, or the pose of a free one [m]; None for the
+            world's
             own point of view.
 
     Attributes:
@@ -122,6 +129,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._solver = solver
         self._size, self._camera = (width, height), camera
         self._eye: Any = None
+        self._view: FreeView | None = None
         self._page: Page | None = None
         self._closed = False
         self._started = False
@@ -159,10 +167,13 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return count
 
     def _load(self, changes: Mapping[str, Any], seed: int) -> World:
-        options: WorldOptions = {"seed": seed, "solver": self._solver}
         if self.render_mode != "human":
-            return self._variant.load(changes, **options)
-        return on_free_server_id(lambda server_id: self._variant.load(changes, server_id=server_id, **options))
+            return self._variant.load(changes, seed=seed, solver=self._solver)
+
+        def start(server_id: int) -> World:
+            return self._variant.load(changes, seed=seed, solver=self._solver, server_id=server_id)
+
+        return on_free_server_id(start)
 
     # Signals ---------------------------------------------------------------------------------------------------------
 
@@ -317,7 +328,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return values
 
     def _information(self) -> dict[str, Any]:
-        found = {"sim_time": self.world.GetSimTime()}
+        found: dict[str, Any] = {"sim_time": self.world.GetSimTime()}
         if self.drawn:
             found["drawn"] = dict(self.drawn)
         if self._info is not None:
@@ -368,9 +379,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return self._view.image
 
     def _close_views(self) -> None:
-        view = getattr(self, "_view", None)
-        if view is not None:
-            view.close()
+        if self._view is not None:
+            self._view.close()
         self._view = self._eye = None
         if self._page is not None:
             self._page.close()

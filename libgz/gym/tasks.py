@@ -30,7 +30,8 @@ def _box(*bounds: tuple[float, float]) -> spaces.Box:
 
 
 def _clipped(values: Any, space: spaces.Box) -> Array:
-    return np.minimum(np.maximum(np.array(values), space.low), space.high)
+    clipped: Array = np.minimum(np.maximum(np.array(values, float), space.low), space.high)
+    return clipped
 
 
 def _flat_pose(x: float, y: float, z: float, yaw: float) -> GzPose:
@@ -40,10 +41,12 @@ def _flat_pose(x: float, y: float, z: float, yaw: float) -> GzPose:
 class ReachGoal(WorldEnv):
     """A Pioneer2AT drives to a place 1.5 to 5 m away.
 
-    Actions: forward speed -0.5 to 0.7 m/s, turn rate -1.5 to 1.5 rad/s. Observation: distance to the goal [m], cosine and
-    sine of its bearing, forward speed [m/s], turn rate [rad/s]. Reward: the metres by which the goal came nearer, less 0.01
-    a step, and 10 at the goal. It ends within 0.35 m of the goal, and 8 m away from it. `reset(options={"goal": (x, y)})`
-    sets the goal [m].
+    Actions: forward speed -0.5 to 0.7 m/s, turn rate -1.5 to 1.5 rad/s. Observation: distance to the goal [m], cosine
+        and
+    sine of its bearing, forward speed [m/s], turn rate [rad/s]. Reward: the metres by which the goal came nearer, less
+    0.01
+    a step, and 10 at the goal. It ends within 0.35 m of the goal, and 8 m away from it. `reset(options={"goal": (x,
+    y)})` sets the goal [m].
     """
 
     REACHED, LOST, FARTHEST = 0.35, 8.0, 16.0  # [m]
@@ -105,8 +108,8 @@ class FollowWall(WorldEnv):
     """A Pioneer2DX follows the wall on its right at 0.6 m by its laser.
 
     Actions: forward speed 0 to 0.5 m/s, turn rate -1 to 1 rad/s. Observation: 37 ranges from right to left [m], forward
-    speed [m/s], turn rate [rad/s]. Reward: the metres it drove, times 1 at the right distance down to 0 where that is wrong
-    by 0.4 m, and -5 for touching something, which ends the episode.
+    speed [m/s], turn rate [rad/s]. Reward: the metres it drove, times 1 at the right distance down to 0 where that is
+    wrong by 0.4 m, and -5 for touching something, which ends the episode.
     """
 
     DISTANCE, TOLERANCE, TOUCH, REACH = 0.6, 0.4, 0.25, 8.0  # [m]
@@ -196,13 +199,14 @@ class Balance(WorldEnv):
         """The reward."""
         pitch, _, travel, _ = seen.tolist()
         effort = sum(min(abs(float(one)), self.TORQUE) ** 2 for one in action) / self.TORQUE**2
-        return 1.0 - (pitch / self.LARGEST_PITCH) ** 2 - 0.1 * (travel / self.FARTHEST) ** 2 - 0.01 * effort
+        return float(1.0 - (pitch / self.LARGEST_PITCH) ** 2 - 0.1 * (travel / self.FARTHEST) ** 2 - 0.01 * effort)
 
 
 class TrackBall(WorldEnv):
     """A pan-tilt camera keeps a moving ball in view, by its images.
 
-    Actions: pan -0.94 to 0.94 rad and tilt -0.6 to 0.6 rad that the head turns to. Observations: the image, 48 by 64 pixels,
+    Actions: pan -0.94 to 0.94 rad and tilt -0.6 to 0.6 rad that the head turns to. Observations: the image, 48 by 64
+        pixels,
     and pan and tilt [rad]. Reward: 1 while the ball is in the middle of the image, down to 0 at its edge and beyond.
     """
 
@@ -292,8 +296,10 @@ class PendulumSwingUp(WorldEnv):
 class DoublePendulum(WorldEnv):
     """Two rods of SDF, one on the other, are balanced on a cart.
 
-    Action: force on the cart, -40 to 40 N. Observation: place of the cart [m], sine and cosine of both angles (of the lower
-    rod from upright, of the upper one from the lower), their rates and the cart's speed. Reward: 1 a step, less what the
+    Action: force on the cart, -40 to 40 N. Observation: place of the cart [m], sine and cosine of both angles (of the
+        lower
+    rod from upright, of the upper one from the lower), their rates and the cart's speed. Reward: 1 a step, less what
+    the
     tip's height and the cart's place cost. It ends when the tip sinks by 0.3 m, or the cart is near an end of its rail.
     """
 
@@ -329,7 +335,7 @@ class DoublePendulum(WorldEnv):
     def _sunk(self, seen: Array) -> float:
         """How far the tip is below its highest place [m]."""
         _, sine, cosine, sine2, cosine2, *_ = seen.tolist()
-        return self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2))
+        return float(self.ROD * (2.0 - cosine - (cosine * cosine2 - sine * sine2)))
 
     def score(self, world: World, seen: Array, action: Any) -> float:
         """The reward."""

@@ -184,6 +184,7 @@ CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext
 CHOICES = ("auto", *CONTEXTS, "none")
 
 _preferred: str | None = None
+_rendering: int | None = None  # the process in which Mesa has started threads
 
 
 def prefer(choice: str | None) -> None:
@@ -218,9 +219,17 @@ def open_context(choice: str | None = None) -> Context | None:
         LibraryError: it does not work here, or none does.
         ParameterError: the choice is unknown.
     """
+    global _rendering
     choice = chosen() if choice is None else _checked(choice, "the choice of OpenGL")
     if choice == "none":
         return None
+    if _rendering not in (None, os.getpid()):
+        raise LibraryError(
+            "OpenGL was used before this process was forked, so it would wait here without end: start processes with "
+            "'spawn' or 'forkserver', or set LP_NUM_THREADS=0 in the environment before the first camera"
+        )
+    if os.environ.get("LP_NUM_THREADS") != "0":
+        _rendering = os.getpid()
     if choice != "auto":
         return CONTEXTS[choice]()
     reasons = []

@@ -874,8 +874,8 @@ class World:
     def reseed(self, seed: int) -> None:
         """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
 
-        A generator that a model of your own made stays as it is; `random.n_children_spawned` counts those that were made
-        from the world's `random`.
+        A generator that a model of your own made stays as it is; `random.n_children_spawned` counts those that were
+        made from the world's `random`.
 
         Raises:
             ParameterError: the seed is negative.

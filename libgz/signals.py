@@ -40,7 +40,7 @@ from libgz.simulation.entity import Entity
 from libgz.transport.interface import Interface
 from libgz.transport.layout import SERVER, Struct, fields_of
 
-__all__ = ["Command", "Reading", "commands_of", "reading_of", "split_signal"]
+__all__ = ["Command", "Reading", "activate", "commands_of", "reading_of", "split_signal"]
 
 Bounds: TypeAlias = tuple[Any, Any]
 Get: TypeAlias = Callable[[], Any]
@@ -136,6 +136,14 @@ def split_signal(text: str) -> tuple[str, str]:
     return key.strip(), name.strip()
 
 
+def activate(world: World, key: str, field: str) -> None:
+    """Have the sensor measure that a signal comes from, if it is one of a sensor; `reading_of` does so, too."""
+    name = field.partition("[")[0]
+    for sensor in _sensors(world, key):
+        if name in _sensor_methods(sensor):
+            sensor.SetActive(True)
+
+
 def reading_of(world: World, key: str, field: str) -> Reading:
     """What reads a signal.
 
@@ -217,8 +225,8 @@ def _inside(base: Get, parts: Sequence[Any]) -> Get:
 
 def _source(world: World, key: str, name: str, label: str) -> tuple[Get, Bounds | None]:
     """What returns the whole value of a field, and its bounds if they are not those of its type."""
-    kind, _, served = key.partition(".")
-    if kind in INTERFACES and "::" not in kind:
+    kind, dot, served = key.partition(".")
+    if dot and kind in INTERFACES:
         return _interface_source(world, world.interface(kind, served), name, label)
     found = list(_objects(world, key))
     for thing in found:
@@ -469,8 +477,8 @@ def commands_of(world: World, key: str, field: str, bounds: tuple[float, float] 
     label, match = f"{key}/{field}", _FIELD.fullmatch(field)
     if match is None:
         raise ParameterError(f"{label!r}: {field!r} is no command; write cmd_vel_pos[0] or effort")
-    kind, _, served = key.partition(".")
-    if kind in INTERFACES and "::" not in kind:
+    kind, dot, served = key.partition(".")
+    if dot and kind in INTERFACES:
         found = _interface_commands(world, world.interface(kind, served), match[1], _parts(match[2], label), label)
     else:
         found = _object_commands(world, key, match[1], _parts(match[2], label), label)

@@ -18,7 +18,7 @@ from libgz.errors import ClosedError, LibraryError, ParameterError, nearest
 from libgz.front import World
 from libgz.geometry import GzPose
 from libgz.physics.check import finite
-from libgz.signals import Command, Reading, commands_of, reading_of
+from libgz.signals import Command, Reading, activate, commands_of, reading_of
 from libgz.transport.server import on_free_server_id
 from libgz.variant import Variant
 
@@ -151,10 +151,11 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._most = None if time_limit is None else max(1, round(finite(time_limit, "time_limit [s]") / self.period))
         self.metadata = {**self.metadata, "render_fps": max(1, round(1.0 / self.period))}
         if measured:
-            self.world.step(max(1, self._settling))
+            self._settle(max(1, self._settling))
         self._bind(patience=MOST_SETTLING if measured else 0)
         low, high = (np.array([getattr(one, end) for one in self._commands], np.float32) for end in ("low", "high"))
-        self._low, self._high = low.astype(float), high.astype(float)
+        whole = [one.whole for one in self._commands]
+        self._bounds = list(zip(low.tolist(), high.tolist(), whole, strict=True))
         self.action_space = spaces.Box(low, high, dtype=np.float32)
         self.observation_space = self._space()
 
@@ -199,6 +200,12 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         served = any(tuple(key.split(".", 1)) in interfaces or "." in key for key, _ in named)
         return bool(served or (made and interfaces) or (self.world.sdf is not None and self.world.sdf.busy))
 
+    def _settle(self, count: int) -> None:
+        """Have sensors measure, and do some steps."""
+        for key, field in self._tables()[0]:
+            activate(self.world, key, field)
+        self.world.step(count)
+
     def _bind(self, patience: int = 0) -> None:
         """Find what actions write and observations read, among the present objects of the world."""
         named, self._made = self._tables()
@@ -217,7 +224,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if not commands:
             raise ParameterError("actions is empty; name at least one command, such as {'robot1::joint': ['effort']}")
         self._commands = commands
-        self._writers = [(one.write, one.whole) for one in commands]
+        self._writers = [one.write for one in commands]
         self._lasting = all(one.lasts for one in commands)
 
     def _space(self) -> spaces.Space[Any]:
@@ -261,7 +268,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self.world.reseed(world_seed)
         if self._start is not None:
             self._start(self.world, self.np_random, options or {})
-        self.world.step(self._settling)
+        self._settle(self._settling)
         shapes = [one.shape for one in self._readings]
         self._bind(patience=MOST_SETTLING if self._settling else 0)
         for one, shape in zip(self._readings, shapes, strict=True):
@@ -295,17 +302,17 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         if self._update is not None:
             self._update(world)
         if self._lasting:
-            for (write, _), value in zip(self._writers, values, strict=True):
+            for write, value in zip(self._writers, values, strict=True):
                 write(value)
             world.step(self._count)
         else:
             for _ in range(self._count):
-                for (write, _), value in zip(self._writers, values, strict=True):
+                for write, value in zip(self._writers, values, strict=True):
                     write(value)
                 world.Step()
         self._steps += 1
         seen = self._observe()
-        reward = 0.0 if self._reward is None else float(self._reward(world, seen, np.asarray(action)))
+        reward = 0.0 if self._reward is None else float(self._reward(world, seen, action))
         ended = self._terminated is not None and bool(self._terminated(world, seen))
         truncated = self._most is not None and self._steps >= self._most
         if self.render_mode == "human":
@@ -313,18 +320,21 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         return seen, reward, ended, truncated, self._information()
 
     def _clipped(self, action: Any) -> list[Any]:
+        """The numbers of an action within their bounds; whole ones rounded."""
         try:
-            given = np.asarray(action, float)
-        except (TypeError, ValueError):
-            raise ParameterError(f"action is {action!r}; it must be {len(self._commands)} numbers") from None
-        if given.shape != self._low.shape:
-            raise ParameterError(f"action has the shape {given.shape}; it must be {self._low.shape}")
-        values: list[Any] = np.minimum(np.maximum(given, self._low), self._high).tolist()
-        if not math.isfinite(sum(values)):
-            raise ParameterError(f"action is {given.tolist()}; it must be finite")
-        for index, (_, whole) in enumerate(self._writers):
-            if whole:
-                values[index] = round(values[index])
+            values: list[Any] = action.tolist() if isinstance(action, np.ndarray) else list(map(float, action))
+            if len(values) != len(self._bounds):
+                raise ParameterError(f"action has {len(values)} numbers; it must have {len(self._bounds)}")
+            for index, (low, high, whole) in enumerate(self._bounds):
+                value = values[index]
+                if not low <= value <= high:
+                    if not math.isfinite(value):
+                        raise ParameterError(f"action is {values}; it must be finite")
+                    values[index] = value = min(max(value, low), high)
+                if whole:
+                    values[index] = round(value)
+        except TypeError:
+            raise ParameterError(f"action is {action!r}; it must be {len(self._bounds)} numbers") from None
         return values
 
     def _information(self) -> dict[str, Any]:

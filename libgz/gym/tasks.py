@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.front import World
-from libgz.geometry import GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorAdd, rotate
+from libgz.geometry import GzPose, GzPosePointAt, GzQuaternFromEuler, GzQuaternToEuler, GzVector, GzVectorAdd, rotate
 from libgz.gym.env import WorldEnv
 from libgz.models.pantilt import EYE
 from libgz.physics.check import finite
@@ -62,7 +62,11 @@ class ReachGoal(WorldEnv):
             self.ended,
             start=self.begin,
             info=lambda world: {"reached": self._before < self.REACHED},
-            **{"time_limit": 30.0, **options},
+            **{
+                "time_limit": 30.0,
+                "camera": GzPosePointAt((-6.0, -6.0, 8.0), (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+                **options,
+            },
         )
 
     def begin(self, world: World, random: np.random.Generator, options: dict[str, Any]) -> None:

@@ -81,14 +81,8 @@ class Results:
             if known["format"] != self.format:
                 raise ParameterError(f"{self.folder} has results as {known['format']}, not as {self.format}")
             return
-        parameters, measures = study.parameters, [one.name for one in study.measures]
-        known = {
-            "digest": digest,
-            "format": self.format,
-            "runs": len(study),
-            "parameters": parameters,
-            "measures": measures,
-        }
+        known = {"digest": digest, "format": self.format, "runs": len(study), "parameters": study.parameters}
+        known |= {"random": list(study.random), "measures": [one.name for one in study.measures]}
         write_whole(about, (json.dumps(known, indent=2) + "\n").encode())
 
     def add(self, row: Mapping[str, Any]) -> None:

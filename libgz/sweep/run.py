@@ -19,7 +19,7 @@ import numpy as np
 
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.front import World
-from libgz.signals import Reading, reading_of, split_signal
+from libgz.signals import Reading, activate, reading_of, split_signal
 from libgz.sweep.parent import end_with_parent
 from libgz.sweep.study import Controller, Measure, Run, Study
 from libgz.transport.server import on_free_server_id
@@ -145,8 +145,8 @@ class _Function(_Driver):
     def __init__(self, world: World, spec: Controller, settings: dict[str, Any]) -> None:
         self._world = world
         found: Any = function_of(spec.function)
-        made = found(world, **settings) if inspect.isclass(found) else partial(found, **settings)
-        self.function: Callable[[World], Any] = made
+        is_class = inspect.isclass(found)
+        self.function: Callable[[World], Any] = found(world, **settings) if is_class else partial(found, **settings)
 
     def act(self) -> bool:
         return self.function(self._world) is True
@@ -253,6 +253,9 @@ class Recorder:
         self._readings: dict[str, Reading] | None = None
         self._last: dict[str, float] = {}
         self._first: dict[str, float] = {}
+        for measure in self._measures:
+            if measure.signal:
+                activate(world, *split_signal(measure.signal))
 
     def find(self) -> None:
         """Find all signals and functions, and step the world until all have a value.

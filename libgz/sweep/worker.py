@@ -71,6 +71,7 @@ class Worker:
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
         self._known = ""  # digest of the study that the process has
+        self.ended = False  # whether it is not to be used any more
 
     def _started(self) -> subprocess.Popen[bytes]:
         if self._process is None or self._process.poll() is not None:
@@ -86,6 +87,8 @@ class Worker:
         Raises:
             WorkerLostError: the process ended meanwhile.
         """
+        if self.ended:
+            raise WorkerLostError("the worker was ended")
         process = self._started()
         new = None if self._known == digest else study
         try:
@@ -123,7 +126,9 @@ _workers: list[Worker] = []  # of all threads of this process
 def close_workers() -> None:
     """End the workers of this process, and the runs that they do."""
     while _workers:
-        _workers.pop().close()
+        worker = _workers.pop()
+        worker.ended = True
+        worker.close()
 
 
 def execute(study: Study, digest: str, number: int) -> dict[str, Any]:
@@ -146,7 +151,7 @@ def execute(study: Study, digest: str, number: int) -> dict[str, Any]:
         except WorkerLostError as error:
             row = {"state": "lost", "message": str(error)}
         row["attempts"], row["wall_time"] = attempt, round(time.monotonic() - start, 4)
-        if row["state"] == "ok":
+        if row["state"] == "ok" or worker.ended:
             break
     return {
         "run": number,
@@ -240,7 +245,7 @@ def _reply(pid: int, data: bytes) -> dict[str, Any]:
         reply: dict[str, Any] = pickle.loads(data)
         return reply
     except (EOFError, pickle.UnpicklingError, IndexError):
-        _, status = os.waitpid(pid, os.WNOHANG)
+        _, status = os.waitpid(pid, 0)
         ended = (
             f"signal {os.WTERMSIG(status)}"
             if os.WIFSIGNALED(status)

@@ -102,13 +102,14 @@ def _run(study: Study, world: World, controller: _Driver, recorder: Recorder) ->
     while now < end and not controller.ended:
         if controller.period and (now - begin) % control == 0 and controller.act():
             break
-        until = min(end, now + sample - now % sample)
+        until = min(end, now + sample - now % sample) if recorder.samples else end
         if controller.period:
             until = min(until, now + control - (now - begin) % control)
         controller.step(world, until - now)
         now = until
-        if now % sample == 0 or now == end:
+        if now % sample == 0 and recorder.samples:
             recorder.take()
+    recorder.take()
     controller.finish()
 
 
@@ -253,9 +254,15 @@ class Recorder:
         self._readings: dict[str, Reading] | None = None
         self._last: dict[str, float] = {}
         self._first: dict[str, float] = {}
+        self._at = -1.0  # sim time of the last sample [s]
         for measure in self._measures:
             if measure.signal:
                 activate(world, *split_signal(measure.signal))
+
+    @property
+    def samples(self) -> bool:
+        """Whether samples during the run matter, and not only its end."""
+        return any(one.signal and one.reduce != "last" for one in self._measures)
 
     def find(self) -> None:
         """Find all signals and functions, and step the world until all have a value.
@@ -290,7 +297,11 @@ class Recorder:
         return self._readings
 
     def take(self) -> None:
-        """Take a sample of each signal."""
+        """Take a sample of each signal, once at a time."""
+        now = self._world.GetSimTime()
+        if now == self._at:
+            return
+        self._at = now
         for name, reading in self._bind().items():
             values = np.asarray(reading.value(), float)
             self._first.setdefault(name, float(values.flat[0]))
@@ -310,8 +321,6 @@ class Recorder:
         Raises:
             GazeboError: a function failed, or returned no number.
         """
-        if not self._taken:
-            self.take()
         return {
             one.name: self._of_function(one, controller) if one.function else self._reduced(one)
             for one in self._measures

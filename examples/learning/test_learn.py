@@ -24,7 +24,9 @@ def test_a_few_generations_are_better_than_none(task):
     env, policy = task
     weights = learn.learn(env, policy, generations=4, pairs=6, seed=0, verbose=False)
     seeds = range(3)
-    before, after = (np.mean([learn.play(env, policy, one, seed) for seed in seeds]) for one in (0.0 * weights, weights))
+    before, after = (
+        np.mean([learn.play(env, policy, one, seed) for seed in seeds]) for one in (0.0 * weights, weights)
+    )
     assert after > before + 2.0
 
 

@@ -85,7 +85,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     Attributes:
         world: the present world; a reset may replace it where `randomise` is used.
-        drawn: the values that `randomise` chose at the last reset.
+        sampled: the values that `randomise` chose at the last reset.
 
     Raises:
         WorldFileError: there is no such world, or it has errors.
@@ -134,7 +134,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._closed = False
         self._started = False
         self._steps = 0  # of this episode
-        self.drawn: dict[str, Any] = {}
+        self.sampled: dict[str, Any] = {}
         self.world = self._load({}, 0)
         try:
             self._prepare(period, settle, time_limit)
@@ -261,8 +261,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         super().reset(seed=seed)
         world_seed = int(self.np_random.integers(SEEDS))
         if self._randomise or self.world.random.n_children_spawned:
-            self.drawn = {path: one.sample(self.np_random) for path, one in self._randomise.items()}
-            self._replace(self._load(self.drawn, world_seed))
+            self.sampled = {path: one.sample(self.np_random) for path, one in self._randomise.items()}
+            self._replace(self._load(self.sampled, world_seed))
         else:
             self.world.Reset()
         self.world.reseed(world_seed)
@@ -339,8 +339,8 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
 
     def _information(self) -> dict[str, Any]:
         found: dict[str, Any] = {"sim_time": self.world.GetSimTime()}
-        if self.drawn:
-            found["drawn"] = dict(self.drawn)
+        if self.sampled:
+            found["sampled"] = dict(self.sampled)
         if self._info is not None:
             found |= self._info(self.world)
         return found

@@ -24,7 +24,7 @@ _UNSAFE = re.compile(r"[^\w.-]+")
 def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -> Iterator[Path]:
     """Write a figure for each measure, over the parameter with the most values; the files' paths.
 
-    Lines are means over seeds and draws, bands a standard deviation to each side; a line for each value of the second
+    Lines are means over seeds and repeats, bands a standard deviation to each side; a line for each value of the second
     parameter, a panel for each of the third. Without parameters the figure is a histogram.
 
     Args:
@@ -42,7 +42,9 @@ def plot_measures(about: Mapping[str, Any], rows: Sequence[Row], folder: Path) -
     names = [*about["parameters"], "controller"]
     counts = {name: len({_key(row[name]) for row in good}) for name in names}
     varied = [name for name in names if counts[name] > 1]
-    chosen = [name for name in varied if name not in about["random"]]  # what is drawn at random is spread, if it can be
+    chosen = [
+        name for name in varied if name not in about["random"]
+    ]  # what is sampled at random is spread, if it can be
     varied = sorted(chosen or varied[:1], key=lambda name: (not _numeric(good, name), -counts[name]))
     for measure in about["measures"]:
         panels = _panels(good, varied[2] if len(varied) > 2 else None)

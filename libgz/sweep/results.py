@@ -117,7 +117,7 @@ class CsvResults(Results):
             for row in _csv_rows(path):
                 self._note({"run": int(row["run"]), "state": row["state"]})
         self._file = path.open("ab", buffering=0)
-        if not self._file.tell():
+        if not path.stat().st_size:
             self._put(self.columns)
 
     def _put(self, values: Sequence[Any]) -> None:

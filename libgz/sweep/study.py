@@ -42,8 +42,8 @@ KEYS = {
     "duration": "sim time of a run [s]",
     "start": "sim time that passes before the controller begins [s]; runs that differ only in it share that state",
     "seeds": "how many seeds, or a list of them",
-    "draws": "how many times distributions are drawn",
-    "seed": "of the draws",
+    "repeats": "how many times distributions are sampled",
+    "seed": "of the repeats",
     "period": "sim time between two calls of a controller [s]",
     "sample": "sim time between two samples of measures [s]",
     "solver": "world or quick",
@@ -131,7 +131,7 @@ class Run:
 class Study:
     """A study. Every run of it is given by its number alone, so that nothing has to be listed.
 
-    Runs are numbered over cases, the grid, draws, controllers and seeds, the last one fastest.
+    Runs are numbered over cases, the grid, repeats, controllers and seeds, the last one fastest.
     """
 
     folder: Path  # of relative paths
@@ -141,7 +141,7 @@ class Study:
     cases: tuple[dict[str, Any], ...] = ({},)
     grid: dict[str, list[Any]] = field(default_factory=dict)
     random: dict[str, Distribution] = field(default_factory=dict)
-    draws: int = 1
+    repeats: int = 1
     seed: int = 0
     seeds: tuple[int, ...] = (0,)
     controllers: tuple[Controller, ...] = (Controller(),)
@@ -193,9 +193,11 @@ class Study:
         for name in {**grid, **random}:
             if any(name in case for case in cases):
                 raise ParameterError(f"parameter {name!r} is in [parameters] and in the list; give it once")
-        draws = _whole(table, "draws", 1, 1)
-        if draws > 1 and not random:
-            raise ParameterError(f"draws is {draws}, but no parameter is a distribution, such as {{uniform = [1, 2]}}")
+        repeats = _whole(table, "repeats", 1, 1)
+        if repeats > 1 and not random:
+            raise ParameterError(
+                f"repeats is {repeats}, but no parameter is a distribution, such as {{uniform = [1, 2]}}"
+            )
         measures = tuple(_measure(name, given, folder) for name, given in _table(table, "measures").items())
         if not measures:
             raise ParameterError("measures is empty; name at least one, such as distance = 'position.robot1/pos[0]'")
@@ -218,7 +220,7 @@ class Study:
             cases,
             grid,
             random,
-            draws,
+            repeats,
             _whole(table, "seed", 0, 0),
             _seeds(table.get("seeds", 1)),
             _controllers(table, folder),
@@ -247,7 +249,7 @@ class Study:
     @property
     def _sizes(self) -> tuple[int, ...]:
         grid = (len(values) for values in self.grid.values())
-        return (len(self.cases), *grid, self.draws, len(self.controllers), len(self.seeds))
+        return (len(self.cases), *grid, self.repeats, len(self.controllers), len(self.seeds))
 
     def run(self, number: int) -> Run:
         """A run by its number.
@@ -261,11 +263,11 @@ class Study:
         for size in reversed(self._sizes):
             rest, place = divmod(rest, size)
             places.append(place)
-        case, *grid, draw, controller, seed = reversed(places)
+        case, *grid, repeat, controller, seed = reversed(places)
         parameters = dict(self.cases[case])
         for (name, values), place in zip(self.grid.items(), grid, strict=True):
             parameters[name] = values[place]
-        generator = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(draw,)))
+        generator = np.random.default_rng(np.random.SeedSequence(self.seed, spawn_key=(repeat,)))
         for name, distribution in self.random.items():
             parameters[name] = distribution.sample(generator)
         return Run(number, parameters, self.seeds[seed], self.controllers[controller])
@@ -292,7 +294,7 @@ class Study:
                 self.start,
                 self.period,
                 self.sample,
-                self.draws,
+                self.repeats,
                 self.seed,
                 self.seeds,
                 self.solver,

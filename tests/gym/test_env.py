@@ -176,7 +176,7 @@ def test_wrong_calls(make):
         env.reset()
 
 
-def test_randomisation_draws_anew_at_each_reset(make):
+def test_randomisation_samples_anew_at_each_reset(make):
     env = make(
         "pioneer2at",
         DRIVE,
@@ -190,13 +190,13 @@ def test_randomisation_draws_anew_at_each_reset(make):
     found = []
     for seed in (1, 2, 1):
         seen, info = env.reset(seed=seed)
-        assert env.unwrapped.world.body("crate").mass == info["drawn"]["crate/mass"]
-        assert seen["crate/pos"][0] == pytest.approx(info["drawn"]["crate/xyz[0]"], abs=1e-3)
-        assert 5.0 <= info["drawn"]["crate/mass"] <= 50.0
-        found.append((info["drawn"], env.step([0.3, 0.5])[0]["position.robot1/pos"].tobytes()))
+        assert env.unwrapped.world.body("crate").mass == info["sampled"]["crate/mass"]
+        assert seen["crate/pos"][0] == pytest.approx(info["sampled"]["crate/xyz[0]"], abs=1e-3)
+        assert 5.0 <= info["sampled"]["crate/mass"] <= 50.0
+        found.append((info["sampled"], env.step([0.3, 0.5])[0]["position.robot1/pos"].tobytes()))
     assert found[0] == found[2]
     assert found[0][0] != found[1][0]
-    more = [env.reset()[1]["drawn"]["crate/mass"] for _ in range(3)]
+    more = [env.reset()[1]["sampled"]["crate/mass"] for _ in range(3)]
     assert len(set(more)) == 3
 
 

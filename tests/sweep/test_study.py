@@ -18,13 +18,13 @@ def test_runs_are_given_by_their_numbers(folder):
         {"speed": 0.4}
     ] * 2
     assert [run.changes["crate/mass"] for run in runs] == [1.0] * 4 + [8.0] * 4
-    assert len({run.changes["crate/xyz[0]"] for run in runs}) == 1  # one draw, for all
+    assert len({run.changes["crate/xyz[0]"] for run in runs}) == 1  # one repeat, for all
     assert 0.5 <= runs[0].changes["crate/xyz[0]"] <= 0.8
 
 
 def test_a_million_runs_are_not_listed(folder):
     table = tomllib.loads((folder / "push.toml").read_text())
-    study = Study.of({**table, "draws": 1_000_000}, folder)
+    study = Study.of({**table, "repeats": 1_000_000}, folder)
     assert len(study) == 8_000_000
     assert study.run(7_999_999) == study.run(7_999_999)
     assert study.run(0).parameters["crate/xyz[0]"] != study.run(4).parameters["crate/xyz[0]"]
@@ -56,7 +56,7 @@ WRONG = [
     ("duration = 1.0", "", "duration is missing"),
     ("duration = 1.0", "duraton = 1.0", "did you mean 'duration'"),
     ("seeds = 2", "seeds = [1, 1]", "seeds is"),
-    ("seeds = 2", "draws = 0", "draws is 0"),
+    ("seeds = 2", "repeats = 0", "repeats is 0"),
     ('"crate/mass" = [1.0, 8.0]', '"crate/mass" = {unifrm = [1, 2]}', "crate/mass: there is no distribution 'unifrm'"),
     ('"crate/mass" = [1.0, 8.0]', '"seed" = [1]', "parameter 'seed' is not allowed"),
     ("drive.py:Drive", "drve.py:Drive", "there is no file"),

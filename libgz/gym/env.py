@@ -323,18 +323,18 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         """The numbers of an action within their bounds; whole ones rounded."""
         try:
             values: list[Any] = action.tolist() if isinstance(action, np.ndarray) else list(map(float, action))
-            if len(values) != len(self._bounds):
-                raise ParameterError(f"action has {len(values)} numbers; it must have {len(self._bounds)}")
-            for index, (low, high, whole) in enumerate(self._bounds):
-                value = values[index]
-                if not low <= value <= high:
-                    if not math.isfinite(value):
-                        raise ParameterError(f"action is {values}; it must be finite")
-                    values[index] = value = min(max(value, low), high)
-                if whole:
-                    values[index] = round(value)
-        except TypeError:
+        except (TypeError, ValueError):
             raise ParameterError(f"action is {action!r}; it must be {len(self._bounds)} numbers") from None
+        if not isinstance(values, list) or len(values) != len(self._bounds):
+            raise ParameterError(f"action is {action!r}; it must have {len(self._bounds)} numbers")
+        for index, (low, high, whole) in enumerate(self._bounds):
+            value = values[index]
+            if not low <= value <= high:
+                if not math.isfinite(value):
+                    raise ParameterError(f"action is {values}; it must be finite")
+                values[index] = value = min(max(value, low), high)
+            if whole:
+                values[index] = round(value)
         return values
 
     def _information(self) -> dict[str, Any]:

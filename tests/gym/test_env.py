@@ -165,7 +165,7 @@ def test_wrong_calls(make):
         env.step([0.0, 0.0])
     env.reset()
     for action, message in (
-        ([0.0], "has 1 numbers; it must have 2"),
+        ([0.0], "it must have 2 numbers"),
         ([np.nan, 0.0], "must be finite"),
         ("x", "must be 2 numbers"),
     ):

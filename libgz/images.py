@@ -52,6 +52,10 @@ class FreeView:
         """The present image, shape (height, width, 3); empty if rendering is disabled."""
         return _EMPTY if self._camera.blind else self._camera.Update()
 
+    def close(self) -> None:
+        """Close the camera. Can be called twice."""
+        self._camera.close()
+
 
 class _SensorCamera:
     """A camera sensor of an SDF world."""

@@ -57,6 +57,9 @@ class MobileRobot(Model):
     interfaces: ClassVar[tuple[str, ...]] = ("position",)
     # The fields of the position interface that this robot obeys, in the order of `position.wanted`.
     commands: ClassVar[tuple[tuple[str, int], ...]] = (("cmd_vel_pos", 0), ("cmd_vel_rot", 2))
+    limits: ClassVar[
+        tuple[float, ...]
+    ] = ()  # of each of them [m/s], [rad/s]; empty: as far as the interface takes them
 
     def build(self) -> None:
         """Build bodies and joints."""

@@ -51,6 +51,7 @@ class SegwayRMP(DifferentialRobot):
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
     wheelSep, wheelDiam = 0.54, 0.48
     maxTorque = MAX_TORQUE / 2.0
+    limits = (MAX_SPEED, MAX_TURN)
 
     def build(self) -> None:  # noqa: D102
         base = add_body(self)

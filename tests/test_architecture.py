@@ -23,7 +23,8 @@ LAYERS = [
     ["legacy", "sdfworld"],
     ["models", "classic", "cxx"],
     ["front"],
-    ["convert", "recording", "reference", "images", "view"],
+    ["convert", "recording", "reference", "images", "view", "distribution", "signals", "variant"],
+    ["gym", "sweep"],
     ["testing"],
     ["apps"],
     ["__main__"],
@@ -56,6 +57,7 @@ TABLES = {
     "libgz.classic.sensors.kinds",
     "libgz.legacy.factory",
     "libgz.reference.classic_pages",
+    "libgz.sweep.worker",  # the modules that a run has loaded
 }
 # Circles inside a package are between a parent and its parts: without the parent there is none.
 PARENTS = {

@@ -53,6 +53,10 @@ EXTRAS = {
         "worlds run, and gzserver -r records state.log",
     ),
     "view": Extra(("viser",), "running worlds in a browser", "everything else works"),
+    "gym": Extra(("gymnasium", "viser"), "environments of Gymnasium", "everything else works"),
+    "cluster": Extra(
+        ("distributed", "pyarrow"), "sweeps on clusters, and as Parquet", "libgz sweep runs here, and writes CSV"
+    ),
 }
 
 

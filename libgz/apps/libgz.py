@@ -40,6 +40,7 @@ COMMANDS = {
     "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
     "set": "write fields of an interface of a running server",
     "snapshot": "save and restore the state of a running server, or rewind it",
+    "sweep": "run a study of many runs, here or on a cluster, and plot what they measure",
     "stats": "print the real-time factor of a running SDF world",
     "topic": "list, print, measure and publish topics of a running gzserver",
     "view": "show a running world in a browser, with controls",

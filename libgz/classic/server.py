@@ -316,6 +316,12 @@ class WorldServer:
         for plugin in (*self._other_plugins(), *system_plugins):
             plugin.reset()
 
+    def reseed(self, seed: int) -> None:
+        """Begin the random numbers of a world that was made with this seed: of sensors' noise, and of math.Rand."""
+        Rand.Seed(seed)
+        if self.sensors is not None:
+            self.sensors.reseed(seed)
+
     # State -------------------------------------------------------------------------------------------------------
 
     def get_state(self) -> dict[str, Any]:

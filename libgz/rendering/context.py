@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import logging
+import os
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from ctypes import c_char_p, c_int, c_uint, c_void_p
@@ -181,6 +182,7 @@ def _library(name: str, context: Context) -> ctypes.CDLL:
 
 
 CONTEXTS: dict[str, type[Context]] = {kind.name: kind for kind in (OSMesaContext, EGLContext)}
+_rendering: int | None = None  # the process in which Mesa has started threads
 
 
 def open_context(choice: str | None = None) -> Context | None:
@@ -190,9 +192,17 @@ def open_context(choice: str | None = None) -> Context | None:
         LibraryError: it does not work here, or none does.
         ParameterError: the choice is unknown.
     """
+    global _rendering
     choice = chosen() if choice is None else check_choice(choice, "the choice of OpenGL")
     if choice == "none":
         return None
+    if _rendering not in (None, os.getpid()):
+        raise LibraryError(
+            "OpenGL was used before this process was forked, so it would wait here without end: start processes with "
+            "'spawn' or 'forkserver', or set LP_NUM_THREADS=0 in the environment before the first camera"
+        )
+    if os.environ.get("LP_NUM_THREADS") != "0":
+        _rendering = os.getpid()
     if choice != "auto":
         return CONTEXTS[choice]()
     reasons = []

@@ -34,6 +34,9 @@ class Companion(Protocol):
     def entities_rebuilt(self) -> None:
         """The entities of a state are there, some of them built again; their states come next."""
 
+    def reseed(self, seed: int) -> None:
+        """Begin the random numbers of a world that was made with this seed."""
+
     def get_state(self) -> object:
         """Its own state as plain data, for `World.get_state`; None if it has none."""
 

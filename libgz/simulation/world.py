@@ -1034,6 +1034,24 @@ class World(Closing):
                 raise
             return clone
 
+    def reseed(self, seed: int) -> None:
+        """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
+
+        A generator that a model of your own made stays as it is; `random.n_children_spawned` counts those that were
+        made from the world's `random`.
+
+        Raises:
+            ParameterError: the seed is negative.
+            GazeboError: a step is under way, or plugins load or are reset.
+        """
+        not_negative(seed, "seed")
+        with self.lock:
+            self._check_ready("given a seed")
+            self.seed = self.engine.seed = seed
+            self.random = np.random.SeedSequence(seed, n_children_spawned=self.random.n_children_spawned)
+            for companion in self.companions:
+                companion.reseed(seed)
+
     def return_to_start(self) -> None:
         """Bring the world into its state at the end of Initialize.
 

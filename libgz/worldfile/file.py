@@ -205,6 +205,13 @@ class WorldFile:
             return 0.5 * (atof(tokens[index]) if len(tokens) > index else default)
         return OLD_ORIGIN_HEIGHT.get(node.name, 0.0)
 
+    def changed(self) -> WorldFile:
+        """A new worldfile with the values that were changed in this one, as if it had been read so."""
+        file = WorldFile()
+        file.LoadString(self._changed_source(), self.label)
+        file.filename = self.filename
+        return file
+
     # Saving ------------------------------------------------------------------------------------------------------
 
     def Save(self, filename: str | os.PathLike[str] | None = None) -> int:
@@ -220,10 +227,8 @@ class WorldFile:
         if target is None:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
         if self.changes:
-            changes = self.changes
-            children = {number: [(child.name, child.content) for child in c] for number, c in changes.children.items()}
             try:
-                self.source = splice(self.source, changes.texts, changes.attributes, children, self.encoding)
+                self.source = self._changed_source()
             except WorldFileError as error:
                 raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
             self._renumber()
@@ -234,6 +239,14 @@ class WorldFile:
         except OSError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None
         return 0
+
+    def _changed_source(self) -> bytes:
+        """The file's bytes with its changed values."""
+        changes = self.changes
+        if not changes:
+            return self.source
+        children = {number: [(child.name, child.content) for child in c] for number, c in changes.children.items()}
+        return splice(self.source, changes.texts, changes.attributes, children, self.encoding)
 
     def _renumber(self) -> None:
         """Number the elements in document order again, after some were added."""

@@ -404,6 +404,13 @@ class WorldFileNode:
         if node is not None:
             node._set_content(value)
 
+    def put(self, key: str, value: str) -> None:
+        """Change the text of an attribute, or add the attribute if it is missing; `WorldFile.Save` writes it."""
+        if key in self.attributes or key == self.name or self._attribute_child(key) is not None:
+            self.SetString(key, value)
+        else:
+            self._add_child(key, value)
+
     def _set_content(self, value: str) -> None:
         if self.content.strip(_BLANK) != value:
             self.pieces = [value]

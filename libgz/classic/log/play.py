@@ -212,6 +212,9 @@ class LogPlay:
         """Go back to the first state."""
         self.Rewind()
 
+    def reseed(self, seed: int) -> None:
+        """Nothing to do."""
+
     def entities_rebuilt(self) -> None:
         """Nothing to do."""
 

@@ -192,6 +192,9 @@ class LogRecord:
         """Make the next state due, for the sim time restarts."""
         self._due = -float("inf")
 
+    def reseed(self, seed: int) -> None:
+        """Nothing to do."""
+
     def entities_rebuilt(self) -> None:
         """Nothing to do."""
 

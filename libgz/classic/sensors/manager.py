@@ -305,6 +305,12 @@ class WorldSensors:
         for sensor in self.sensors.values():
             sensor.reset()
 
+    def reseed(self, seed: int) -> None:
+        """Begin the noise of a world that was made with this seed."""
+        for sensor in self.sensors.values():
+            for noise in sensor.every_noise:
+                noise.reseed(seed)
+
     def close(self) -> None:
         """Remove all sensors."""
         for sensor in list(self.sensors.values()):

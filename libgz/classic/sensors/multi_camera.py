@@ -51,6 +51,11 @@ class MultiCameraSensor(LinkSensor):
         """The noises of its cameras."""
         return [plan.noise for plan in self._plans if plan.noise is not None]
 
+    @property
+    def every_noise(self) -> list[NoiseModel]:
+        """All that it has of noise, that of its cameras included."""
+        return [*super().every_noise, *self.camera_noises]
+
     def Init(self) -> None:
         """Open all cameras."""
         base = f"{self.ParentName()}::{self.Name()}"

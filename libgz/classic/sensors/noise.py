@@ -97,6 +97,9 @@ class Noise:
     def restart(self) -> None:
         """Start again, with the same random numbers."""
 
+    def reseed(self, seed: int) -> None:
+        """Start again, with the random numbers that a world of this seed has."""
+
     def Fini(self) -> None:
         """Release the callback."""
         self._custom = None
@@ -134,6 +137,11 @@ class GaussianNoiseModel(Noise):
         """Start again, with the same random numbers."""
         self._random = np.random.Generator(np.random.PCG64(self._seed))
         self.SampleBias()
+
+    def reseed(self, seed: int) -> None:
+        """Start again, with the random numbers that a world of this seed has."""
+        self._seed = np.random.SeedSequence(seed, spawn_key=self._seed.spawn_key)
+        self.restart()
 
     def SampleBias(self) -> None:
         """Sample the bias again."""

@@ -304,6 +304,11 @@ class Sensor:
         """Its noises, in the order in which they were added."""
         return list(self.noises.values())
 
+    @property
+    def every_noise(self) -> list[NoiseModel]:
+        """All that it has of noise."""
+        return self.all_noises
+
     def noisy(self, kind: SensorNoiseType, value: float) -> float:
         """A value with its noise."""
         noise = self.noises.get(kind)

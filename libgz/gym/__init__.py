@@ -1,0 +1,32 @@
+"""Worlds as environments of Gymnasium; `import libgz.gym` registers them. The extra ``gym`` installs what it needs.
+
+::
+
+    import gymnasium
+    import libgz.gym
+
+    env = gymnasium.make("libgz/ReachGoal-v0")
+"""
+
+from __future__ import annotations
+
+import os
+
+from libgz.errors import LibraryError
+
+try:
+    import gymnasium
+except ImportError as error:
+    raise LibraryError(f"libgz.gym needs the extra `gym`: pip install 'libgz[gym]' ({error})") from None
+
+# Mesa's threads do not survive a fork, and AsyncVectorEnv makes an environment before it forks its processes.
+os.environ.setdefault("LP_NUM_THREADS", "0")
+
+from libgz.gym.env import WorldEnv
+from libgz.gym.tasks import TASKS
+
+__all__ = ["TASKS", "WorldEnv"]
+
+gymnasium.register("libgz/World-v0", "libgz.gym.env:WorldEnv")
+for _name, _task in TASKS.items():
+    gymnasium.register(f"libgz/{_name}-v0", f"libgz.gym.tasks:{_task.__name__}")

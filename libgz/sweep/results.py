@@ -1,0 +1,313 @@
+"""Results: the rows of a study's runs in a folder, written as they arrive; none is lost or written twice."""
+
+from __future__ import annotations
+
+import csv
+import fcntl
+import io
+import json
+import math
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from libgz.errors import GazeboError, LibraryError, ParameterError
+from libgz.files import write_whole
+from libgz.sweep.study import Study
+
+__all__ = ["FORMATS", "CsvResults", "ParquetResults", "Results", "open_results", "read_results"]
+
+FORMATS = ("csv", "parquet")
+ABOUT, LOCK, TABLE, JOURNAL = "study.json", ".lock", "results.csv", "journal.jsonl"
+PART_ROWS, PART_PERIOD = 10_000, 300.0  # a part of Parquet has so many rows, or is so old [s]
+WHOLE = ("run", "seed", "attempts")
+TEXTS = ("controller", "state", "message", "host", "libgz", "python")
+
+
+def columns_of(study: Study) -> list[str]:
+    """The columns of a study's results."""
+    measures = [one.name for one in study.measures]
+    return [
+        *("run", *study.parameters, "controller", "seed", "state", *measures),
+        *("sim_time", "wall_time", "attempts", "message", "host", "libgz", "python"),
+    ]
+
+
+class Results:
+    """Base of both formats: the folder, its lock, and which runs are recorded.
+
+    Args:
+        folder: of the results; it is made if it is missing.
+        study: the study.
+        digest: of the study.
+
+    Raises:
+        ParameterError: the folder has results of another study, or in another format.
+        GazeboError: another process writes to it, or it cannot be written.
+    """
+
+    format: str
+
+    def __init__(self, folder: Path, study: Study, digest: str) -> None:
+        self.folder, self.columns = folder, columns_of(study)
+        self.recorded: set[int] = set()
+        self.failed = 0  # of them
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock = (folder / LOCK).open("w")
+        except OSError as error:
+            raise GazeboError(f"cannot write {error.filename}: {error.strerror}") from None
+        try:
+            try:
+                fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise GazeboError(f"{folder}: another process writes these results") from None
+            self._check(digest, study)
+        except BaseException:
+            self._lock.close()
+            raise
+
+    def _check(self, digest: str, study: Study) -> None:
+        about = self.folder / ABOUT
+        if about.is_file():
+            known = json.loads(about.read_text())
+            if known["digest"] != digest:
+                raise ParameterError(
+                    f"{self.folder} has the results of another study, or of this one before it, its world or its "
+                    "Python files were changed; name another folder with --results, or remove this one"
+                )
+            if known["format"] != self.format:
+                raise ParameterError(f"{self.folder} has results as {known['format']}, not as {self.format}")
+            return
+        known = {"digest": digest, "format": self.format, "runs": len(study), "parameters": study.parameters}
+        known |= {"random": list(study.random), "measures": [one.name for one in study.measures]}
+        write_whole(about, (json.dumps(known, indent=2) + "\n").encode())
+
+    def add(self, row: Mapping[str, Any]) -> None:
+        """Record a run; one that is recorded already is left out."""
+        if row["run"] in self.recorded:
+            return
+        self._write({name: row.get(name) for name in self.columns})
+        self._note(row)
+
+    def _note(self, row: Mapping[str, Any]) -> None:
+        self.recorded.add(int(row["run"]))
+        self.failed += row["state"] != "ok"
+
+    def _write(self, row: dict[str, Any]) -> None:
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """End writing."""
+        self._lock.close()
+
+
+class CsvResults(Results):
+    """One file, a line for each run."""
+
+    format = "csv"
+
+    def __init__(self, folder: Path, study: Study, digest: str) -> None:
+        super().__init__(folder, study, digest)
+        path = folder / TABLE
+        if path.is_file():
+            _cut(path)
+            for row in _csv_rows(path):
+                self._note({"run": int(row["run"]), "state": row["state"]})
+        self._file = path.open("ab", buffering=0)
+        if not path.stat().st_size:
+            self._put(self.columns)
+
+    def _put(self, values: Sequence[Any]) -> None:
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerow(values)
+        self._file.write(text.getvalue().encode())  # in one call: a kill leaves a whole line, or the start of one
+
+    def _write(self, row: dict[str, Any]) -> None:
+        self._put([_text(row[name]) for name in self.columns])
+
+    def close(self) -> None:
+        """End writing."""
+        os.fsync(self._file.fileno())
+        self._file.close()
+        super().close()
+
+
+class ParquetResults(Results):
+    """Files ``part-*.parquet``, which are one table together; what is not in a part yet is in a journal."""
+
+    format = "parquet"
+
+    def __init__(self, folder: Path, study: Study, digest: str) -> None:
+        super().__init__(folder, study, digest)
+        self._types = _parquet_types(study)
+        for part in sorted(folder.glob("part-*.parquet")):
+            table = _parquet().read_table(part, columns=["run", "state"])
+            for run, state in zip(table["run"].to_pylist(), table["state"].to_pylist(), strict=True):
+                self._note({"run": run, "state": state})
+        self._waiting: list[dict[str, Any]] = []
+        path = folder / JOURNAL
+        if path.is_file():
+            _cut(path)
+            for line in path.read_text().splitlines():
+                row = json.loads(line)
+                if row["run"] not in self.recorded:  # else the process ended between part and journal
+                    self._waiting.append(row)
+                    self._note(row)
+        self._file = path.open("ab", buffering=0)
+        self._since = time.monotonic()
+
+    def _write(self, row: dict[str, Any]) -> None:
+        self._file.write((json.dumps(row) + "\n").encode())
+        self._waiting.append(row)
+        if len(self._waiting) >= PART_ROWS or time.monotonic() > self._since + PART_PERIOD:
+            self._flush()
+
+    def _flush(self) -> None:
+        """Write what waits as a part, whole or not at all, then empty the journal."""
+        self._since = time.monotonic()
+        if not self._waiting:
+            return
+        import pyarrow  # type: ignore[import-untyped]
+
+        rows = sorted(self._waiting, key=lambda row: row["run"])
+        columns = {name: [_as(kind, row[name]) for row in rows] for name, kind in self._types.items()}
+        schema = pyarrow.schema([(name, getattr(pyarrow, kind)()) for name, kind in self._types.items()])
+        out = io.BytesIO()
+        _parquet().write_table(pyarrow.table(columns, schema=schema), out)
+        number = len(list(self.folder.glob("part-*.parquet")))
+        write_whole(self.folder / f"part-{number:06}.parquet", out.getvalue())
+        self._file.truncate(0)
+        self._waiting.clear()
+
+    def close(self) -> None:
+        """Write what waits, and end."""
+        self._flush()
+        self._file.close()
+        super().close()
+
+
+def _parquet_types(study: Study) -> dict[str, str]:
+    """Column -> its type in Parquet."""
+    runs = [study.run(number) for number in {0, len(study) - 1}]
+    types = {}
+    samples: dict[str, list[Any]] = {name: [run.parameters[name] for run in runs] for name in study.parameters}
+    for name in study.parameters:
+        samples[name] += [*study.grid.get(name, ()), *(case[name] for case in study.cases if name in case)]
+        if name in study.random and study.random[name].kind == "choice":
+            samples[name] += study.random[name].values
+    for name in columns_of(study):
+        if name in samples:
+            types[name] = _kind(samples[name])
+        else:
+            types[name] = "int64" if name in WHOLE else "string" if name in TEXTS else "float64"
+    return types
+
+
+def _kind(values: Sequence[Any]) -> str:
+    if all(isinstance(value, bool) for value in values):
+        return "bool_"
+    if all(type(value) is int for value in values):
+        return "int64"
+    return "float64" if all(type(value) in (int, float) for value in values) else "string"
+
+
+def _as(kind: str, value: Any) -> Any:
+    if value is None:
+        return None
+    return float(value) if kind == "float64" else _text(value) if kind == "string" else value
+
+
+def _parquet() -> Any:
+    try:
+        import pyarrow.parquet  # type: ignore[import-untyped]
+    except ImportError as error:
+        raise LibraryError(f"Parquet needs the extra `cluster`: pip install 'libgz[cluster]' ({error})") from None
+    return pyarrow.parquet
+
+
+def _text(value: Any) -> str:
+    """A value for a CSV file: the shortest text that gives the same number."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else str(value)
+    return value.replace("\n", " | ") if isinstance(value, str) else json.dumps(value)
+
+
+def _cut(path: Path) -> None:
+    """Cut off the start of a line that was being written when its process ended."""
+    with path.open("r+b") as file:
+        data = file.read()
+        file.truncate(data.rfind(b"\n") + 1)
+
+
+def _csv_rows(path: Path) -> Iterator[dict[str, str]]:
+    with path.open(newline="") as file:
+        yield from csv.DictReader(file)
+
+
+def open_results(folder: Path, study: Study, digest: str, wanted: str | None) -> Results:
+    """The results of a study in a folder: new ones, or those that are there, to be continued.
+
+    Args:
+        folder: the folder.
+        study: the study.
+        digest: of it.
+        wanted: one of `FORMATS`; None for that of the folder, or csv.
+
+    Raises:
+        ParameterError: the folder has other results.
+        LibraryError: pyarrow is not installed.
+        GazeboError: another process writes to it, or it cannot be written.
+    """
+    if wanted is None:
+        about = folder / ABOUT
+        wanted = json.loads(about.read_text())["format"] if about.is_file() else "csv"
+    if wanted == "csv":
+        return CsvResults(folder, study, digest)
+    _parquet()
+    return ParquetResults(folder, study, digest)
+
+
+def read_results(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+    """What the folder says of its study, and all rows in order of their runs; numbers as numbers.
+
+    Raises:
+        ParameterError: there are no results.
+        LibraryError: pyarrow is not installed.
+    """
+    about = folder / ABOUT
+    if not about.is_file():
+        raise ParameterError(f"{str(folder)!r} has no results of a sweep: there is no {ABOUT} in it")
+    known: dict[str, Any] = json.loads(about.read_text())
+    rows: list[dict[str, Any]]
+    if known["format"] == "csv":
+        numbers = {*known["measures"], "sim_time", "wall_time", "run", "seed", "attempts"}
+        table = folder / TABLE
+        rows = [
+            {name: _parsed(text, name in numbers) for name, text in row.items()}
+            for row in (_csv_rows(table) if table.is_file() else ())
+            if row["run"].isdecimal() and row["python"]
+        ]
+    else:
+        parts = sorted(folder.glob("part-*.parquet"))
+        rows = [row for part in parts for row in _parquet().read_table(part).to_pylist()]
+        known_runs = {row["run"] for row in rows}
+        journal = folder / JOURNAL
+        lines = journal.read_text().split("\n")[:-1] if journal.is_file() else []
+        rows += [row for row in map(json.loads, lines) if row["run"] not in known_runs]
+    return known, sorted(rows, key=lambda row: row["run"])
+
+
+def _parsed(text: str, number: bool) -> Any:
+    try:
+        return int(text)
+    except (ValueError, TypeError):
+        pass
+    try:
+        return float(text)
+    except (ValueError, TypeError):
+        return math.nan if number else text

@@ -1,0 +1,98 @@
+"""Studies: which runs there are, and what is wrong in a file."""
+
+import tomllib
+
+import pytest
+
+from libgz.errors import GazeboError, ParameterError
+from libgz.sweep.run import check
+from libgz.sweep.study import Study
+
+
+def test_runs_are_given_by_their_numbers(folder):
+    study = Study.load(folder / "push.toml")
+    runs = list(study.runs())
+    assert len(study) == len(runs) == 8
+    assert [run.seed for run in runs] == [0, 1] * 4
+    assert [run.settings for run in runs] == [{"speed": 0.2}] * 2 + [{"speed": 0.4}] * 2 + [{"speed": 0.2}] * 2 + [
+        {"speed": 0.4}
+    ] * 2
+    assert [run.changes["crate/mass"] for run in runs] == [1.0] * 4 + [8.0] * 4
+    assert len({run.changes["crate/xyz[0]"] for run in runs}) == 1  # one repeat, for all
+    assert 0.5 <= runs[0].changes["crate/xyz[0]"] <= 0.8
+
+
+def test_a_million_runs_are_not_listed(folder):
+    table = tomllib.loads((folder / "push.toml").read_text())
+    study = Study.of({**table, "repeats": 1_000_000}, folder)
+    assert len(study) == 8_000_000
+    assert study.run(7_999_999) == study.run(7_999_999)
+    assert study.run(0).parameters["crate/xyz[0]"] != study.run(4).parameters["crate/xyz[0]"]
+
+
+def test_cases_of_a_list(folder):
+    table = tomllib.loads((folder / "push.toml").read_text())
+    table["parameters"] = {}
+    study = Study.of(
+        {
+            **table,
+            "seeds": [7],
+            "list": [{"crate/mass": 1, "crate/xyz": [2, 0, 0]}, {"crate/mass": 2, "crate/xyz": [3, 0, 0]}],
+        },
+        folder,
+    )
+    assert [(run.parameters["crate/mass"], run.seed) for run in study.runs()] == [(1, 7), (2, 7)]
+
+
+def test_the_digest_follows_the_files(folder):
+    before = Study.load(folder / "push.toml").digest()
+    assert Study.load(folder / "push.toml").digest() == before
+    (folder / "drive.py").write_text((folder / "drive.py").read_text() + "\n# changed\n")
+    assert Study.load(folder / "push.toml").digest() != before
+
+
+WRONG = [
+    ("duration = 1.0", "duration = 0", "duration is 0; it must be a number above 0"),
+    ("duration = 1.0", "", "duration is missing"),
+    ("duration = 1.0", "duraton = 1.0", "did you mean 'duration'"),
+    ("seeds = 2", "seeds = [1, 1]", "seeds is"),
+    ("seeds = 2", "repeats = 0", "repeats is 0"),
+    ('"crate/mass" = [1.0, 8.0]', '"crate/mass" = {unifrm = [1, 2]}', "crate/mass: there is no distribution 'unifrm'"),
+    ('"crate/mass" = [1.0, 8.0]', '"seed" = [1]', "parameter 'seed' is not allowed"),
+    ("drive.py:Drive", "drve.py:Drive", "there is no file"),
+    ("drive.py:Drive", "drive.py", "names no function"),
+    ('reduce = "max"', 'reduce = "maximum"', "reduce is 'maximum'; allowed are last, first"),
+    ('distance = "robot1/pos[0]"', 'distance = "robot1"', "is no signal; write KEY/FIELD"),
+    ('distance = "robot1/pos[0]"', 'run = "robot1/pos[0]"', "has the name of another column"),
+    ("seeds = 2", 'solver = "fast"', "allowed are world, quick"),
+    ("seeds = 2", "start = 2.0", "it must be before the end"),
+    ("seeds = 2", "= 2", "Invalid statement"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), WRONG)
+def test_errors_of_a_file(folder, old, new, message):
+    path = folder / "push.toml"
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(ParameterError, match=r"push\.toml: ") as error:
+        Study.load(path)
+    assert message in str(error.value)
+
+
+UNKNOWN = [
+    ('"crate/mass"', '"crate/mas"', "nothing in the world reads <mas>; did you mean 'mass'"),
+    ('"crate/mass"', '"crat/mass"', "did you mean 'crate'"),
+    ("robot1/pos[0]", "robot2/pos[0]", "did you mean 'robot1'"),
+    ("robot1/pos[0]", "robot1/pos", "choose one number, such as [0], or reduce it"),
+    ("drive.py:Drive", "drive.py:Drve", "did you mean 'Drive'"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), UNKNOWN)
+def test_names_are_checked_before_the_first_run(folder, old, new, message):
+    path = folder / "push.toml"
+    path.write_text(path.read_text().replace(old, new))
+    study = Study.load(path)
+    with pytest.raises(GazeboError) as error:
+        check(study)
+    assert message in str(error.value)

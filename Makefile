@@ -1,5 +1,5 @@
 # make demo: install everything and run a demonstration.  make test: install everything, check and test.
-.PHONY: demo test lint types trials fuzz bench wheel setup clean
+.PHONY: demo test lint types trials fuzz bench docs wheel setup clean
 
 BIN := .venv/bin
 
@@ -28,6 +28,11 @@ fuzz: setup
 
 bench: setup
 	@for figures in step robots ground wire observer record camera plugins sdf view; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+
+# The documents as a site, offline: build/site/index.html
+docs: setup
+	@$(BIN)/sphinx-build -q -W --keep-going -c docs . build/site
+	@echo "build/site/index.html"
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl
 wheel: setup

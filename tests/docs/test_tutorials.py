@@ -11,11 +11,14 @@ from master_uri import free_master_uri
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*(ROOT / "docs" / "tutorials").glob("*.md"), *(ROOT / "docs" / "howto").glob("*.md")])
+LONG = ("classic",)  # tests/classic/test_examples.py has its examples, too
 SESSION = Path(__file__).parent / "session.py"
 
 
 @needs_namespaces  # the pages use server id 0, whose semaphores may be another server's outside
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize(
+    "page", [pytest.param(p, id=p.stem, marks=[pytest.mark.trial] * (p.stem in LONG)) for p in PAGES]
+)
 def test_a_page_works_as_it_is_typed(page, tmp_path):
     environment = {
         **{name: value for name, value in os.environ.items() if not name.startswith("GAZEBO")},
@@ -27,6 +30,7 @@ def test_a_page_works_as_it_is_typed(page, tmp_path):
     }
     folder = tmp_path / "work"
     folder.mkdir()
+    (folder / "examples").symlink_to(ROOT / "examples")
     command = [*namespace(), sys.executable, str(SESSION), str(page), str(folder)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr

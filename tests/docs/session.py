@@ -81,7 +81,7 @@ class Session:
 
     def run(self, command, expected):
         """Run a command that ends, and compare what it prints."""
-        self.shell.stdin.write(f"{command}\necho \" code:$?\"\n")
+        self.shell.stdin.write(f'{command}\necho " code:$?"\n')
         self.shell.stdin.flush()
         out = ""
         for line in self.shell.stdout:

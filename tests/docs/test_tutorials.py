@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from fresh_root import needs_namespaces, namespace
+from fresh_root import namespace, needs_namespaces
 from master_uri import free_master_uri
 
 ROOT = Path(__file__).parents[2]

@@ -23,6 +23,7 @@ extensions = ["myst_parser", "sphinx_copybutton"]
 
 myst_heading_anchors = 3
 myst_links_external_new_tab = False
+smartquotes = False  # options keep their two hyphens
 highlight_language = "text"
 copybutton_prompt_text = "$ "
 copybutton_only_copy_prompt_lines = True

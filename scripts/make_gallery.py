@@ -132,18 +132,24 @@ def main() -> None:
     (images / "sdf").mkdir(parents=True, exist_ok=True)
     asked = [word for word in sys.argv[1:] if not word.startswith("--")]
 
-    entries: dict[str, list[tuple[Path, str, str]]] = {"Worldfiles": [], "SDF worlds": []}  # world, name, command
-    for path in sorted((ROOT / "worlds").glob("*.world")):
-        entries["Worldfiles"].append((path, path.stem, f"gazebo {path.stem}"))
-    for name in SDF:
-        path = ROOT / "examples" / "plugins" / name / f"{name}.world"
-        entries["SDF worlds"].append((path, f"sdf/{name}", f"gzserver {path.relative_to(ROOT)}"))
+    entries = all_entries()
     for path, name, _ in (entry for group in entries.values() for entry in group):
         if "--text" not in sys.argv[1:] and (not asked or name in asked):
             os.environ["GAZEBO_PLUGIN_PATH"] = str(path.parent)
             picture = SDF[path.stem] if name.startswith("sdf/") else LEGACY.get(path.stem, Picture())
             render(path, images / f"{name}.png", picture)
     write_text(entries)
+
+
+def all_entries() -> dict[str, list[tuple[Path, str, str]]]:
+    """Title of each part of the gallery -> (world, name of its image, command)."""
+    entries: dict[str, list[tuple[Path, str, str]]] = {"Worldfiles": [], "SDF worlds": []}  # world, name, command
+    for path in sorted((ROOT / "worlds").glob("*.world")):
+        entries["Worldfiles"].append((path, path.stem, f"gazebo {path.stem}"))
+    for name in SDF:
+        path = ROOT / "examples" / "plugins" / name / f"{name}.world"
+        entries["SDF worlds"].append((path, f"sdf/{name}", f"gzserver {path.relative_to(ROOT)}"))
+    return entries
 
 
 def write_text(entries: dict[str, list[tuple[Path, str, str]]]) -> None:

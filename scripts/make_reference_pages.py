@@ -136,6 +136,8 @@ NO_EFFECT: dict[str, str] = {
     "material/shader": "rendered without it",
     "joint/axis/limit/stiffness": "stops are hard",
     "joint/axis/limit/dissipation": "stops are hard",
+    "joint/axis2/limit/stiffness": "stops are hard",
+    "joint/axis2/limit/dissipation": "stops are hard",
     "camera/depth_camera/output": "a depth camera has all of them",
     "camera/distortion": "warning: images are rendered without it",
     "camera/lens": "warning: images are rendered without it",
@@ -278,10 +280,10 @@ def about_class(name: str, kind: type, listed: set[type]) -> Iterator[str]:
         yield f"It also has the members of [{base.__name__}](#{base.__name__.lower()}).\n"
     inherited = set(dir(base)) if base is not None else set(dir(object))
     rows = []
-    for member in sorted(set(dir(kind)) - inherited | set(vars(kind)), key=str.lower):
+    for member in sorted(set(dir(kind)) - inherited | set(vars(kind)), key=lambda name: (name.lower(), name)):
         thing = inspect.getattr_static(kind, member)
         function = thing.__func__ if isinstance(thing, classmethod | staticmethod) else thing
-        if member.startswith("_") or not inspect.getdoc(function):
+        if member.startswith(("_", "Master")) or not inspect.getdoc(function):
             continue
         if isinstance(function, property):
             rows.append(f"| `{member}` | {summary(function)} |")

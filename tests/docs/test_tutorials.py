@@ -11,7 +11,7 @@ from master_uri import free_master_uri
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*(ROOT / "docs" / "tutorials").glob("*.md"), *(ROOT / "docs" / "howto").glob("*.md")])
-LONG = ("classic",)  # tests/classic/test_examples.py has its examples, too
+LONG = ("classic", "opengl", "to_sdf")  # other tests run most of what is in them
 SESSION = Path(__file__).parent / "session.py"
 
 
@@ -35,3 +35,18 @@ def test_a_page_works_as_it_is_typed(page, tmp_path):
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr
     assert int(done.stdout) > 0
+
+
+@needs_namespaces
+def test_every_program_of_the_other_pages_runs(tmp_path):
+    environment = {
+        **{name: value for name, value in os.environ.items() if not name.startswith("GAZEBO")},
+        "HOME": str(tmp_path),
+        "TMP": str(tmp_path),
+        "USER": "reader",
+        "GAZEBO_MASTER_URI": free_master_uri(),
+    }
+    command = [*namespace(), sys.executable, str(SESSION.with_name("snippets.py")), str(tmp_path / "work")]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert int(done.stdout) > 25

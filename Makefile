@@ -31,7 +31,7 @@ bench: setup
 
 # The documents as a site, offline: build/site/index.html
 docs: setup
-	@$(BIN)/sphinx-build -q -W --keep-going -c docs . build/site
+	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs . build/site
 	@echo "build/site/index.html"
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl

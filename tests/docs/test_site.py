@@ -10,9 +10,10 @@ import sys
 from pathlib import Path
 
 import pytest
-from lxml import html
+from lxml import etree, html
 
 from libgz.apps.command_line import command_parsers
+from libgz.sdf.reader import SdfFile
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -170,5 +171,25 @@ def test_all_commands_can_be_parsed():
 
 def test_make_docs_builds_the_same():
     recipe = (ROOT / "Makefile").read_text().partition("\ndocs: setup\n")[2].partition("\n\n")[0]
-    assert "sphinx-build -q -W --keep-going -c docs . build/site" in recipe
+    assert "sphinx-build -q -W --keep-going -E -a -c docs . build/site" in recipe
     assert os.access(DOCS / "conf.py", os.R_OK)
+
+
+# XML -----------------------------------------------------------------------------------------------------------------
+
+
+def xml_blocks():
+    for page in PAGES:
+        text = page.read_text()
+        for block in re.finditer(r"^```xml\n(.*?)^```", text, re.S | re.M):
+            yield pytest.param(block[1], id=f"{page.relative_to(ROOT)}:{text.count(chr(10), 0, block.start()) + 2}")
+
+
+@pytest.mark.parametrize("text", list(xml_blocks()))
+def test_xml_is_well_formed_and_sdf_has_no_errors(text):
+    declared = 'xmlns:model="m" xmlns:param="p" xmlns:gz="g"'
+    etree.fromstring(f"<all {declared}>{re.sub(r'<[?].*?[?]>', '', text)}</all>".encode())
+    if text.startswith(("<sdf", "<?xml")) and "<sdf" in text:
+        file = SdfFile.from_string(text)
+        assert file.diagnostics.errors == []
+        assert file.diagnostics.warnings == []

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 import sys
 from pathlib import Path
 
@@ -23,6 +24,18 @@ run(sys.executable, "-m", "venv", "env")
 run("env/bin/pip", "install", wheel)
 done = run("env/bin/python", "-m", "pytest", "-q", "--import-mode=importlib", "--libgz-record", "ci")
 print(json.dumps([done.returncode, done.stdout + done.stderr]))
+"""
+
+
+WITHOUT_HYPOTHESIS = """
+import sys
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] == "hypothesis":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Absent())
+import pytest
+sys.exit(pytest.main(sys.argv[1:]))
 """
 
 
@@ -66,3 +79,19 @@ def test_the_example_for_pytest_passes(root):
         row.count, row.result = 1, json.dumps(text.splitlines()[-1:])
         assert code == 0, text
         assert "passed" in text
+
+
+def test_the_example_for_pytest_needs_pytest_only_in_a_checkout():
+    command = [
+        sys.executable,
+        "-c",
+        WITHOUT_HYPOTHESIS,
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        "-p",
+        "no:hypothesispytest",
+        "examples/ci",
+    ]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -12,16 +12,18 @@ import termios
 import tty
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.apps.console import number_from_zero, whole_number
 from libgz.classic.transport import serve
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.recording.capture import check_packages
-from libgz.recording.player import Player
-from libgz.recording.reader import LogReader
 from libgz.transport.control import ask
 from libgz.transport.server import free_server_id
+
+if TYPE_CHECKING:  # needs the extra `log`
+    from libgz.recording.player import Player
+
 
 __all__ = ["configure", "run"]
 
@@ -86,6 +88,8 @@ def run(options: argparse.Namespace) -> int:
     if options.log is None:
         return _control(options)
     check_packages()
+    from libgz.recording.player import Player  # needs the extra `log`
+
     if options.info:
         return _print_info(options.log)
     server_id = free_server_id() if options.server_id is None else options.server_id
@@ -112,6 +116,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _topics(path: str, stack: contextlib.ExitStack) -> Any:
     """What publishes the topics of a classic world; None if the log has none."""
+    from libgz.recording.reader import LogReader  # needs the extra `log`
+
     with LogReader(path) as reader:
         if not any(channel.kind == "topic" for channel in reader.channels.values()):
             return None
@@ -150,6 +156,8 @@ def _control(options: argparse.Namespace) -> int:
 
 
 def _print_info(path: str) -> int:
+    from libgz.recording.reader import LogReader  # needs the extra `log`
+
     with LogReader(path) as reader:
         about = reader.about
         print(f"{path}: {reader.end - reader.begin:.3f} s" + ("" if reader.complete else ", without an end"))

@@ -1,5 +1,5 @@
 # make demo: install everything and run a demonstration.  make test: install everything, check and test.
-.PHONY: demo test lint types trials fuzz bench wheel setup clean
+.PHONY: demo test lint types trials fuzz bench docs wheel setup clean
 
 BIN := .venv/bin
 
@@ -29,6 +29,11 @@ fuzz: setup
 
 bench: setup
 	@for figures in step robots ground wire observer record camera plugins cxx sdf view gym scale; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+
+# The documents as a site, offline: build/site/index.html
+docs: setup
+	@$(BIN)/sphinx-build -q -W --keep-going -E -a -c docs . build/site
+	@echo "build/site/index.html"
 
 # A wheel with ODE, for any Linux of this architecture: dist/libgz-*.whl
 wheel: setup

@@ -14,14 +14,18 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
 
 from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 
-# The same examples in every run, without a time limit; HYPOTHESIS_PROFILE=random generates new ones.
-settings.register_profile("repeatable", derandomize=True, deadline=None)
-settings.register_profile("random", deadline=None)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+try:
+    from hypothesis import settings
+except ModuleNotFoundError:  # the examples' tests need pytest only
+    pass
+else:
+    # The same examples in every run, without a time limit; HYPOTHESIS_PROFILE=random generates new ones.
+    settings.register_profile("repeatable", derandomize=True, deadline=None)
+    settings.register_profile("random", deadline=None)
+    settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

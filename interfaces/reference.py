@@ -32,6 +32,7 @@ with a warning.
 
 ## From Python
 
+<!-- run with: gazebo pioneer2at -->
 ```python
 import libgz
 
@@ -130,6 +131,7 @@ Player 1.6.5 compiled for 0x060 runs, but takes the first numbers of a quaternio
 
 In a world with a `<model:Factory>`, clients write the XML of one model into its string, and the server adds the model:
 
+<!-- run with: gazebo factory -->
 ```python
 import libgz
 

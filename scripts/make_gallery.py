@@ -1,4 +1,4 @@
-"""Write docs/worlds.md and render its images: one for each ready world, and some for the examples of SDF.
+"""Write docs/worlds.md and the gallery of docs/README.md, and render their images: ready worlds and examples of SDF.
 
 .venv/bin/python scripts/make_gallery.py               # images and text
 .venv/bin/python scripts/make_gallery.py --text        # text only
@@ -26,6 +26,8 @@ FINER = 2  # images are rendered larger by this factor, and reduced
 HFOV = math.radians(45.0)
 LARGE = 150_000  # [bytes]
 TIME = 1.0  # [s] of sim time: everything has come to rest, and nothing has moved far
+COLUMNS = 3  # of the gallery of docs/README.md
+MARK, END = "<!-- gallery: made by scripts/make_gallery.py -->\n", "<!-- end -->"
 NO_SUBJECTS = ("GroundPlane", "LightSource", "ObserverCam", "SkyDome", "ground_plane", "sun")
 
 
@@ -130,23 +132,48 @@ def main() -> None:
     (images / "sdf").mkdir(parents=True, exist_ok=True)
     asked = [word for word in sys.argv[1:] if not word.startswith("--")]
 
-    def row(path: Path, title: str, name: str, picture: Picture) -> str:
+    entries = all_entries()
+    for path, name, _ in (entry for group in entries.values() for entry in group):
         if "--text" not in sys.argv[1:] and (not asked or name in asked):
+            os.environ["GAZEBO_PLUGIN_PATH"] = str(path.parent)
+            picture = SDF[path.stem] if name.startswith("sdf/") else LEGACY.get(path.stem, Picture())
             render(path, images / f"{name}.png", picture)
-        return f"## {title}\n\n{ReadyWorld(path).summary}\n\n![{path.stem}](worlds/{name}.png)\n"
+    write_text(entries)
 
-    rows = [
-        "# Ready worlds\n\n`gazebo NAME` runs one of them, from any directory; `libgz worlds` lists them. "
-        "`scripts/make_gallery.py` writes this page.\n"
-    ]
+
+def all_entries() -> dict[str, list[tuple[Path, str, str]]]:
+    """Title of each part of the gallery -> (world, name of its image, command)."""
+    entries: dict[str, list[tuple[Path, str, str]]] = {"Worldfiles": [], "SDF worlds": []}  # world, name, command
     for path in sorted((ROOT / "worlds").glob("*.world")):
-        rows.append(row(path, path.name, path.stem, LEGACY.get(path.stem, Picture())))
-    rows.append("# SDF worlds\n\n`GAZEBO_PLUGIN_PATH=FOLDER gzserver FOLDER/NAME` runs one of these examples.\n")
-    for name, picture in SDF.items():
+        entries["Worldfiles"].append((path, path.stem, f"gazebo {path.stem}"))
+    for name in SDF:
         path = ROOT / "examples" / "plugins" / name / f"{name}.world"
-        os.environ["GAZEBO_PLUGIN_PATH"] = str(path.parent)
-        rows.append(row(path, f"examples/plugins/{name}/{path.name}", f"sdf/{name}", picture))
+        entries["SDF worlds"].append((path, f"sdf/{name}", f"gzserver {path.relative_to(ROOT)}"))
+    return entries
+
+
+def write_text(entries: dict[str, list[tuple[Path, str, str]]]) -> None:
+    """Write docs/worlds.md, and the gallery between the marks of docs/README.md."""
+    rows = ["<!-- Made by scripts/make_gallery.py; do not edit. -->\n", "# Gallery\n"]
+    rows.append(
+        "Each world runs by the command below its image; worldfiles do from any directory: `libgz worlds` lists them.\n"
+    )
+    cells = []
+    for title, group in entries.items():
+        rows.append(f"## {title}\n")
+        for path, name, command in group:
+            rows.append(
+                f"### {path.stem}\n\n{ReadyWorld(path).summary}\n\n![{path.stem}](worlds/{name}.png)\n\n    {command}\n"
+            )
+            cells.append(f"![{path.stem}](worlds/{name}.png)<br>`{command.replace('examples/plugins/', '')}`")
     (ROOT / "docs" / "worlds.md").write_text("\n".join(rows))
+    cells += [""] * (-len(cells) % COLUMNS)
+    table = [f"|{'|'.join(['   '] * COLUMNS)}|", f"|{'|'.join(['---'] * COLUMNS)}|"]
+    table += [f"| {' | '.join(cells[i : i + COLUMNS])} |" for i in range(0, len(cells), COLUMNS)]
+    page = ROOT / "docs" / "README.md"
+    head, mark, rest = page.read_text().partition(MARK)
+    about = "## Gallery\n\nThe commands of SDF worlds are for [examples/plugins](../examples/plugins/README.md).\n\n"
+    page.write_text(f"{head}{mark}\n{about}" + "\n".join(table) + f"\n\n{END}{rest.partition(END)[2]}")
 
 
 if __name__ == "__main__":

@@ -62,3 +62,20 @@ def test_a_command_loads_only_what_its_world_needs(tmp_path, monkeypatch):
     assert "threads=1" in loaded
     slow = ("OpenGL", "PIL", "libgz.sdfworld", "libgz.classic", "urllib.request", "importlib.metadata", "http", "ssl")
     assert not [name for name in loaded if name.startswith(slow)]
+
+
+def test_commands_need_no_extra_to_be_imported():
+    """Completion, man pages and `libgz echo` work where only the required packages are installed."""
+    code = """
+import sys
+EXTRAS = {"mcap", "zstandard", "foxglove_schemas_protobuf", "matplotlib", "zenoh", "viser", "trimesh", "imageio", "av"}
+class Absent:
+    def find_spec(self, name, path=None, target=None):
+        if name.partition(".")[0] in EXTRAS:
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Absent())
+from libgz.apps.command_line import command_parsers
+assert "play" in command_parsers()["libgz"].format_help()
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -48,6 +48,9 @@ def programs(tmp_path_factory):
             line = text.count("\n", 0, block.start()) + 2
             name = "_".join(page.relative_to(ROOT).with_suffix("").parts)
             (folder / f"{re.sub(r'[^0-9A-Za-z]', '_', name)}_line_{line}.py").write_text(block[1])
+            saved = re.search(r"[Ss]ave\sthis\sas\s`(\w+)\.py`[^`]*$", text[: block.start()])
+            if saved is not None and f"from {saved[1]} import" in text:  # another program of the page imports it
+                (folder / f"{saved[1]}.py").write_text(block[1])
     looks = [LOOKUPS]
     for type_, kind in INTERFACES.items():
         looks.append(f'    reveal_type(world.interface("{type_}", "robot1"))  # {kind.__name__}\n')

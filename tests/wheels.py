@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -32,12 +33,19 @@ def use_wheel(root, wheels, *options, **environment):
 
 def use_wheel_offline(root, wheels):
     """The same without an index: this environment's dependencies stand in for it."""
-    for name in DEPENDENCIES:
+    bind_packages(root, DEPENDENCIES)
+    return use_wheel(root, wheels, PYTHONPATH="/packages")
+
+
+def bind_packages(root, names):
+    """Show distributions of this environment in the root, in /packages."""
+    for name in names:
         distribution = importlib.metadata.distribution(name)
         for top in sorted({file.parts[0] for file in distribution.files if file.parts[0] != ".."}):
             if (source := Path(distribution.locate_file(top))).is_dir():
                 root.bind(source, f"/packages/{top}")
-    return use_wheel(root, wheels, PYTHONPATH="/packages")
+            elif source.suffix == ".py":
+                shutil.copy(source, root.place("/packages") / top)
 
 
 def check_use(found):

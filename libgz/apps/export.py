@@ -6,11 +6,14 @@ import argparse
 import csv
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from libgz.apps.series import Series, read_log
 from libgz.errors import ParameterError
 from libgz.recording.capture import check_packages
-from libgz.recording.reader import LogReader
+
+if TYPE_CHECKING:  # needs the extra `log`
+    from libgz.recording.reader import LogReader
 
 __all__ = ["configure", "run"]
 
@@ -33,6 +36,8 @@ def run(options: argparse.Namespace) -> int:
         LibraryError: a package of the extra [log] is not installed.
     """
     check_packages()
+    from libgz.recording.reader import LogReader  # needs the extra `log`
+
     with LogReader(options.log) as log:
         folder = Path(options.output) if options.output is not None else log.path.with_suffix("")
         if folder == log.path:

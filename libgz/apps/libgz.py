@@ -34,6 +34,7 @@ COMMANDS = {
     "model": "inspect, move, add and delete models of a running SDF world",
     "models": "list all models, or describe one",
     "play": "serve a log of gazebo --mcap or gzserver --mcap as its server did",
+    "new": "write a folder with a new model or plugin that runs at once",
     "picture": "run a world and save the image of one of its cameras",
     "plot": "plot fields of a log or of a running server over time",
     "schema": "print a RELAX NG grammar of worldfiles for editors",

@@ -13,7 +13,7 @@ import tty
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from libgz.apps.console import number_above_zero, number_from_zero, whole_number
 from libgz.apps.server_option import add_server_options
@@ -22,11 +22,13 @@ from libgz.classic.transport import serve
 from libgz.errors import GazeboError, ParameterError, ServerError
 from libgz.files import write_whole
 from libgz.recording.capture import check_packages
-from libgz.recording.player import Player
-from libgz.recording.reader import LogReader
 from libgz.transport.control import ask
 from libgz.transport.observer import Observer
 from libgz.transport.server import free_server_id
+
+if TYPE_CHECKING:  # needs the extra `log`
+    from libgz.recording.player import Player
+
 
 __all__ = ["configure", "run"]
 
@@ -89,6 +91,8 @@ def run(options: argparse.Namespace) -> int:
     if options.log is None:
         return _control(options)
     check_packages()
+    from libgz.recording.player import Player  # needs the extra `log`
+
     if options.info:
         return _print_info(options.log)
     if options.html is not None:
@@ -118,6 +122,8 @@ def run(options: argparse.Namespace) -> int:
 
 def _topics(path: str, stack: contextlib.ExitStack) -> Any:
     """What publishes the topics of a classic world; None if the log has none."""
+    from libgz.recording.reader import LogReader  # needs the extra `log`
+
     with LogReader(path) as reader:
         if not any(channel.kind == "topic" for channel in reader.channels.values()):
             return None
@@ -196,6 +202,8 @@ def _control(options: argparse.Namespace) -> int:
 
 
 def _print_info(path: str) -> int:
+    from libgz.recording.reader import LogReader  # needs the extra `log`
+
     with LogReader(path) as reader:
         about = reader.about
         print(f"{path}: {reader.end - reader.begin:.3f} s" + ("" if reader.complete else ", without an end"))

@@ -14,7 +14,6 @@ from libgz.apps.series import InterfaceValues, Series, StateValues, is_target, o
 from libgz.apps.target import add_server, connect, open_target
 from libgz.errors import LibraryError, ParameterError, ServerGoneError
 from libgz.recording.capture import check_packages
-from libgz.recording.reader import LogReader
 from libgz.transport.observer import Observer
 
 __all__ = ["configure", "pyplot", "run", "save_plot"]
@@ -55,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
         found = _sample(options, wanted)
     else:
         check_packages()
+        from libgz.recording.reader import LogReader  # needs the extra `log`
+
         with LogReader(log) as reader:
             found = {target: read_log(reader, target, fields) for target, fields in wanted.items()}
         for series in found.values():

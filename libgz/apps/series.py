@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.apps.target import element_values, find_field, unit_of, values_of
 from libgz.classic.msgs.message import Message
@@ -17,10 +17,12 @@ from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternToEuler, GzVector
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.recording.own_messages import read_tables
-from libgz.recording.reader import LogMessage, LogReader
 from libgz.transport.interface import Interface
 from libgz.transport.observer import Observer
 from libgz.transport.server import LocalServer
+
+if TYPE_CHECKING:  # needs the extra `log`
+    from libgz.recording.reader import LogMessage, LogReader
 
 __all__ = ["InterfaceValues", "Series", "StateValues", "TopicValues", "Values", "is_target", "log_values", "read_log"]
 

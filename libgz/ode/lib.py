@@ -96,7 +96,7 @@ def _load() -> tuple[ctypes.PyDLL, str]:
             continue
         if shared.dCheckConfiguration(b"ODE_double_precision"):
             for reason in reasons:
-                log.info("%s", reason)
+                log.debug("%s", reason)
             return shared, origin
         reasons.append(f"{name} is built for single precision; libgz needs doubles")
     raise LibraryError(f"{'; '.join(reasons)}; {ADVICE}")

@@ -80,7 +80,7 @@ def test_a_library_of_single_precision_is_passed_over(bundled, monkeypatch, capl
         return library
 
     monkeypatch.setattr(ctypes, "PyDLL", load)
-    with caplog.at_level("INFO"):
+    with caplog.at_level("DEBUG"):
         assert lib.OdeLibrary().origin == "bundled"
     assert "libode.so.8 is built for single precision; libgz needs doubles" in caplog.text
     monkeypatch.setattr(lib, "bundled_path", lambda: None)

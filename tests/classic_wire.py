@@ -52,9 +52,9 @@ def types():
     return {name: message_factory.GetMessageClass(pool.FindMessageTypeByName(f"gazebo.msgs.{name}")) for name in made}
 
 
-def new(name, **values):
-    """A message by its name."""
-    return types()[name](**values)
+def new(kind, /, **values):
+    """A message by the name of its type."""
+    return types()[kind](**values)
 
 
 def frame(data):

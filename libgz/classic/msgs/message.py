@@ -53,8 +53,8 @@ class Message(google.Message, metaclass=_MessageType):
     `msg.x`, `msg.pose...`, `msg.ranges.append(v)`. Required fields that are not set are sent with their defaults.
     """
 
-    DESCRIPTOR: ClassVar[Any]
-    _restored: ClassVar[Callable[[str, bytes], Message]]  # makes a message again; set where types are declared
+    DESCRIPTOR: Any
+    _restored: ClassVar[Callable[..., Message]]  # makes a message again; set where types are declared
 
     def __init__(self, **values: Any) -> None:
         for name, value in values.items():
@@ -82,7 +82,7 @@ class Message(google.Message, metaclass=_MessageType):
         return text.write(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return self._restored, (self.GetTypeName(), self.SerializePartialToString())
+        return Message._restored, (self.GetTypeName(), self.SerializePartialToString())
 
     # Presence and copies -----------------------------------------------------------------------------------------
 

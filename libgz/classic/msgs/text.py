@@ -12,6 +12,8 @@ from libgz.errors import ParameterError
 
 __all__ = ["Parse", "write"]
 
+_ESCAPES = {"\n": "\\n", "\t": "\\t", "\r": "\\r", '"': '\\"', "\\": "\\\\"}
+
 
 def write(message: Any) -> str:
     """Return the set fields, one per line, nested ones indented by two spaces; each line ends with a newline."""
@@ -39,10 +41,9 @@ def _scalar(field: Any, value: Any) -> str:
             return _single(value)
         return repr(int(value)) if value.is_integer() and abs(value) < 1e16 else repr(value)
     if isinstance(value, str):
-        value = value.encode()
-        return f'"{text_format.text_encoding.CEscape(value, as_utf8=True)}"'
+        return '"' + "".join(_ESCAPES.get(c, c if c >= " " else f"\\{ord(c):03o}") for c in value) + '"'
     if isinstance(value, bytes):
-        return f'"{text_format.text_encoding.CEscape(value, as_utf8=False)}"'
+        return '"' + "".join(chr(b) if 32 <= b < 127 and b not in b'"\\' else f"\\{b:03o}" for b in value) + '"'
     return str(value)
 
 

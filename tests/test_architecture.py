@@ -40,6 +40,7 @@ CLASSIC_LAYERS = [
     ["physics"],
     ["rendering"],
     ["sensors"],
+    ["looks"],
     ["describe"],
     ["commands"],
     ["topics"],

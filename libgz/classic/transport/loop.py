@@ -25,6 +25,7 @@ CONNECTIONS = 500  # that are accepted at the same time
 BURST = 0.1  # [s] of handling what comes in at once, before the share counts
 CHUNK = 1 << 16  # [bytes] received at once from one connection
 EVENTS = 32  # connections that are handled before others have their turn
+STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
 QUEUE_BYTES, QUEUE_COUNT = 8 << 20, 1000  # that wait for one receiver; then the oldest are dropped
 
 
@@ -204,6 +205,7 @@ class Connection:
     Attributes:
         on_frame: Called with each received content; raises ParameterError if it is invalid.
         on_close: Called by `drop`, and when the other end closes the connection.
+        on_room: Called after something was sent.
         open: Whether it is not closed.
         valid: Whether a valid frame was received.
     """
@@ -212,6 +214,7 @@ class Connection:
         self._loop, self.socket = loop, socket_
         self.on_frame: Callable[[bytes], None] = lambda _data: None
         self.on_close: Callable[[], None] = lambda: None
+        self.on_room: Callable[[], None] = lambda: None
         self.open, self.valid = True, False
         self.tag: Any = None
         self._frames = Frames(largest)
@@ -223,6 +226,7 @@ class Connection:
         self._posted = False
         self._ends = False
         self._dropped = False
+        self._moved = time.monotonic()  # when something was sent, or began to wait
         socket_.setblocking(False)
         with contextlib.suppress(OSError):
             socket_.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -231,6 +235,11 @@ class Connection:
     def waits(self) -> bool:
         """Whether there is something to send."""
         return bool(self._queue) and self.open
+
+    @property
+    def stalled(self) -> bool:
+        """Whether the other end has taken nothing for a second, though something waits."""
+        return bool(self._queue) and time.monotonic() - self._moved > STALLED
 
     def start(self) -> None:
         """Begin to receive."""
@@ -248,6 +257,8 @@ class Connection:
         with self._lock:
             if not self.open:
                 return
+            if not self._queue:
+                self._moved = time.monotonic()
             self._queue.append(data)
             self._size += len(data)
             while len(self._queue) > 2 and (self._size > QUEUE_BYTES or len(self._queue) > QUEUE_COUNT):
@@ -295,12 +306,14 @@ class Connection:
                 self.drop()
                 return
             with self._lock:
+                self._moved = time.monotonic()
                 self._sent += count
                 if self._sent == len(first):
                     self._queue.popleft()
                     self._size -= len(first)
                     self._sent = 0
         self._room.set()
+        self.on_room()
         if self._dropped:
             self._dropped = False
             self._loop.warn("a client receives more slowly than it is sent; the oldest messages are dropped")

@@ -89,6 +89,7 @@ class Network:
         self._loop.listen(listener, self._accept, REQUEST)
         self._master = Connection(self._loop, made, LARGEST[self.client])
         self._master.on_frame = self._receive_packet
+        self._master.on_close = self._master_closed
         self._loop.call(self._master.start)
         if not self._ready.wait(timeout):
             raise TimeoutError("it does not answer as a master of Gazebo")
@@ -116,14 +117,18 @@ class Network:
         """Return the master's TopicInfo on a topic.
 
         Raises:
-            GazeboError: the master does not answer.
+            GazeboError: the master does not answer, or has ended.
         """
         request = message_type("Request")(id=0, request="topic_info", data=topic)
         with self._answered:
             self._answers.pop("topic_info_response", None)
             self._loop.call(lambda: self._tell("request", request))
-            answered = self._answered.wait_for(lambda: "topic_info_response" in self._answers, ANSWER_PATIENCE)
-            if not answered:
+            self._answered.wait_for(
+                lambda: "topic_info_response" in self._answers or not self._master.open, ANSWER_PATIENCE
+            )
+            if not self._master.open:
+                raise GazeboError("The server has ended.")
+            if "topic_info_response" not in self._answers:
                 raise GazeboError(f"the master at {self.address.uri} did not answer in {ANSWER_PATIENCE:g} s")
             return self._answers.pop("topic_info_response")
 
@@ -154,6 +159,10 @@ class Network:
             with self._answered:
                 self._answers[kind] = message_type("TopicInfo").FromString(content)
                 self._answered.notify_all()
+
+    def _master_closed(self) -> None:
+        with self._answered:
+            self._answered.notify_all()
 
     def _add_publisher(self, publisher: Any) -> None:
         key = publisher.topic, publisher.host, publisher.port
@@ -305,6 +314,7 @@ class Network:
             return
         connection.on_frame = _refuse
         connection.on_close = functools.partial(self._end, connection, topic)
+        connection.on_room = functools.partial(self._resume, connection, topic)
         connection.tag = {}
         with self._lock:
             self._receivers.setdefault(topic.name, []).append(connection)
@@ -314,6 +324,11 @@ class Network:
                     number, message = publisher.latest
                     connection.tag[publisher.id] = number
                     connection.send(frame(message.SerializeToString()))
+
+    def _resume(self, connection: Connection, topic: Topic) -> None:
+        """Send to a subscriber again that had received nothing for a while."""
+        with self._lock:
+            topic.remote = topic.remote or connection in self._receivers.get(topic.name, ())
 
     def _end(self, connection: Connection, topic: Topic) -> None:
         """Forget a subscriber that has closed its connection."""
@@ -328,8 +343,9 @@ class Network:
     def send(self, topic: Topic, publisher: int, number: int, message: Message) -> None:
         """Send a message to the subscribers of other processes."""
         with self._lock:
-            receivers = list(self._receivers.get(topic.name, ()))
+            receivers = [one for one in self._receivers.get(topic.name, ()) if not one.stalled]
             if not receivers:
+                topic.remote = False  # until one receives again
                 return
             data = frame(message.SerializeToString())
             for connection in receivers:

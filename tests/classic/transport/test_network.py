@@ -8,6 +8,7 @@ import textwrap
 import time
 
 import pytest
+from classic_wire import Connection, Subscription
 from master_uri import free_master_uri
 
 from libgz.classic import msgs
@@ -344,3 +345,28 @@ def test_the_master_uri(monkeypatch, caplog):
     monkeypatch.delenv("GAZEBO_IP")
     monkeypatch.delenv("GAZEBO_HOSTNAME", raising=False)
     assert publicized_address() == "127.0.0.1"
+
+
+def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
+    monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)
+    with serve() as link:
+        pub = node.Advertise(msgs.GzString, "~/a")
+        master = Connection(link.address.port)
+        deaf = Subscription(master, "/gazebo/w/a", "GzString")
+        assert pub.WaitForConnection(PATIENCE)
+        end = time.monotonic() + PATIENCE
+        while pub.HasConnections():
+            assert time.monotonic() < end, "it is still sent to"
+            pub.Publish(msgs.GzString(data="x" * 100_000))
+            time.sleep(0.001)
+        deaf.next()
+
+        def read():
+            deaf.next()
+            return pub.HasConnections()
+
+        wait(read)
+        pub.Publish(msgs.GzString(data="last"))
+        assert deaf.until(lambda message: message.data == "last")
+        deaf.close()
+        master.close()

@@ -84,7 +84,7 @@ class Master:
 
     def _send_all(self, kind: str, message: Message) -> None:
         data = packet(kind, message)
-        for client in self._clients:
+        for client in tuple(self._clients):  # sending may find that one is closed
             client.connection.send(data, must=True)
 
     # Tables ------------------------------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ class Master:
 
     def _subscribe(self, client: _Client, subscriber: Any) -> None:
         client.subscribers.append(subscriber)
-        for publisher in self._publishers(subscriber.topic):
+        for publisher in tuple(self._publishers(subscriber.topic)):
             client.connection.send(packet("publisher_subscribe", publisher), must=True)
 
     def _unsubscribe(self, client: _Client, subscriber: Any) -> None:
@@ -140,7 +140,7 @@ class Master:
         return (one.topic, one.host, one.port) == (other.topic, other.host, other.port)
 
     def _announce_unsubscription(self, subscriber: Any) -> None:
-        for client in self._clients:
+        for client in tuple(self._clients):
             if any(one.topic == subscriber.topic for one in client.publishers):
                 client.connection.send(packet("unsubscribe", subscriber), must=True)
 

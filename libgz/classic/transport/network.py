@@ -26,7 +26,7 @@ from libgz.errors import GazeboError, ParameterError
 
 __all__ = ["Network"]
 
-SHARE = 0.03  # of a server's time, for handling what clients send
+SHARE = 0.02  # of a server's time, for handling what clients send
 REQUEST = 1 << 20  # [bytes] of a subscriber's request
 LARGEST = 1 << 26, 1 << 30  # [bytes] of a message that a server and a client accept
 SEND_PATIENCE, CLOSE_PATIENCE = 10.0, (0.5, 5.0)  # [s] of a client for a slow receiver; of servers and clients
@@ -54,7 +54,7 @@ class Network:
     def __init__(self, address: Address, serve: bool, timeout: float = 10.0) -> None:
         self.client = not serve
         self._manager = TopicManager.Instance()
-        self._lock = threading.Lock()  # of the tables of receivers
+        self._lock = threading.RLock()  # of the tables of receivers; sending may find that one is closed
         self._receivers: dict[str, list[Connection]] = {}
         self._publishers: dict[_Key, str] = {}  # of other processes, to the types of their messages
         self._types: dict[str, str] = {}  # topic to type of what those publish

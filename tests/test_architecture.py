@@ -41,6 +41,7 @@ CLASSIC_LAYERS = [
     ["physics"],
     ["rendering"],
     ["sensors"],
+    ["looks"],
     ["describe"],
     ["commands"],
     ["topics"],

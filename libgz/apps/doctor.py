@@ -35,11 +35,6 @@ class Extra:
 
 
 EXTRAS = {
-    "net": Extra(
-        ("eclipse-zenoh",),
-        "topics between processes",
-        "worlds, plugins, topics within a process and libgazebo's clients work",
-    ),
     "mesh": Extra(
         ("trimesh",),
         "meshes and skins of more formats",

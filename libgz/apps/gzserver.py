@@ -24,7 +24,7 @@ from libgz.classic.common import gzlog
 from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
-from libgz.classic.transport import serve
+from libgz.classic.transport import get_master_uri, serve
 from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError
 from libgz.files import is_file
 from libgz.front import World
@@ -130,6 +130,9 @@ class Server:
         # Of System plugins, which belong to no world.
         problems = Problems(lambda: True, self.options.strict, warnings=False)
         with SystemPlugins(self.options.server_plugin) as plugins, serve() as link:
+            if get_master_uri().port == 0:
+                sys.stdout.write(f"GAZEBO_MASTER_URI={link.address.uri}\n")
+                sys.stdout.flush()
             open_log("server", link.address.port)
             plugins.load(self.words)
             log.info("Waiting for master.")

@@ -18,7 +18,7 @@ KINDS = ("world", "model", "sensor", "system", "visual", "gui")
 STARTERS = Path(__file__).parent / "starters"  # files whose names end with .in
 LEGACY = "legacy_model"
 # Names of other files in the folder, and of modules that those import: a file beside them would take their place.
-OTHERS = {"client", "conftest", "libgz", "numpy", "pytest", "zenoh", *sys.stdlib_module_names}
+OTHERS = {"client", "conftest", "libgz", "numpy", "pytest", *sys.stdlib_module_names}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 from libgz.apps.target import element_values, find_field, unit_of, values_of
@@ -205,12 +205,12 @@ class TopicValues:
         value: Any = self._message
         for part in text.split("."):
             match = _INDEX.fullmatch(part)
-            known = value._fields if isinstance(value, Message) else {}
+            known = value.DESCRIPTOR.fields_by_name if isinstance(value, Message) else {}
             if match is None or match[1] not in known:
                 raise ParameterError(f"{self.label} has no field {text!r}; there are {', '.join(known) or 'no more'}")
             value = getattr(value, match[1])
             for word in re.findall(r"\d+", match[2]):
-                if not isinstance(value, list) or int(word) >= len(value):
+                if not _is_list(value) or int(word) >= len(value):
                     raise ParameterError(f"{self.label}: there is no {text!r}")
                 value = value[int(word)]
         return value
@@ -219,9 +219,13 @@ class TopicValues:
 def _plain(value: Any) -> Any:
     if isinstance(value, Message):
         return {field.name: _plain(part) for field, part in value.ListFields()}
-    if isinstance(value, list):
+    if _is_list(value):
         return [_plain(part) for part in value]
     return value
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, Sequence) and not isinstance(value, (str, bytes))
 
 
 # Logs ---------------------------------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import logging
 import os
-import socket
 import subprocess
 import sys
 import time
@@ -81,12 +80,28 @@ def running_servers() -> list[int]:
 
 def observed_server(info: Any) -> int | None:
     """The id of the server on this machine that publishes a topic, by its TopicInfo; None if there is none."""
-    processes = {int(end.port) for end in info.publisher if end.host in ("", socket.gethostname())}
+    ports = {int(end.port) for end in info.publisher}
     for server_id in running_servers():
         with contextlib.suppress(GazeboError), Observer(server_id) as observer:
-            if observer.pid in processes:
+            if ports & _listening_ports(observer.pid):
                 return server_id
     return None
+
+
+def _listening_ports(pid: int) -> set[int]:
+    """The ports of TCP at which a process of this user listens."""
+    found, sockets = {}, set()
+    for name in ("tcp", "tcp6"):
+        with contextlib.suppress(OSError):
+            for line in Path(f"/proc/{pid}/net/{name}").read_text().splitlines()[1:]:
+                words = line.split()
+                if words[3] == "0A":  # it listens
+                    found[f"socket:[{words[9]}]"] = int(words[1].rpartition(":")[2], 16)
+    with contextlib.suppress(OSError):
+        for descriptor in Path(f"/proc/{pid}/fd").iterdir():
+            with contextlib.suppress(OSError):  # closed meanwhile
+                sockets.add(str(descriptor.readlink()))
+    return {port for name, port in found.items() if name in sockets}
 
 
 def _server_id(options: argparse.Namespace) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz.classic import msgs
+from libgz.classic.looks import fill_geometry, fill_scene, visual_messages
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.contact_messages import contacts_message
@@ -120,6 +121,9 @@ def _link_message(link: Link) -> Any:
     msgs.Set(part.pose, inertial.Pose())
     for collision in link.GetCollisions():
         message.collision.append(_collision_message(collision))
+    sdf = link.GetSDF()
+    if sdf is not None:
+        message.visual.extend(visual_messages(sdf, link.GetScopedName(), link.GetId()))
     return message
 
 
@@ -145,6 +149,9 @@ def _collision_message(collision: Collision) -> Any:
     elif isinstance(shape, PlaneShape):
         geometry.type = kinds.PLANE
         msgs.Set(geometry.plane.normal, shape.Normal())
+    elif (sdf := collision.GetSDF()) is not None:
+        for element in sdf.named("geometry"):
+            fill_geometry(geometry, element)
     return message
 
 
@@ -181,8 +188,11 @@ def light_message(light: Light) -> Any:
 
 
 def scene_message(world: World) -> Any:
-    """All models and lights."""
+    """All models and lights, and the look of the scene."""
     message = msgs.Scene(name=world.Name())
+    sdf = world.SDF()
+    for scene in sdf.named("scene") if sdf is not None else ():
+        fill_scene(message, scene)
     for model in world.Models():
         message.model.append(model_message(model))
     for light in world.Lights():

@@ -11,11 +11,9 @@ from typing import Any
 
 from google.protobuf import descriptor_pb2
 
-from libgz.classic.msgs.fields import Field as MessageField
-from libgz.classic.msgs.message import Message
 from libgz.recording.own_messages import SEPARATOR
 
-__all__ = ["descriptors_of", "message_descriptors", "struct_schema"]
+__all__ = ["descriptors_of", "struct_schema"]
 
 _ROS = {
     ctypes.c_double: "float64",
@@ -84,67 +82,3 @@ def descriptors_of(descriptor: Any) -> bytes:
 
     add(descriptor.file)
     return bytes(files.SerializeToString())
-
-
-_KINDS = {
-    "double": 1,
-    "float": 2,
-    "int64": 3,
-    "uint64": 4,
-    "int32": 5,
-    "bool": 8,
-    "string": 9,
-    "bytes": 12,
-    "uint32": 13,
-}
-_MESSAGE, _OPTIONAL, _REPEATED = 11, 1, 3
-
-
-def message_descriptors(kind: type[Message]) -> bytes:
-    """The schema of a message type of Gazebo classic, or of one that was declared like those."""
-    found: dict[str, type[Message]] = {}
-
-    def visit(one: type[Message]) -> None:
-        if one.GetTypeName() not in found:
-            found[one.GetTypeName()] = one
-            for field in one._fields.values():
-                if field.message is not None:
-                    visit(field.message)  # type: ignore[arg-type]
-
-    visit(kind)
-    packages: dict[str, list[type[Message]]] = {}
-    for one in found.values():
-        packages.setdefault(_split(one.GetTypeName())[0], []).append(one)
-    files = descriptor_pb2.FileDescriptorSet()
-    first = _split(kind.GetTypeName())[0]
-    # A package is described by one file; the type's own comes last, as it may need the others.
-    for package in sorted(packages, key=lambda name: (name == first, name != "gazebo.msgs")):
-        file = files.file.add(name=f"{package or 'messages'}.proto", package=package, syntax="proto2")
-        file.dependency.extend(other.name for other in files.file[:-1])
-        for one in packages[package]:
-            message = file.message_type.add(name=_split(one.GetTypeName())[1])
-            for field in one._fields.values():
-                _describe(message, field)
-    return bytes(files.SerializeToString())
-
-
-def _split(name: str) -> tuple[str, str]:
-    """Package and plain name of a type; the dot of a type inside another one becomes an underscore."""
-    if name.startswith("gazebo.msgs."):
-        return "gazebo.msgs", name.removeprefix("gazebo.msgs.").replace(".", "_")
-    package, _, short = name.rpartition(".")
-    return package, short
-
-
-def _describe(message: Any, field: MessageField) -> None:
-    made = message.field.add(name=field.name, number=field.number, label=_REPEATED if field.repeated else _OPTIONAL)
-    if field.kind is None:
-        package, short = _split(field.type_name)
-        made.type, made.type_name = _MESSAGE, f".{package}.{short}" if package else f".{short}"
-        return
-    made.type = _KINDS.get(field.kind.name, _KINDS["int32"])  # enumerations are numbers on the wire, too
-    if field.packed:
-        made.options.packed = True
-    elif field.default and not field.repeated:
-        value = field.default
-        made.default_value = str(value).lower() if isinstance(value, bool) else str(value)

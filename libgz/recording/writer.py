@@ -22,7 +22,7 @@ from libgz.recording.foxglove import Converter, Output
 from libgz.recording.frames import Frame, Frames, Kind, tick_times
 from libgz.recording.mcap_file import McapFile
 from libgz.recording.own_messages import read_file, read_tables, tables_message
-from libgz.recording.schemas import descriptors_of, message_descriptors, struct_schema
+from libgz.recording.schemas import descriptors_of, struct_schema
 from libgz.recording.topics import type_of_topic
 from libgz.transport.layout import for_abi
 
@@ -52,7 +52,7 @@ class _Channel:
             encoding = "ros1"
         elif self.kind == "topic":
             self.type = type_of_topic(about["type"], about["declaration"])
-            schema = about["type"], "protobuf", message_descriptors(self.type)
+            schema = about["type"], "protobuf", descriptors_of(self.type.DESCRIPTOR)
             encoding = "protobuf"
         elif about["text"]:
             schema, encoding = (about["schema"], "ros1msg", about["text"].encode()), "ros1"

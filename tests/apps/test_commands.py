@@ -229,7 +229,6 @@ def test_doctor_looks_at_every_extra():
 @pytest.mark.parametrize(
     ("name", "package", "words"),
     [
-        ("net", "eclipse-zenoh", "no topics between processes without eclipse-zenoh; worlds, plugins, "),
         ("mesh", "trimesh", "no meshes and skins of more formats without trimesh; STL, OBJ and COLLADA "),
         ("video", "av", "no videos by --record without av; cameras, "),
         ("video", "imageio", "no videos by --record without imageio; cameras, "),

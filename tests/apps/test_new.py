@@ -84,7 +84,6 @@ CLIENTS = {
     "name", ["my_model", *(pytest.param(n, marks=pytest.mark.trial) for n in CLIENTS if n != "my_model")]
 )
 def test_the_client_and_the_server_meet(folder, name, tmp_path):
-    pytest.importorskip("zenoh")
     words, printed, logged = CLIENTS[name]
     plugin = ["-s", f"lib{name}.so"] if name == "my_system" else []
     environment = {**os.environ, "GAZEBO_MASTER_URI": free_master_uri(), "GAZEBO_PLUGIN_PATH": str(folder / name)}

@@ -66,15 +66,15 @@ def test_list_and_info(node):
 def test_echo(node):
     publisher = node.Advertise(msgs.Vector3d, "~/v")
     publisher.Publish(msgs.Vector3d(x=1, y=float("inf")))
-    assert topic("-e", "/gazebo/w/v", "-n", "1") == "x: 1\ny: inf\n\n"
-    assert json.loads(topic("-e", "~/v", "-w", "w", "-u", "-n", "1")) == {"x": 1.0, "y": float("inf")}
+    assert topic("-e", "/gazebo/w/v", "-n", "1") == "x: 1\ny: inf\nz: 0\n\n"
+    assert json.loads(topic("-e", "~/v", "-w", "w", "-u", "-n", "1")) == {"x": 1.0, "y": float("inf"), "z": 0.0}
 
 
 def test_rate_and_bandwidth(node):
     publisher = node.Advertise(msgs.Vector3d, "~/v")
     for option, pattern in [
         ("-z", r"Hz: +\d+\.\d\d\n"),
-        ("-b", r"Total\[.*/s\] Mean\[9.00 B\] Min.* Messages\[\d+\]\n"),
+        ("-b", r"Total\[.*/s\] Mean\[27.00 B\] Min.* Messages\[\d+\]\n"),
     ]:
         command = [sys.executable, "-m", "libgz.apps.libgz", "topic", option, "~/v", "-n", "50"]
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -96,7 +96,7 @@ def test_publish(node, tmp_path):
     (tmp_path / "message").write_text("x: 3\nz: 4\n")
     topic("-p", "~/v", "-f", str(tmp_path / "message"))
     assert "there is no" in topic("-p", "~/v", "-t", "Vectr3d", "-m", "x: 1", code=1)
-    assert "has no field 'w'" in topic("-p", "~/v", "-m", "w: 1", code=1)
+    assert 'has no field named "w"' in topic("-p", "~/v", "-m", "w: 1", code=1)
     assert "not valid JSON" in topic("-p", "~/v", "-m", "{x: 1}", code=1)
     assert "-m TEXT or -f FILE" in topic("-p", "~/v", code=1)
     assert "cannot be advertised with" in topic("-p", "~/v", "-t", "Pose", "-m", "", code=1)

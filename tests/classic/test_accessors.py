@@ -66,38 +66,39 @@ def test_what_is_set_is_read(pair):
 
 
 SAMPLES = {
-    "double": (0.1, -2.5),
-    "float": (0.5, -2.5),
-    "bool": (True, False),
-    "int32": (-1, 2**31 - 1),
-    "int64": (-1, 2**63 - 1),
-    "uint32": (1, 2**32 - 1),
-    "uint64": (1, 2**64 - 1),
-    "string": ("one", "zwei \u2713"),
-    "bytes": (b"one", b"\x00\xff"),
+    "DOUBLE": (0.1, -2.5),
+    "FLOAT": (0.5, -2.5),
+    "BOOL": (True, False),
+    "INT32": (-1, 2**31 - 1),
+    "SINT32": (-1, 2**31 - 1),
+    "UINT32": (1, 2**32 - 1),
+    "UINT64": (1, 2**64 - 1),
+    "STRING": ("one", "zwei \u2713"),
+    "BYTES": (b"one", b"\x00\xff"),
 }
 
 
 def samples(field):
-    if field.kind is None:
-        filled = field.message()
-        filled.SetInParent()
-        return (filled,)
-    return SAMPLES[field.kind.name] if field.kind.values is None else tuple(field.kind.values.values())
+    if field.message_type is not None:
+        return (msgs.message_type(field.message_type.full_name)(),)
+    if field.enum_type is not None:
+        return tuple(field.enum_type.values_by_number)
+    return next(values for name, values in SAMPLES.items() if field.type == getattr(field, f"TYPE_{name}"))
 
 
 @pytest.mark.parametrize("name", [name for name in msgs.known_types() if name.startswith("gazebo.msgs.")])
 def test_a_field_that_is_set_is_read_also_from_the_wire(name):
     kind = msgs.message_type(name)
-    for field in kind._fields.values():
+    for field in kind.DESCRIPTOR.fields:
         for value in samples(field):
-            message = kind(**{field.name: [value, value] if field.repeated else value})
-            wanted = [value, value] if field.repeated else value
+            message = kind(**{field.name: [value, value] if field.is_repeated else value})
+            wanted = [value, value] if field.is_repeated else value
             assert getattr(message, field.name) == wanted, field
             assert [found.name for found, _ in message.ListFields()] == [field.name]
             copy = kind.FromString(message.SerializeToString())
             assert isinstance(copy, Message)
-            assert getattr(copy, field.name) == wanted, field
-            if not field.repeated:
+            if field.message_type is None:
+                assert getattr(copy, field.name) == wanted, field
+            if not field.is_repeated:
                 assert message.HasField(field.name)
                 assert copy.HasField(field.name)

@@ -29,7 +29,7 @@ from libgz.recording import capture
 from libgz.recording.capture import Capture
 from libgz.recording.player import Player
 from libgz.recording.reader import LogReader
-from libgz.recording.schemas import message_descriptors, struct_schema
+from libgz.recording.schemas import descriptors_of, struct_schema
 from libgz.transport.control import ask
 
 ROOT = Path(__file__).parent.parent.parent
@@ -263,14 +263,11 @@ def test_other_programs_read_a_log(world, tmp_path):
 def test_every_message_type_of_classic_has_a_schema():
     declare("test_log.msgs.Wheels", "double left, double right = 2, Vector3d points[], bool on")
     for name in (*known_types(), "test_log.msgs.Wheels"):
-        files = descriptor_pb2.FileDescriptorSet.FromString(message_descriptors(message_type(name)))
+        files = descriptor_pb2.FileDescriptorSet.FromString(descriptors_of(message_type(name).DESCRIPTOR))
         pool = descriptor_pool.DescriptorPool()
         for file in files.file:
             pool.Add(file)
-        package, _, short = (
-            name.rpartition(".") if not name.startswith("gazebo.msgs.") else ("gazebo.msgs", "", name[12:])
-        )
-        assert pool.FindMessageTypeByName(f"{package}.{short.replace('.', '_')}")
+        assert pool.FindMessageTypeByName(name)
     kind = message_factory.GetMessageClass(pool.FindMessageTypeByName("test_log.msgs.Wheels"))
     message = message_type("test_log.msgs.Wheels")(left=1.5)
     message.points.add(x=3.0)

@@ -1,7 +1,7 @@
 """Messages: `msgs.Vector3d(x=1)`, `msgs.Pose()`, and all others of gazebo.msgs; types are created at first use.
 
-Fields are attributes (see `libgz.classic.msgs.message.Message`); the declarations are in `libgz/classic/msgs/table.py`,
-and `declare` adds new ones.
+They are Google's messages: fields are attributes (see `libgz.classic.msgs.message.Message`). The declarations are in
+`libgz/classic/msgs/messages.txt`, and `declare` adds new ones.
 """
 
 from __future__ import annotations
@@ -9,10 +9,8 @@ from __future__ import annotations
 import typing as _typing
 
 from libgz.classic.msgs.convert import Convert, ConvertIgn, CreateRequest, Init, Set, Stamp
-from libgz.classic.msgs.declare import declare, known_types, message_type
-from libgz.classic.msgs.fields import Repeated
+from libgz.classic.msgs.declare import PREFIX as _PREFIX, declare, known_types, message_type
 from libgz.classic.msgs.message import Message
-from libgz.classic.msgs.table import MESSAGES as _MESSAGES
 from libgz.classic.msgs.text import Parse
 from libgz.errors import NotFoundError as _NotFoundError
 
@@ -23,7 +21,6 @@ __all__ = [
     "Init",
     "Message",
     "Parse",
-    "Repeated",
     "Set",
     "Stamp",
     "declare",
@@ -44,4 +41,5 @@ def __getattr__(name: str) -> _typing.Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *(name for name in _MESSAGES if "." not in name)})
+    names = (name.removeprefix(_PREFIX) for name in known_types() if name.startswith(_PREFIX))
+    return sorted({*__all__, *(name for name in names if "." not in name)})

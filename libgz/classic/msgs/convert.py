@@ -82,7 +82,7 @@ def Stamp(msg: Message) -> None:
     Raises:
         ParameterError: the message is of another type.
     """
-    if "stamp" in msg._fields:
+    if "stamp" in msg.DESCRIPTOR.fields_by_name:
         msg = msg.stamp
     if msg.GetTypeName() != "gazebo.msgs.Time":
         raise ParameterError(f"a {msg.GetTypeName()} has no time stamp")
@@ -95,7 +95,7 @@ def Init(msg: Message, id: str = "") -> None:
     Raises:
         ParameterError: the message has no header.
     """
-    if "header" not in msg._fields:
+    if "header" not in msg.DESCRIPTOR.fields_by_name:
         raise ParameterError(f"a {msg.GetTypeName()} has no header")
     if id:
         msg.header.str_id = id

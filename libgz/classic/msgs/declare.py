@@ -1,29 +1,61 @@
-"""Create message types from their declarations."""
+"""Message types: those of Gazebo classic, made when they are first used, and those that programs declare.
+
+They are Google's dynamic messages, with what `libgz.classic.msgs.message` adds. `messages.txt` has the declarations of
+classic's. They are in a pool of their own, beside the messages that a program has from other sources.
+"""
 
 from __future__ import annotations
 
-import operator
+import functools
 import re
+from importlib import resources
 from typing import Any
 
-from libgz.classic.msgs.fields import KINDS, VARINT, Field, Kind
-from libgz.classic.msgs.message import Message
-from libgz.classic.msgs.table import ENUMS, MESSAGES
+from google.protobuf import descriptor_pool, message_factory
+from google.protobuf.descriptor import Descriptor
+from google.protobuf.descriptor_pb2 import DescriptorProto, FieldDescriptorProto, FileDescriptorProto
+
+from libgz.classic.msgs.message import Message, extend
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.state import plain
 
-__all__ = ["declare", "known_types", "message_type", "restored"]
+__all__ = ["PREFIX", "declare", "known_types", "message_type", "restored"]
 
 PREFIX = "gazebo.msgs."
-_FIELD = re.compile(r"(?P<kind>[\w.]+)\s+(?P<name>[a-z_]\w*)\s*(?P<repeated>\[\])?\s*(?:=\s*(?P<default>\S+))?")
+_FIELD = re.compile(
+    r"(?P<kind>[\w.]+)\s+(?P<name>[A-Za-z_]\w*)\s*(?P<label>!|\[\])?\s*(?P<number>\d+)?\s*(?:=\s*(?P<default>\S+))?"
+)
+_KINDS = {
+    name: FieldDescriptorProto.Type.Value(f"TYPE_{name.upper()}")
+    for name in ("double", "float", "bool", "int32", "int64", "uint32", "uint64", "sint32", "string", "bytes")
+}
+_LABELS = {
+    None: FieldDescriptorProto.LABEL_OPTIONAL,
+    "!": FieldDescriptorProto.LABEL_REQUIRED,
+    "[]": FieldDescriptorProto.LABEL_REPEATED,
+}
 
-_types: dict[str, type[Message]] = {}
-_enums: dict[str, Kind] = {}
+_pool = descriptor_pool.DescriptorPool()
+_types: dict[str, type[Message]] = {}  # by names without PREFIX
+_added: set[str] = set()  # files in the pool
+
+
+@functools.cache
+def _classic() -> dict[str, str]:
+    """Name to declaration of classic's messages and enumerations."""
+    text = resources.files("libgz.classic.msgs").joinpath("messages.txt").read_text(encoding="utf-8")
+    lines = (line.partition(": ") for line in text.splitlines() if not line.startswith("#"))
+    return {name: declaration for name, _, declaration in lines}
+
+
+def _is_enum(name: str) -> bool:
+    return _classic().get(name, "").startswith("enum ")
 
 
 def known_types() -> list[str]:
     """Return the full names of all message types."""
-    return sorted({*(PREFIX + name for name in MESSAGES), *(kind.GetTypeName() for kind in _types.values())})
+    classic = (PREFIX + name for name in _classic() if not _is_enum(name))
+    return sorted({*classic, *(kind.GetTypeName() for kind in _types.values())})
 
 
 def message_type(name: str) -> type[Message]:
@@ -35,38 +67,50 @@ def message_type(name: str) -> type[Message]:
     short = name.removeprefix(PREFIX)
     found = _types.get(short)
     if found is None:
-        if short not in MESSAGES:
-            known = [*MESSAGES, *_types]
+        if short not in _classic() or _is_enum(short):
+            known = [name.removeprefix(PREFIX) for name in known_types()]
             raise NotFoundError(
                 f"there is no message type {name!r}{nearest(short, known)}; msgs.declare makes new ones"
             )
-        found = _make(short, PREFIX + short, MESSAGES[short])
+        _add_classic(short.partition(".")[0])
+        found = _types[short]
     return found
 
 
 def declare(name: str, fields: str, **enums: str) -> type[Message]:
     """Declare a message type.
 
-    Both ends of a topic must declare it alike: a field's number on the wire is its position in `fields`.
+    Both ends of a topic must declare it alike: a field's number on the wire is its position in `fields`, unless it is
+    given.
 
     Args:
         name: Such as `my_robot.msgs.WheelSpeeds`.
-        fields: Such as ``"double left, double right, Vector3d points[], int32 mode = 1"``. Kinds are double, float,
-            bool, int32, int64, uint32, uint64, string, bytes, and the names of messages.
+        fields: Such as ``"double left, double right, Vector3d points[], int32 mode = 1"``: kind, name, `[]` for a
+            repeated field or `!` for a required one, a number, a default. Kinds are double, float, bool, int32, int64,
+            uint32, uint64, sint32, string, bytes, and the names of messages.
         enums: Enumerations by the names that `fields` use, such as ``Mode="IDLE DRIVING"``; values count from 1.
 
     Raises:
         ParameterError: the name is used by another declaration, or a field is invalid.
     """
-    if not re.fullmatch(r"[A-Za-z_][\w.]*", name):
+    if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name):
         raise ParameterError(f"a message type cannot be called {name!r}; it takes letters, digits, _ and dots")
-    kinds = {key: _enum(key, values) for key, values in enums.items()}
     before = _types.get(name)
-    if before is not None or name.removeprefix(PREFIX) in MESSAGES:
+    if before is not None or name.removeprefix(PREFIX) in _classic():
         if before is not None and before.__doc__ == _describe(name, fields):
             return before
         raise ParameterError(f"there is already a message type {name!r}")
-    return _make(name, name, fields, kinds)
+    package, _, short = name.rpartition(".")
+    file = FileDescriptorProto(name=f"{name}.proto", package=package, syntax="proto2")
+    message = file.message_type.add(name=short)
+    for key, words in enums.items():
+        values = message.enum_type.add(name=key).value
+        for number, word in enumerate(words.split(), 1):
+            values.add(name=word, number=number)
+    local = {key: f".{name}.{key}" for key in enums}
+    _add_fields(file, message, name, fields, local)
+    _add_file(file, {f"{name}": _describe(name, fields)})
+    return _types[name]
 
 
 def restored(name: str, data: bytes) -> Message:
@@ -81,89 +125,131 @@ def _describe(name: str, fields: str) -> str:
     return f"{name}: {' '.join(fields.split())}"
 
 
-def _enum(name: str, values: str) -> Kind:
-    """Return the kind of an enumeration: values are set by number or by name."""
-    numbers = {value: number for number, value in enumerate(values.split(), 1)}
-
-    def check(value: Any) -> int:
-        number = numbers.get(value, 0) if isinstance(value, str) else operator.index(value)
-        if number not in numbers.values():
-            raise ValueError(f"it must be one of {', '.join(f'{n} ({i})' for n, i in numbers.items())}")
-        return number
-
-    def read(value: int) -> int:
-        return value if value in numbers.values() else 1
-
-    return Kind(name, 1, VARINT, check, read, numbers)
+# Descriptors ----------------------------------------------------------------------------------------------------------
 
 
-def _kind(owner: str, word: str, local: dict[str, Kind]) -> Kind | type[Message]:
-    if word in KINDS:
-        return KINDS[word]
-    if word in local:
-        return local[word]
-    if word in ENUMS:
-        return _enums.setdefault(word, _enum(word, ENUMS[word]))
+def _add_classic(name: str) -> None:
+    """Make one of classic's types, with those inside it and those that it contains."""
+    if name in _added:
+        return
+    _added.add(name)
+    file = FileDescriptorProto(name=f"{PREFIX}{name}.proto", package=PREFIX.rstrip("."), syntax="proto2")
+    protos: dict[str, DescriptorProto] = {}
+    texts: dict[str, str] = {}
+    own = [key for key in _classic() if key == name or key.startswith(f"{name}.")]
+    for key in sorted(own, key=lambda key: key.count(".")):
+        outer, _, short = key.rpartition(".")
+        if not _is_enum(key):
+            protos[key] = protos[outer].nested_type.add(name=short) if outer else file.message_type.add(name=short)
+    for key in own:
+        declaration = _classic()[key]
+        if _is_enum(key):
+            outer, _, short = key.rpartition(".")
+            values = protos[outer].enum_type.add(name=short).value
+            for word in declaration.removeprefix("enum ").split(", "):
+                value, number = word.split()
+                values.add(name=value, number=int(number))
+        else:
+            _add_fields(file, protos[key], PREFIX + key, declaration, {})
+            texts[PREFIX + key] = _describe(PREFIX + key, declaration)
+    _add_file(file, texts)
+
+
+def _add_file(file: FileDescriptorProto, texts: dict[str, str]) -> None:
+    """Add a file to the pool, and register the classes of its messages."""
     try:
-        return message_type(word)
-    except NotFoundError:
-        known = [*KINDS, *local, *MESSAGES, *_types]
-        raise ParameterError(f"message {owner}: there is no type {word!r}{nearest(word, known)}") from None
+        _pool.Add(file)
+        found = _pool.FindFileByName(file.name)
+    except (TypeError, KeyError) as error:
+        raise ParameterError(f"message {file.package}.{file.message_type[0].name}: {error}") from None
+    for descriptor in found.message_types_by_name.values():
+        _register(descriptor, texts)
 
 
-def _make(short: str, name: str, fields: str, local: dict[str, Kind] | None = None) -> type[Message]:
-    """Create the class of a declaration, and register it under its short name."""
-    namespace = {"_name": name, "__doc__": _describe(name, fields)}
-    made: type[Message] = type(short.rpartition(".")[2], (Message,), namespace)
-    made.__module__, made.__qualname__ = "libgz.classic.msgs", short
-    _types[short] = made  # before its fields: a Model contains Models
-    try:
-        table = dict(_read_fields(made, name, fields, local or {}))
-    except ParameterError:
-        del _types[short]
-        raise
-    made._fields = table
-    made._numbers = {field.number: field for field in table.values()}
-    made._parts = frozenset(n for n, field in table.items() if field.repeated or field.message is not None)
-    for field in table.values():
-        if field.kind is not None and not field.repeated:
-            setattr(made, field.name, field.default)
-        if field.kind is not None and field.kind.values is not None:
-            for value, number in field.kind.values.items():
-                setattr(made, value, number)
-    if short in MESSAGES:
-        for part in MESSAGES:
-            if part.rpartition(".")[0] == short:
-                setattr(made, part.rpartition(".")[2], message_type(part))
-    return made
+def _register(descriptor: Descriptor, texts: dict[str, str]) -> None:
+    full = descriptor.full_name
+    made: Any = message_factory.GetMessageClass(descriptor)
+    short = full.removeprefix(PREFIX)
+    made.__module__, made.__qualname__, made.__doc__ = "libgz.classic.msgs", short, texts.get(full, full)
+    extend(made)
+    _types[short] = made
+    for nested in descriptor.nested_types:
+        _register(nested, texts)
 
 
-def _read_fields(made: type[Message], owner: str, fields: str, local: dict[str, Kind]) -> list[tuple[str, Field]]:
-    found: list[tuple[str, Field]] = []
-    for number, words in enumerate(fields.split(","), 1):
+def _add_fields(
+    file: FileDescriptorProto, message: DescriptorProto, owner: str, fields: str, local: dict[str, str]
+) -> None:
+    """Add the fields of a declaration to a message's descriptor, and the files of their types as dependencies."""
+    names: set[str] = set()
+    for position, words in enumerate(fields.split(","), 1):
         match = _FIELD.fullmatch(words.strip())
         if match is None:
             raise ParameterError(f"message {owner}: field {words.strip()!r} is not like 'double x' or 'double x[]'")
-        name, word = match["name"], match["default"]
-        if name in dict(found):
+        name, number = match["name"], int(match["number"] or position)
+        if name in names:
             raise ParameterError(f"message {owner}: there are two fields {name!r}")
-        kind = _kind(owner, match["kind"], local)
-        default = None
-        if word is not None:
-            if not isinstance(kind, Kind) or match["repeated"]:
+        names.add(name)
+        field = message.field.add(name=name, number=number, label=_LABELS[match["label"]])
+        kind = match["kind"]
+        if kind in _KINDS:
+            field.type = _KINDS[kind]
+        elif kind in local:
+            field.type, field.type_name = FieldDescriptorProto.TYPE_ENUM, local[kind]
+        elif _is_enum(kind):
+            field.type, field.type_name = FieldDescriptorProto.TYPE_ENUM, f".{PREFIX}{kind}"
+            _depend(file, kind.partition(".")[0])
+        else:
+            field.type = FieldDescriptorProto.TYPE_MESSAGE
+            field.type_name = "." + _message_name(file, owner, kind, local)
+        if match["default"] is not None:
+            if field.type == FieldDescriptorProto.TYPE_MESSAGE or match["label"] == "[]":
                 raise ParameterError(f"message {owner}: field {name!r} cannot have a default")
-            default = Field(owner, name, number, kind, False).check(_value(kind, word))
-        found.append((name, Field(owner, name, number, kind, match["repeated"] is not None, default)))
-    return found
+            field.default_value = _default(owner, field, match["default"])
 
 
-def _value(kind: Kind, word: str) -> Any:
-    """Return a default from its text."""
-    if kind.name == "bool":
-        return {"true": True, "false": False}.get(word, word)
-    if kind.values is not None or kind.name == "string":
-        return word.strip('"')
+def _message_name(file: FileDescriptorProto, owner: str, kind: str, local: dict[str, str]) -> str:
+    """Return the full name of a message that a field contains; its file becomes a dependency."""
+    if owner in (kind, PREFIX + kind):
+        return owner
+    if kind in _classic():
+        _depend(file, kind.partition(".")[0])
+        return PREFIX + kind
     try:
-        return float(word) if kind.name in ("double", "float") else int(word)
-    except ValueError:
-        return word
+        descriptor: Any = message_type(kind).DESCRIPTOR
+    except NotFoundError:
+        known = [*_KINDS, *local, *(name.removeprefix(PREFIX) for name in known_types())]
+        raise ParameterError(f"message {owner}: there is no type {kind!r}{nearest(kind, known)}") from None
+    if descriptor.file.name not in file.dependency:
+        file.dependency.append(descriptor.file.name)
+    return str(descriptor.full_name)
+
+
+def _depend(file: FileDescriptorProto, name: str) -> None:
+    """Make one of classic's messages a dependency of a file."""
+    needed = f"{PREFIX}{name}.proto"
+    if needed != file.name and needed not in file.dependency:
+        _add_classic(name)
+        file.dependency.append(needed)
+
+
+def _default(owner: str, field: FieldDescriptorProto, word: str) -> str:
+    """Return a default in the form of descriptors.
+
+    Raises:
+        ParameterError: it does not fit the field.
+    """
+    word = word.strip('"')
+    try:
+        if field.type in (FieldDescriptorProto.TYPE_DOUBLE, FieldDescriptorProto.TYPE_FLOAT):
+            float(word)
+        elif field.type == FieldDescriptorProto.TYPE_BOOL:
+            if word not in ("true", "false"):
+                raise ValueError("it must be true or false")
+        elif field.type not in (
+            FieldDescriptorProto.TYPE_STRING, FieldDescriptorProto.TYPE_BYTES, FieldDescriptorProto.TYPE_ENUM
+        ):  # fmt: skip
+            int(word)
+    except ValueError as error:
+        raise ParameterError(f"{owner}.{field.name} cannot be {word}: {error}") from None
+    return word

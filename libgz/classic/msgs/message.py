@@ -1,19 +1,20 @@
-"""Message: the base of all message types."""
+"""Message: what libgz adds to Google's messages."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Iterator, Mapping
+import functools
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, Self
 
+from google.protobuf import message as google, message_factory
+from google.protobuf.descriptor import Descriptor
+from google.protobuf.descriptor_pb2 import FileDescriptorProto
+
 from libgz.classic.msgs import text
-from libgz.classic.msgs.fields import BYTES, FIXED32, FIXED64, VARINT, Field, Repeated, read_varint, varint
 from libgz.errors import ParameterError, nearest
 
-__all__ = ["Message"]
-
-DEEPEST = 100  # messages within messages, as in protocol buffers
-
+__all__ = ["Message", "extend"]
 
 # For error messages: the Python form of C++'s <word>_<field> and <field>_size.
 _CPP = {
@@ -29,22 +30,31 @@ _CPP_REPEATED = {
     "add": "message.{0}.append(value) or message.{0}.add()",
     "size": "len(message.{0})",
 }
+# Google's own methods, beneath those of the same name below.
+_GOOGLE: Any = FileDescriptorProto.__mro__[1]
 
 
-class Message:
-    """A message: fields are attributes.
+class _MessageType(type):
+    """Makes the classes of all messages of classic, and those that were declared, subclasses of Message."""
+
+    def __instancecheck__(cls, instance: object) -> bool:
+        return cls.__subclasscheck__(type(instance))
+
+    def __subclasscheck__(cls, subclass: type) -> bool:
+        return issubclass(subclass, google.Message) and "_restored" in vars(subclass)
+
+
+class Message(google.Message, metaclass=_MessageType):
+    """A message: fields are attributes. It is one of Google's messages, with some more methods.
 
     A field that is not set has its default; nested messages and lists of repeated fields are created at first access.
     Setting an unknown field raises AttributeError, an invalid value ParameterError. Messages and lists that are set are
     copied. For C++'s `msg.set_x(1)`, `msg.x()`, `msg.mutable_pose()->...`, `msg.add_ranges(v)`, write `msg.x = 1`,
-    `msg.x`, `msg.pose...`, `msg.ranges.append(v)`.
+    `msg.x`, `msg.pose...`, `msg.ranges.append(v)`. Required fields that are not set are sent with their defaults.
     """
 
-    _fields: ClassVar[dict[str, Field]] = {}
-    _numbers: ClassVar[dict[int, Field]] = {}
-    _parts: ClassVar[frozenset[str]] = frozenset()  # nested and repeated fields, for `copy`
-    _name: ClassVar[str] = ""
-    _restored: ClassVar[Callable[[str, bytes], Message]]  # makes a message again; set where types are declared
+    DESCRIPTOR: Any
+    _restored: ClassVar[Callable[..., Message]]  # makes a message again; set where types are declared
 
     def __init__(self, **values: Any) -> None:
         for name, value in values.items():
@@ -53,69 +63,28 @@ class Message:
     @classmethod
     def GetTypeName(cls) -> str:
         """Return the full name of the type, such as `gazebo.msgs.Vector3d`."""
-        return cls._name
+        return str(cls.DESCRIPTOR.full_name)
 
     def __getattr__(self, name: str) -> Any:
-        field = self._fields.get(name)
-        if field is None:
-            raise AttributeError(self._unknown(name))
-        # First access to a nested or repeated field; the defaults of plain ones are attributes of the class.
-        made = Repeated(field) if field.repeated else field.message() if field.message is not None else field.default
-        self.__dict__[name] = made
-        return made
+        raise AttributeError(_unknown(self, name))
 
     def __setattr__(self, name: str, value: Any) -> None:
-        field = self._fields.get(name)
-        if field is None:
-            raise AttributeError(self._unknown(name))
-        self.__dict__[name] = field.check_all(value) if field.repeated else field.check(value)
-
-    def __delattr__(self, name: str) -> None:
-        self.ClearField(name)
-
-    def __dir__(self) -> list[str]:
-        return [*super().__dir__(), *self._fields]
-
-    def __eq__(self, other: object) -> bool:
-        if type(other) is not type(self):
-            return NotImplemented
-        return self.SerializeToString() == other.SerializeToString()
-
-    __hash__ = None  # type: ignore[assignment]
+        try:
+            _GOOGLE.__setattr__(self, name, value)
+        except (AttributeError, TypeError, ValueError, OverflowError) as error:
+            _assign(self, name, value, error)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{field.name}={value!r}" for field, value in self.ListFields())
         return f"{type(self).__qualname__}({values})"
 
     def __str__(self) -> str:
-        return self.DebugString()
-
-    def __copy__(self) -> Self:
-        return self.copy()
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
-        return self.copy()
+        return text.write(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Message._restored, (self._name, self.SerializeToString())
+        return Message._restored, (self.GetTypeName(), self.SerializePartialToString())
 
     # Presence and copies -----------------------------------------------------------------------------------------
-
-    def _unknown(self, name: str) -> str:
-        word, _, rest = name.partition("_")
-        if name.endswith("_size"):
-            word, rest = "size", name.removesuffix("_size")
-        field = self._fields.get(rest)
-        idioms = _CPP_REPEATED if field is not None and field.repeated else _CPP
-        known = field is not None and word in idioms
-        hint = f"; in Python that is {idioms[word].format(rest)}" if known else nearest(name, self._fields)
-        return f"{self._name} has no field {name!r}{hint}"
-
-    def _field(self, name: str) -> Field:
-        try:
-            return self._fields[name]
-        except KeyError:
-            raise ParameterError(self._unknown(name)) from None
 
     def HasField(self, name: str) -> bool:
         """Whether a field was set; a nested message is set when one of its fields is, or after SetInParent.
@@ -123,34 +92,12 @@ class Message:
         Raises:
             ParameterError: there is no such field, or it is repeated: use its length.
         """
-        field = self._field(name)
-        if field.repeated:
-            raise ParameterError(f"{self._name}.{name} is repeated: use len(message.{name})")
-        value = self.__dict__.get(name)
-        return value is not None if field.message is None else value is not None and value._is_set()
-
-    def _is_set(self) -> bool:
-        return "_present" in self.__dict__ or next(self._set_fields(), None) is not None
-
-    def _set_fields(self) -> Iterator[tuple[Field, Any]]:
-        for name, value in self.__dict__.items():
-            field = self._fields.get(name)
-            if field is None or (field.repeated and not value):
-                continue
-            if field.message is None or field.repeated or value._is_set():
-                yield field, value
-
-    def ListFields(self) -> list[tuple[Field, Any]]:
-        """Return (field, value) of all fields that are set, in the order of their declaration."""
-        return sorted(self._set_fields(), key=lambda pair: pair[0].number)
-
-    def SetInParent(self) -> None:
-        """Mark it as set in the message that holds it, even without a set field."""
-        self.__dict__["_present"] = True
-
-    def Clear(self) -> None:
-        """Clear all fields."""
-        self.__dict__.clear()
+        try:
+            return bool(_GOOGLE.HasField(self, name))
+        except ValueError:
+            if name in self.DESCRIPTOR.fields_by_name:
+                raise ParameterError(f"{self.GetTypeName()}.{name} is repeated: use len(message.{name})") from None
+            raise ParameterError(_unknown(self, name)) from None
 
     def ClearField(self, name: str) -> None:
         """Set a field back to its default.
@@ -158,62 +105,59 @@ class Message:
         Raises:
             ParameterError: there is no such field.
         """
-        self._field(name)
-        self.__dict__.pop(name, None)
+        try:
+            _GOOGLE.ClearField(self, name)
+        except ValueError:
+            raise ParameterError(_unknown(self, name)) from None
 
-    def CopyFrom(self, other: Message) -> None:
+    def CopyFrom(self, other: google.Message) -> None:
         """Replace all fields by those of another message of the same type.
 
         Raises:
             ParameterError: it is of another type.
         """
-        if type(other) is not type(self):
-            kind = other.GetTypeName() if isinstance(other, Message) else type(other).__name__
-            raise ParameterError(f"a {self._name} cannot be copied from a {kind}")
-        if other is not self:
-            values = other.copy().__dict__
-            self.__dict__.clear()
-            self.__dict__.update(values)
+        _check_type(self, other, "copied")
+        _GOOGLE.CopyFrom(self, other)
+
+    def MergeFrom(self, other: google.Message) -> None:
+        """Set the fields that another message of the same type has set; repeated fields are appended.
+
+        Raises:
+            ParameterError: it is of another type.
+        """
+        _check_type(self, other, "merged")
+        _GOOGLE.MergeFrom(self, other)
 
     def copy(self) -> Self:
         """Return a deep copy."""
-        new = object.__new__(type(self))
-        values = new.__dict__
-        values.update(self.__dict__)
-        for name in self._parts:
-            if (part := values.get(name)) is not None:
-                if type(part) is not Repeated:
-                    values[name] = part.copy()
-                elif part.field.message is None:
-                    values[name] = Repeated(part.field, part)
-                else:
-                    values[name] = Repeated(part.field, [item.copy() for item in part])
+        new = type(self)()
+        _GOOGLE.CopyFrom(new, self)
         return new
 
     # Forms -------------------------------------------------------------------------------------------------------
 
-    def SerializeToString(self) -> bytes:
-        """Return the message in the wire format of protocol buffers."""
-        out: list[tuple[int, bytes]] = []
-        for name, value in self.__dict__.items():
-            field = self._fields.get(name)
-            if field is not None:
-                _write(out, field, value)
-        out.sort(key=lambda part: part[0])
-        return b"".join([data for _, data in out])
+    def SerializeToString(self, **options: Any) -> bytes:
+        """Return the message in the wire format of protocol buffers; required fields that are not set are added."""
+        if self.IsInitialized():
+            return bytes(_GOOGLE.SerializeToString(self, **options))
+        whole = self.copy()
+        _complete(whole)
+        return bytes(_GOOGLE.SerializeToString(whole, **options))
 
     def ParseFromString(self, data: bytes) -> int:
-        """Replace all fields by those in `data`, and return its length. Unknown fields are skipped.
+        """Replace all fields by those in `data`, and return its length. Unknown fields are kept, but not shown.
 
         Raises:
             ParameterError: the data are damaged; the message is then empty.
         """
-        self.Clear()
         try:
-            self._merge(bytes(data), 0)
-        except ParameterError:
+            _GOOGLE.ParseFromString(self, data)
+        except google.DecodeError as error:
             self.Clear()
-            raise
+            raise ParameterError(f"the message is damaged: {error}") from None
+        if not _is_text(self):
+            self.Clear()
+            raise ParameterError("the message is damaged: a text is not UTF-8")
         return len(data)
 
     @classmethod
@@ -222,44 +166,6 @@ class Message:
         message = cls()
         message.ParseFromString(data)
         return message
-
-    def _merge(self, data: bytes, depth: int) -> None:
-        if depth > DEEPEST:
-            raise ParameterError(f"the message is damaged: more than {DEEPEST} messages within each other")
-        at, end = 0, len(data)
-        while at < end:
-            key, at = read_varint(data, at)
-            field = self._numbers.get(key >> 3)
-            wire = key & 7
-            if field is None or not _fits(field, wire):
-                at = _skip(data, at, wire)
-            elif field.kind is not None and wire != BYTES:
-                value, at = field.kind.decode(data, at)
-                self._put(field, value)
-            else:
-                size, start = read_varint(data, at)
-                at = start + size
-                if at > end:
-                    raise ParameterError("the message is damaged: it ends within a field")
-                self._put_bytes(field, data[start:at], depth)
-
-    def _put(self, field: Field, value: Any) -> None:
-        if field.repeated:
-            list.append(getattr(self, field.name), value)
-        else:
-            self.__dict__[field.name] = value
-
-    def _put_bytes(self, field: Field, data: bytes, depth: int) -> None:
-        if field.kind is None:
-            part = getattr(self, field.name)
-            if field.repeated:
-                part = part.add()
-            part._merge(data, depth + 1)
-            part.SetInParent()
-        elif field.packed:
-            list.extend(getattr(self, field.name), field.kind.decode_all(data))
-        else:
-            self._put(field, field.kind.read(data))
 
     def DebugString(self) -> str:
         """Return the message as text, one field per line; msgs.Parse reads it."""
@@ -271,10 +177,10 @@ class Message:
 
     def ToDict(self) -> dict[str, Any]:
         """Return the set fields as JSON values: bytes as base64, enumerations by name."""
-        found: dict[str, Any] = {}
-        for field, value in self.ListFields():
-            found[field.name] = [_plain(field, item) for item in value] if field.repeated else _plain(field, value)
-        return found
+        return {
+            field.name: [_plain(field, item) for item in value] if field.is_repeated else _plain(field, value)
+            for field, value in self.ListFields()
+        }
 
     def FromDict(self, values: Mapping[str, Any]) -> Self:
         """Replace all fields by values in the form of ToDict, and return the message.
@@ -284,79 +190,172 @@ class Message:
         """
         self.Clear()
         if not isinstance(values, Mapping):
-            raise ParameterError(f"{self._name} is made from a dict of its fields, not from {values!r}")
+            raise ParameterError(f"{self.GetTypeName()} is made from a dict of its fields, not from {values!r}")
         for name, value in values.items():
-            field = self._field(name)
-            if not field.repeated:
+            field = self.DESCRIPTOR.fields_by_name.get(name)
+            if field is None:
+                raise ParameterError(_unknown(self, name))
+            if not field.is_repeated:
                 setattr(self, name, _from_plain(field, value))
             elif isinstance(value, list):
                 setattr(self, name, [_from_plain(field, item) for item in value])
             else:
-                raise ParameterError(f"{self._name}.{name} is repeated; it takes a list")
-            if field.message is not None and not field.repeated:
-                getattr(self, name).SetInParent()
+                raise ParameterError(f"{self.GetTypeName()}.{name} is repeated; it takes a list")
         return self
 
 
-def _write(out: list[tuple[int, bytes]], field: Field, value: Any) -> None:
-    """Append a field's number and encoding."""
-    if field.repeated:
-        if not value:
-            return
-        if field.kind is None:
-            parts = [item.SerializeToString() for item in value]
-            data = b"".join([field.key + varint(len(part)) + part for part in parts])
-        elif field.packed:
-            data = field.key + field.kind.encode_all(value)
-        else:
-            data = b"".join([field.key + field.kind.encode(item) for item in value])
-    elif field.kind is not None:
-        data = field.key + field.kind.encode(value)
+_METHODS = {
+    name: method
+    for name, method in vars(Message).items()
+    if callable(method) or isinstance(method, classmethod)
+}  # fmt: skip
+
+
+def extend(kind: Any) -> None:
+    """Add the methods of Message to one of Google's classes."""
+    for name, method in _METHODS.items():
+        setattr(kind, name, method)
+    kind._restored = staticmethod(Message._restored)
+
+
+def _unknown(message: Message, name: str) -> str:
+    word, _, rest = name.partition("_")
+    if name.endswith("_size"):
+        word, rest = "size", name.removesuffix("_size")
+    fields = message.DESCRIPTOR.fields_by_name
+    field = fields.get(rest)
+    idioms = _CPP_REPEATED if field is not None and field.is_repeated else _CPP
+    hint = f"; in Python that is {idioms[word].format(rest)}" if field and word in idioms else nearest(name, fields)
+    return f"{message.GetTypeName()} has no field {name!r}{hint}"
+
+
+def _assign(message: Message, name: str, value: Any, error: Exception) -> None:
+    """Set a nested message or a repeated field, which Google's messages do not; else raise why it was not set."""
+    field = message.DESCRIPTOR.fields_by_name.get(name)
+    if field is None:
+        raise AttributeError(_unknown(message, name)) from None
+    if field.is_repeated:
+        if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+            raise ParameterError(
+                f"{message.GetTypeName()}.{name} is repeated; it takes a sequence, not {_short(value)}"
+            ) from None
+        tolist = getattr(value, "tolist", None)  # converts a numpy array at once
+        items = tolist() if tolist is not None else list(value)
+        before = list(getattr(message, name))
+        message.ClearField(name)
+        try:
+            getattr(message, name).extend(items)
+        except (TypeError, ValueError, OverflowError) as problem:
+            message.ClearField(name)
+            getattr(message, name).extend(before)
+            wrong = next((item for item in items if not _fits(message, name, item)), value)
+            raise ParameterError(f"{message.GetTypeName()}.{name} cannot be {_short(wrong)}: {problem}") from None
+    elif field.message_type is not None:
+        part = getattr(message, name)
+        if type(value) is not type(part):
+            wanted = field.message_type.full_name
+            raise ParameterError(
+                f"{message.GetTypeName()}.{name} cannot be {_short(value)}: it must be a {wanted}"
+            ) from None
+        part.CopyFrom(value)
+        part.SetInParent()
     else:
-        part = value.SerializeToString()
-        if not part and not value._is_set():
-            return
-        data = field.key + varint(len(part)) + part
-    out.append((field.number, data))
+        if field.enum_type is not None:
+            allowed = ", ".join(f"{entry.name} ({entry.number})" for entry in field.enum_type.values)
+            error = ValueError(f"it must be one of {allowed}")
+        raise ParameterError(f"{message.GetTypeName()}.{name} cannot be {_short(value)}: {error}") from None
 
 
-def _fits(field: Field, wire: int) -> bool:
-    """Whether a field can have this wire type; numbers of a repeated field may be packed or not."""
-    if field.kind is None:
-        return wire == BYTES
-    return wire == field.kind.wire or (wire == BYTES and field.packed)
+def _fits(message: Message, name: str, item: Any) -> bool:
+    try:
+        getattr(type(message)(), name).append(item)
+    except (TypeError, ValueError, OverflowError):
+        return False
+    return True
 
 
-def _skip(data: bytes, at: int, wire: int) -> int:
-    """Return the offset of the end of an unknown field."""
-    if wire == VARINT:
-        return read_varint(data, at)[1]
-    if wire == BYTES:
-        size, at = read_varint(data, at)
-    elif wire in (FIXED32, FIXED64):
-        size = 8 if wire == FIXED64 else 4
-    else:
-        raise ParameterError(f"the message is damaged: no field has the wire type {wire}")
-    if at + size > len(data):
-        raise ParameterError("the message is damaged: it ends within a field")
-    return at + size
+def _check_type(message: Message, other: object, what: str) -> None:
+    if type(other) is not type(message):
+        kind = other.GetTypeName() if isinstance(other, Message) else type(other).__name__
+        raise ParameterError(f"a {message.GetTypeName()} cannot be {what} from a {kind}")
 
 
-def _plain(field: Field, value: Any) -> Any:
-    if field.kind is None:
+def _complete(message: Any) -> None:
+    """Set the required fields that are not set, in nested messages, too."""
+    for field in message.DESCRIPTOR.fields:
+        name = field.name
+        if field.message_type is not None:
+            if field.is_repeated:
+                for item in getattr(message, name):
+                    _complete(item)
+            elif field.is_required or message.HasField(name):
+                part = getattr(message, name)
+                part.SetInParent()
+                _complete(part)
+        elif field.is_required and not message.HasField(name):
+            setattr(message, name, field.default_value)
+
+
+@functools.cache
+def _texts(descriptor: Descriptor) -> tuple[tuple[str, ...], tuple[str, ...], tuple[str, ...]]:
+    """Names of the fields that are texts, of the nested messages, and of the repeated fields with texts."""
+    texts = [field for field in descriptor.fields if field.type == field.TYPE_STRING]
+    parts = [field for field in descriptor.fields if field.message_type is not None and _has_texts(field.message_type)]
+    return (
+        tuple(field.name for field in texts if not field.is_repeated),
+        tuple(field.name for field in parts if not field.is_repeated),
+        tuple(field.name for field in (*texts, *parts) if field.is_repeated),
+    )
+
+
+@functools.cache
+def _has_texts(descriptor: Descriptor) -> bool:
+    """Whether there are texts in a type, or in those that it contains."""
+    found, waiting = {descriptor}, [descriptor]
+    while waiting:
+        for field in waiting.pop().fields:
+            if field.type == field.TYPE_STRING:
+                return True
+            if field.message_type is not None and field.message_type not in found:
+                found.add(field.message_type)
+                waiting.append(field.message_type)
+    return False
+
+
+def _is_text(message: Any) -> bool:
+    """Whether all texts of a message are UTF-8: Google's messages return those that are not as bytes."""
+    texts, parts, lists = _texts(message.DESCRIPTOR)
+    return (
+        all(type(getattr(message, name)) is str for name in texts)
+        and all(_is_text(getattr(message, name)) for name in parts if message.HasField(name))
+        and all(
+            type(item) is str or (type(item) is not bytes and _is_text(item))
+            for name in lists
+            for item in getattr(message, name)
+        )
+    )
+
+
+def _plain(field: Any, value: Any) -> Any:
+    if field.message_type is not None:
         return value.ToDict()
-    if field.kind.values is not None:
-        return next(name for name, number in field.kind.values.items() if number == value)
+    if field.enum_type is not None:
+        return field.enum_type.values_by_number[value].name
     return base64.b64encode(value).decode() if isinstance(value, bytes) else value
 
 
-def _from_plain(field: Field, value: Any) -> Any:
-    if field.message is not None:
-        part: Any = field.message()
-        return part.FromDict(value)
-    if field.kind is not None and field.kind.name == "bytes" and isinstance(value, str):
+def _from_plain(field: Any, value: Any) -> Any:
+    if field.message_type is not None:
+        made: Any = message_factory.GetMessageClass(field.message_type)()
+        return made.FromDict(value)
+    if field.type == field.TYPE_BYTES and isinstance(value, str):
         try:
             return base64.b64decode(value, validate=True)
         except ValueError as error:
-            raise ParameterError(f"{field.owner}.{field.name} is no base64: {error}") from None
+            raise ParameterError(f"{field.full_name} is no base64: {error}") from None
     return value
+
+
+def _short(value: Any) -> str:
+    found = repr(value)
+    return found if len(found) <= 60 else found[:57] + "..."

@@ -1,12 +1,13 @@
 """Topics: `Node` makes publishers and subscribers; messages are those of `libgz.classic.msgs`.
 
 Within a process messages wait until the end of the server's iteration (`TopicManager.Instance().ProcessNodes()`).
-Between processes, a server listens (`serve`) and clients connect (`connect`, or `init`, its original name); this needs
-the extra `libgz[net]`.
+Between processes, a server is the master of Gazebo classic's protocol (`serve`), and clients connect (`connect`, or
+`init`, its original name).
 """
 
 from __future__ import annotations
 
+from libgz.classic.transport.address import get_master_uri, publicized_address
 from libgz.classic.transport.functions import (
     clear_buffers,
     fini,
@@ -23,7 +24,6 @@ from libgz.classic.transport.functions import (
 )
 from libgz.classic.transport.link import Link, connect, serve
 from libgz.classic.transport.manager import TopicManager
-from libgz.classic.transport.master import get_master_uri, publicized_address
 from libgz.classic.transport.node import Node
 from libgz.classic.transport.publisher import Publisher
 from libgz.classic.transport.subscriber import Subscriber

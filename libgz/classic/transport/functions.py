@@ -9,9 +9,9 @@ from typing import Any
 from libgz.classic.msgs.convert import CreateRequest
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.transport.address import DEFAULT_PORT
 from libgz.classic.transport.link import Link, connect
 from libgz.classic.transport.manager import TopicManager
-from libgz.classic.transport.master import DEFAULT_PORT
 from libgz.classic.transport.node import Node
 from libgz.classic.transport.topic import log
 from libgz.errors import GazeboError, ServerError
@@ -31,8 +31,6 @@ __all__ = [
     "stop",
 ]
 
-ANSWER_PERIOD = 0.25  # [s] between requests for a response that was sent before the subscription was known
-
 
 def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30) -> bool:
     """Connect to a server, unless this process has a link.
@@ -44,9 +42,6 @@ def init(masterHost: str = "", masterPort: int = 0, timeoutIterations: int = 30)
 
     Returns:
         Whether there is a link; if not, the reason has been logged.
-
-    Raises:
-        LibraryError: the extra `libgz[net]` is not installed.
     """
     if Link.current is not None:
         return True
@@ -133,23 +128,27 @@ def request(worldName: str, request: str, data: str = "", timeout: float = 10.0)
         if response.id == asked.id and response.request == asked.request:
             answers.append(response)
 
+    manager = TopicManager.Instance()
+    end = clock.monotonic() + timeout
     subscriber = node.Subscribe("~/response", OnResponse)
     publisher = node.Advertise(message_type("Request"), "~/request")
-    manager, topic = TopicManager.Instance(), TopicManager.Instance().topic(subscriber.GetTopic())
-    end = clock.monotonic() + timeout
-    if publisher.WaitForConnection(timeout):
+    _wait_attached(manager, subscriber.GetTopic(), end)
+    if publisher.WaitForConnection(end - clock.monotonic()):
         publisher.Publish(asked, block=True)
-    again = clock.monotonic() + ANSWER_PERIOD
-    while not answers and (now := clock.monotonic()) < end:
-        if now >= again:  # the server may have answered before it knew of the subscription
-            again = now + ANSWER_PERIOD
-            manager.latch(topic, subscriber)
+    while not answers and clock.monotonic() < end:
         manager.ProcessNodes()
         clock.sleep(0.001)
     subscriber.Unsubscribe()
     if not answers:
         raise GazeboError(f"world {node.GetTopicNamespace()!r} did not answer the request {request!r} in {timeout:g} s")
     return answers[0]
+
+
+def _wait_attached(manager: TopicManager, topic: str, end: float) -> None:
+    """Wait until the server knows of the subscription to its responses, at most to a time."""
+    if manager.remote is not None and manager.remote.client:
+        while not manager.remote.attached(topic) and clock.monotonic() < end:
+            clock.sleep(0.001)
 
 
 def requestNoReply(worldName: str | Node, request: str, data: str = "") -> None:

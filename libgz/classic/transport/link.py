@@ -1,30 +1,21 @@
-"""The link between processes: a server listens at the address in GAZEBO_MASTER_URI, and clients connect to it.
-
-No other port is opened, and there is no discovery.
-"""
+"""The link between processes: a server is the master at the address in GAZEBO_MASTER_URI, and clients connect to it."""
 
 from __future__ import annotations
 
 import atexit
-import contextlib
 import errno
 import os
-import socket
-import time as clock
-from typing import TYPE_CHECKING, ClassVar
+import time
+from typing import ClassVar
 
+from libgz.classic.transport.address import Address, get_master_uri
 from libgz.classic.transport.manager import TopicManager
-from libgz.classic.transport.master import Address, get_master_uri
-from libgz.classic.transport.topic import log
+from libgz.classic.transport.network import Network
 from libgz.closing import Closing
-from libgz.errors import LibraryError, ServerError
-
-if TYPE_CHECKING:
-    from libgz.classic.transport.network import Network
+from libgz.errors import ServerError
 
 __all__ = ["Link", "connect", "serve"]
 
-EXTRA = "pip install 'libgz[net]'"
 RETRY = 0.1  # [s] between attempts to connect
 
 
@@ -33,19 +24,12 @@ class Link(Closing):
 
     current: ClassVar[Link | None] = None
 
-    def __init__(self, address: Address, network: Network | None, claim: socket.socket | None = None) -> None:
-        self.address = address
-        self._network = network
-        self._claim = claim  # without the extra: occupies the port, so that a second server fails to start
+    def __init__(self, network: Network) -> None:
+        self.address = network.address
+        self._network: Network | None = network
         Link.current = self
-        if network is not None:
-            TopicManager.Instance().link(network)
+        TopicManager.Instance().link(network)
         atexit.register(self.close)
-
-    @property
-    def networked(self) -> bool:
-        """Whether other processes can be reached: the extra is installed."""
-        return self._network is not None
 
     def connected(self) -> bool:
         """Whether a client is connected to its server."""
@@ -60,40 +44,28 @@ class Link(Closing):
             network, self._network = self._network, None
             TopicManager.Instance().unlink(network)
             network.close()
-        if self._claim is not None:
-            self._claim.close()
-            self._claim = None
 
 
 def serve(uri: str | None = None) -> Link:
-    """Open this process's topics to clients.
-
-    Without the extra `libgz[net]` the port is occupied as well, and topics stay within the process.
+    """Open this process's topics to clients: start the master of Gazebo classic's protocol.
 
     Args:
-        uri: Where to listen, such as `http://localhost:11345`; GAZEBO_MASTER_URI when not given.
+        uri: Where to listen, such as `http://localhost:11345`; GAZEBO_MASTER_URI when not given. Port 0 takes a free
+            one, which is in the link's `address`.
 
     Raises:
         ServerError: the port is in use, or cannot be opened; or this process has a link.
         ParameterError: the URI is invalid.
     """
     address = _free_process(uri)
-    claim = _claim(address)
-    network_type = _network()
-    if network_type is None:
-        log.info("topics stay within this process; to reach them from others: %s", EXTRA)
-        return Link(address, None, claim)
-    claim.close()
     try:
-        return Link(address, network_type(address.endpoint, True))
+        return Link(Network(address, True))
     except OSError as error:
-        taken = "already in use" in str(error)
-        why = os.strerror(errno.EADDRINUSE) if taken else str(error)
-        raise _start_error(why, errno.EADDRINUSE if taken else None) from None
+        raise _start_error(error) from None
 
 
 def connect(uri: str | None = None, timeout: float = 30.0) -> Link:
-    """Connect this process's topics to those of a server.
+    """Connect this process's topics to those of a server: one of libgz, or of Gazebo classic.
 
     Args:
         uri: Where the server listens; GAZEBO_MASTER_URI when not given.
@@ -101,21 +73,17 @@ def connect(uri: str | None = None, timeout: float = 30.0) -> Link:
 
     Raises:
         ServerError: there is no server; or this process has a link.
-        LibraryError: the extra `libgz[net]` is not installed.
         ParameterError: the URI is invalid.
     """
     address = _free_process(uri)
-    network_type = _network()
-    if network_type is None:
-        raise LibraryError(f"topics of other processes need eclipse-zenoh, which is not installed: {EXTRA}")
-    end = clock.monotonic() + timeout
+    end = time.monotonic() + timeout
     while True:
         try:
-            return Link(address, network_type(address.endpoint, False, max(0.5, min(10.0, end - clock.monotonic()))))
-        except OSError:
-            if clock.monotonic() + RETRY >= end:
-                raise ServerError(_no_master(address, timeout)) from None
-            clock.sleep(RETRY)
+            return Link(Network(address, False, max(0.5, min(10.0, end - time.monotonic()))))
+        except OSError as error:
+            if time.monotonic() + RETRY >= end:
+                raise ServerError(_no_master(address, timeout, error)) from None
+            time.sleep(RETRY)
 
 
 def _free_process(uri: str | None) -> Address:
@@ -131,45 +99,19 @@ def _free_process(uri: str | None) -> Address:
     return address
 
 
-def _network() -> type[Network] | None:
-    """Return the class that connects to other processes, or None without the extra."""
-    try:
-        from libgz.classic.transport.network import Network
-    except ImportError as error:
-        if (error.name or "").partition(".")[0] != "zenoh":
-            raise
-        return None
-    return Network
-
-
-def _claim(address: Address) -> socket.socket:
-    """Return a socket bound to the address, which shows that the address is free."""
-    try:
-        family, kind, protocol, _, where = socket.getaddrinfo(*address, type=socket.SOCK_STREAM)[0]
-        claim = socket.socket(family, kind, protocol)
-    except OSError as error:
-        raise _start_error(error.strerror or str(error)) from None
-    try:
-        claim.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        claim.bind(where)
-        claim.listen()  # bind alone succeeds on a port that another process listens on
-    except OSError as error:
-        claim.close()
-        raise _start_error(error.strerror or str(error), error.errno) from None
-    return claim
-
-
-def _start_error(why: str, number: int | None = None) -> ServerError:
+def _start_error(error: OSError) -> ServerError:
     """Return the error with the original server's text."""
-    text = f"Unable to start server[bind: {why}]. There is probably another Gazebo process running."
-    if number != errno.EADDRINUSE:
-        text += f" The address comes from GAZEBO_MASTER_URI, which is {os.environ.get('GAZEBO_MASTER_URI')!r}."
-    return ServerError(text)
+    text = f"Unable to start server[bind: {error.strerror or error}]."
+    if error.errno == errno.EADDRINUSE:
+        text += " There is probably another Gazebo process running."
+        return ServerError(f"{text} GAZEBO_MASTER_URI sets another port; http://localhost:0 takes a free one.")
+    uri = os.environ.get("GAZEBO_MASTER_URI")
+    return ServerError(f"{text} The address comes from GAZEBO_MASTER_URI, which is {uri!r}.")
 
 
-def _no_master(address: Address, timeout: float) -> str:
+def _no_master(address: Address, timeout: float, error: OSError) -> str:
     """Return the original client's text, with a possible reason."""
     why = f"there is no server at {address.uri}; GAZEBO_MASTER_URI sets another address"
-    with contextlib.suppress(OSError), socket.create_connection(address, timeout=1.0):
-        why = f"the process that listens at {address.uri} does not answer; a server of libgz needs {EXTRA}"
+    if isinstance(error, TimeoutError):
+        why = f"the process that listens at {address.uri} does not answer as a master of Gazebo"
     return f"Failed to connect to master in {timeout:g} seconds. ({why})"

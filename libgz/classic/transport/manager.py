@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Protocol
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
-from libgz.classic.transport.topic import INCOMING, Endpoint, Incoming, LocalSubscriber, Topic, log
+from libgz.classic.transport.topic import INCOMING, Incoming, LocalSubscriber, Topic, log
 from libgz.errors import NotFoundError, ParameterError
 
 __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
@@ -34,8 +34,8 @@ class Remote(Protocol):
     def send(self, topic: Topic, publisher: int, number: int, message: Message) -> None:
         """Send a message to the subscribers of other processes."""
 
-    def latch(self, topic: Topic, subscriber: LocalSubscriber) -> None:
-        """Request the last messages of the other processes."""
+    def attached(self, topic: str) -> bool:
+        """Whether another process publishes a topic, and all those that do have been asked for their messages."""
 
     def namespaces(self) -> list[str]:
         """Return the names of the other processes' worlds."""
@@ -43,8 +43,8 @@ class Remote(Protocol):
     def advertised(self) -> dict[str, str]:
         """Return topic to type name of what the other processes publish."""
 
-    def endpoints(self, topic: str) -> list[Endpoint]:
-        """Return the publishers and subscribers of a topic in the other processes."""
+    def info(self, topic: str) -> Any:
+        """Return a TopicInfo message on a topic in all processes."""
 
 
 class TopicManager:
@@ -142,19 +142,22 @@ class TopicManager:
         return dict(sorted(found.items()))
 
     def TopicInfo(self, name: str) -> Any:
-        """Return a TopicInfo message: type, publishers, subscribers; `host` is the machine, `port` the process id."""
-        topic = self.topics.get(name)
-        endpoints = topic.endpoints() if topic is not None else []
+        """Return a TopicInfo message: type, publishers, subscribers, with the address at which a process listens.
+
+        Without a link to other processes the port is 0.
+
+        Raises:
+            GazeboError: the master does not answer.
+        """
         if self.remote is not None:
-            endpoints += self.remote.endpoints(name)
-        info = message_type("TopicInfo")(msg_type=self.TopicMsgType(name))
-        for end in sorted(endpoints):
-            host, _, process = end.process.rpartition(":")
-            parts = {"topic": name, "msg_type": end.type_name or info.msg_type, "host": host, "port": int(process)}
-            if end.what == "pub":
-                info.publisher.add(**parts)
-            else:
-                info.subscriber.add(**parts)
+            return self.remote.info(name)
+        topic = self.topics.get(name)
+        info: Any = message_type("TopicInfo")(msg_type=self.TopicMsgType(name))
+        parts = {"topic": name, "msg_type": info.msg_type, "host": "127.0.0.1", "port": 0}
+        for _ in topic.live_publishers() if topic is not None else ():
+            info.publisher.add(**parts)
+        for _ in topic.live_subscribers() if topic is not None else ():
+            info.subscriber.add(**parts)
         return info
 
     def clear(self, prefix: str) -> None:
@@ -193,8 +196,6 @@ class TopicManager:
         for publisher in topic.live_publishers():
             if publisher.latest is not None:
                 self.queue.append(functools.partial(_take, to, publisher.latest[1]))
-        if self.remote is not None:
-            self.remote.latch(topic, subscriber)
 
     def receive(self, topic: Topic, message: Incoming) -> None:
         """Queue a message from another process; any thread may call this."""
@@ -208,9 +209,6 @@ class TopicManager:
         self._refresh_namespaces()
         for topic in list(self.topics.values()):
             remote.refresh(topic)
-            for subscriber in topic.live_subscribers():
-                if subscriber.latching:
-                    remote.latch(topic, subscriber)
 
     def unlink(self, remote: Remote) -> None:
         """Disconnect the topics from other processes."""
@@ -299,10 +297,6 @@ def _receive(topic: Topic) -> None:
         log.error("topic %s: a received message was dropped: %s", topic.name, error)
         return
     if incoming.subscriber is None:
-        topic.heard[incoming.sender] = (incoming.sent, incoming.number)
-        topic.deliver(incoming.number, message)
-        return
-    subscriber = incoming.subscriber()
-    last, when = topic.heard.get(incoming.sender, (0, 0))
-    if subscriber is not None and not (last >= incoming.sent and when > subscriber.since):
+        topic.deliver(incoming.number, message, latching=False)
+    elif (subscriber := incoming.subscriber()) is not None:
         subscriber.take(message)

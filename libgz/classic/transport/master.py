@@ -1,73 +1,170 @@
-"""The server's address, from GAZEBO_MASTER_URI, and this machine's address."""
+"""Master: the registry of publishers and subscribers of all processes, as Gazebo classic's clients expect it."""
 
 from __future__ import annotations
 
-import os
+import functools
 import socket
-from typing import NamedTuple
-from urllib.parse import urlsplit
+from collections.abc import Callable, Iterator
+from typing import Any
 
+from libgz.classic.msgs.declare import message_type
+from libgz.classic.msgs.message import Message
+from libgz.classic.transport.framing import packet, read_packet
+from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.topic import log
 from libgz.errors import ParameterError
 
-__all__ = ["DEFAULT_PORT", "Address", "get_master_uri", "publicized_address"]
+__all__ = ["Master"]
 
-DEFAULT_PORT = 11345
-DEFAULT_URI = f"http://localhost:{DEFAULT_PORT}"
-
-
-class Address(NamedTuple):
-    """The address of a server. `localhost` is 127.0.0.1, so that both ends use the same one."""
-
-    host: str
-    port: int
-
-    @property
-    def uri(self) -> str:
-        """The address in the form of GAZEBO_MASTER_URI."""
-        return f"http://{self._bracketed()}:{self.port}"
-
-    @property
-    def endpoint(self) -> str:
-        """The address in the form of the network library."""
-        return f"tcp/{self._bracketed()}:{self.port}"
-
-    def _bracketed(self) -> str:
-        return f"[{self.host}]" if ":" in self.host else self.host
+VERSION = "gazebo 11.10.2"  # that clients compare with their own; another one makes them warn
+LARGEST = 1 << 20  # [bytes] of a packet
+MOST = 1000  # publishers, subscribers and namespaces of one client
+LONGEST = 1000  # characters of a topic's name
 
 
-def get_master_uri(uri: str | None = None) -> Address:
-    """Return the address in a URI such as `http://localhost:11345`; without one, in GAZEBO_MASTER_URI.
+class _Client:
+    """What a process has announced."""
 
-    Raises:
-        ParameterError: the URI is invalid.
+    def __init__(self, connection: Connection) -> None:
+        self.connection = connection
+        self.publishers: list[Any] = []
+        self.subscribers: list[Any] = []
+        self.namespaces: list[str] = []
+
+
+class Master:
+    """Accepts clients at listening sockets; all runs in the loop's thread.
+
+    Args:
+        loop: The loop.
+        listeners: The sockets.
     """
-    text = uri or os.environ.get("GAZEBO_MASTER_URI") or DEFAULT_URI
-    try:
-        parts = urlsplit(text if "://" in text else f"http://{text}")
-        host, port = parts.hostname, parts.port
-    except ValueError as error:
-        raise ParameterError(f"master URI {text!r}: {error}; it must be like {DEFAULT_URI}") from None
-    if not host:
-        raise ParameterError(f"master URI {text!r} names no machine; it must be like {DEFAULT_URI}")
-    if port is None:
-        log.warning("Port missing in master URI[%s]. Using default value of %d.", text, DEFAULT_PORT)
-        port = DEFAULT_PORT
-    return Address("127.0.0.1" if host == "localhost" else host, port)
 
+    def __init__(self, loop: SocketLoop, listeners: list[socket.socket]) -> None:
+        self._clients: list[_Client] = []
+        self._handlers: dict[str, tuple[str, Callable[[_Client, Any], None]]] = {
+            "register_topic_namespace": ("GzString", self._register_namespace),
+            "advertise": ("Publish", self._advertise),
+            "unadvertise": ("Publish", self._unadvertise),
+            "subscribe": ("Subscribe", self._subscribe),
+            "unsubscribe": ("Subscribe", self._unsubscribe),
+            "request": ("Request", self._request),
+        }
+        for listener in listeners:
+            loop.listen(listener, self._accept, LARGEST)
 
-def publicized_address() -> str:
-    """Return the address at which other machines reach this one.
+    def _accept(self, connection: Connection) -> None:
+        client = _Client(connection)
+        connection.on_frame = functools.partial(self._receive, client)
+        connection.on_close = functools.partial(self._remove, client)
+        self._clients.append(client)
+        connection.send(packet("version_init", message_type("GzString")(data=VERSION)), must=True)
+        names = message_type("GzString_V")(data=self._namespaces())
+        connection.send(packet("topic_namepaces_init", names), must=True)
+        connection.send(packet("publishers_init", self._all_publishers()), must=True)
 
-    It is GAZEBO_IP, GAZEBO_HOSTNAME, or the source address of the default route; 127.0.0.1 without a network. Nothing
-    is sent.
-    """
-    named = os.environ.get("GAZEBO_IP") or os.environ.get("GAZEBO_HOSTNAME")
-    if named:
-        return named
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-        try:
-            probe.connect(("192.0.2.1", 9))  # an address for documentation: the call only looks up the route
-            return str(probe.getsockname()[0])
-        except OSError:
-            return "127.0.0.1"
+    def _receive(self, client: _Client, data: bytes) -> None:
+        """Handle a packet.
+
+        Raises:
+            ParameterError: it is damaged, or too much.
+        """
+        kind, content = read_packet(data)
+        found = self._handlers.get(kind)
+        if found is None:
+            log.debug("the master was sent a packet %r, which it does not know", kind[:40])
+            return
+        name, handler = found
+        if len(client.publishers) + len(client.subscribers) + len(client.namespaces) > MOST:
+            raise ParameterError(f"it has announced more than {MOST} publishers and subscribers")
+        message: Any = message_type(name).FromString(content)
+        if name in ("Publish", "Subscribe") and not 0 < len(message.topic) <= LONGEST:
+            raise ParameterError(f"the name of a topic has {len(message.topic)} characters; 1 to {LONGEST} are allowed")
+        handler(client, message)
+
+    def _send_all(self, kind: str, message: Message) -> None:
+        data = packet(kind, message)
+        for client in tuple(self._clients):  # sending may find that one is closed
+            client.connection.send(data, must=True)
+
+    # Tables ------------------------------------------------------------------------------------------------------
+
+    def _namespaces(self) -> list[str]:
+        return list(dict.fromkeys(name for client in self._clients for name in client.namespaces))
+
+    def _publishers(self, topic: str = "") -> Iterator[Any]:
+        return (one for client in self._clients for one in client.publishers if topic in ("", one.topic))
+
+    def _all_publishers(self) -> Message:
+        return message_type("Publishers")(publisher=list(self._publishers()))
+
+    def _subscribers(self, topic: str) -> Iterator[tuple[_Client, Any]]:
+        return ((client, one) for client in self._clients for one in client.subscribers if one.topic == topic)
+
+    # Packets -----------------------------------------------------------------------------------------------------
+
+    def _register_namespace(self, client: _Client, message: Any) -> None:
+        if message.data not in client.namespaces:
+            client.namespaces.append(message.data)
+            self._send_all("topic_namespace_add", message)
+
+    def _advertise(self, client: _Client, publisher: Any) -> None:
+        self._send_all("publisher_add", publisher)
+        client.publishers.append(publisher)
+        for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
+            other.connection.send(packet("publisher_advertise", publisher), must=True)
+
+    def _unadvertise(self, client: _Client, publisher: Any) -> None:
+        if publisher in client.publishers:
+            client.publishers.remove(publisher)
+            self._announce_end(publisher)
+
+    def _announce_end(self, publisher: Any) -> None:
+        self._send_all("publisher_del", publisher)
+        for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
+            other.connection.send(packet("unadvertise", publisher), must=True)
+
+    def _subscribe(self, client: _Client, subscriber: Any) -> None:
+        client.subscribers.append(subscriber)
+        for publisher in tuple(self._publishers(subscriber.topic)):
+            client.connection.send(packet("publisher_subscribe", publisher), must=True)
+
+    def _unsubscribe(self, client: _Client, subscriber: Any) -> None:
+        found = next((one for one in client.subscribers if self._same(one, subscriber)), None)
+        if found is not None:
+            client.subscribers.remove(found)
+            self._announce_unsubscription(found)
+
+    @staticmethod
+    def _same(one: Any, other: Any) -> bool:
+        return (one.topic, one.host, one.port) == (other.topic, other.host, other.port)
+
+    def _announce_unsubscription(self, subscriber: Any) -> None:
+        for client in tuple(self._clients):
+            if any(one.topic == subscriber.topic for one in client.publishers):
+                client.connection.send(packet("unsubscribe", subscriber), must=True)
+
+    def _request(self, client: _Client, request: Any) -> None:
+        if request.request == "get_publishers":
+            client.connection.send(packet("publisher_list", self._all_publishers()), must=True)
+        elif request.request == "get_topics":
+            topics = sorted({one.topic for one in self._publishers()})
+            client.connection.send(packet("topic_list", message_type("GzString_V")(data=topics)), must=True)
+        elif request.request == "get_topic_namespaces":
+            names = message_type("GzString_V")(data=self._namespaces())
+            client.connection.send(packet("get_topic_namespaces_response", names), must=True)
+        elif request.request == "topic_info":
+            info: Any = message_type("TopicInfo")()
+            info.publisher.extend(self._publishers(request.data))
+            info.subscriber.extend(one for _, one in self._subscribers(request.data))
+            types = (one.msg_type for one in (*info.publisher, *info.subscriber) if one.msg_type)
+            info.msg_type = next(types, "")
+            client.connection.send(packet("topic_info_response", info), must=True)
+
+    def _remove(self, client: _Client) -> None:
+        """Announce the end of what a closed connection had announced."""
+        self._clients.remove(client)
+        for publisher in client.publishers:
+            self._announce_end(publisher)
+        for subscriber in client.subscribers:
+            self._announce_unsubscription(subscriber)

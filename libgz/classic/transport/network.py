@@ -1,299 +1,366 @@
-"""Topics between processes, by eclipse-zenoh. Imported only when a link is opened.
+"""Network: the topics of this process and those of other ones, by Gazebo classic's protocol.
 
-Key expressions, with each name quoted into one part (`%2Fgazebo%2Fdefault%2Fgui`):
-
-- ``libgz/topic/TOPIC``: the messages; attached to each are the sender, the message's number, and its type;
-- ``libgz/latch/TOPIC``: queries for the last messages of the publishers;
-- liveliness tokens ``libgz/pub/TOPIC/TYPE/WHO``, ``libgz/sub/TOPIC/-/WHO`` and ``libgz/world/NAME/-/WHO``, where WHO is
-  the session, a dot, and the process: they announce publishers, subscribers and worlds, and end with the process.
-
-The library calls callbacks in its own threads. They only put data into queues and tables, and take no lock: the library
-may be waiting for the callback to return.
+A process announces to the master what it publishes and subscribes to, and listens at a port of its own. A subscriber
+connects to each publisher of its topic; messages go directly from one to the other. Subscribers of one process share a
+connection; those that also want the last message from before, latching ones, have one each.
 """
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import json
-import os
-import re
 import socket
 import threading
+import time
 import weakref
-from collections.abc import Callable
 from typing import Any
-from urllib.parse import quote, unquote
 
-import zenoh
-
+from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
+from libgz.classic.transport.address import Address, listening_socket, listening_sockets, publicized_address
+from libgz.classic.transport.framing import frame, packet, read_packet
+from libgz.classic.transport.loop import Connection, SocketLoop
 from libgz.classic.transport.manager import TopicManager
-from libgz.classic.transport.topic import Endpoint, Incoming, LocalSubscriber, Topic, log, sequence
+from libgz.classic.transport.master import Master
+from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic, sequence
+from libgz.errors import GazeboError, ParameterError
 
 __all__ = ["Network"]
 
-QUERY_TIMEOUT = 30.0  # [s] for answers of other processes
+SHARE = 0.02  # of a server's time, for handling what clients send
+REQUEST = 1 << 20  # [bytes] of a subscriber's request
+LARGEST = 1 << 26, 1 << 30  # [bytes] of a message that a server and a client accept
+SEND_PATIENCE, CLOSE_PATIENCE = 10.0, (0.5, 5.0)  # [s] of a client for a slow receiver; of servers and clients
+ANSWER_PATIENCE = 5.0  # [s] for the master
 
-
-def _quote(name: str) -> str:
-    return quote(name, safe="")
-
-
-def _config(mode: str, listen: list[str], connect: list[str], open_timeout: float) -> zenoh.Config:
-    """Return a configuration for one address, without discovery."""
-    config = zenoh.Config()
-    settings: dict[str, Any] = {
-        "mode": mode,
-        "listen/endpoints": listen,
-        "listen/timeout_ms": 0,
-        "listen/exit_on_failure": True,
-        "connect/endpoints": connect,
-        "connect/timeout_ms": 0,
-        "connect/exit_on_failure": True,
-        "scouting/delay": 0,
-        "scouting/multicast/enabled": False,
-        "scouting/gossip/enabled": False,
-        "transport/unicast/open_timeout": int(1000 * open_timeout),
-    }
-    for key, value in settings.items():
-        config.insert_json5(key, json.dumps(value))
-    return config
-
-
-class _Channel:
-    """The declarations of a topic in this process."""
-
-    def __init__(self) -> None:
-        self.publisher: zenoh.Publisher | None = None
-        self.type_name = ""
-        self.publishing: list[Any] = []  # to undeclare with the last publisher
-        self.listening: list[Any] = []  # to undeclare with the last subscriber
+_Key = tuple[str, str, int]  # topic, host, port of a publisher
 
 
 class Network:
     """A connection to other processes.
 
     Args:
-        endpoint: Such as `tcp/127.0.0.1:11345`.
-        serve: Whether to listen there, as the server, or to connect.
-        open_timeout: Time limit of the handshake [s].
+        address: Of the master. With port 0 a server takes a free port.
+        serve: Whether to be the master, or only to connect to it.
+        timeout: For the connection to the master [s].
+
+    Attributes:
+        client: Whether there is a server to wait for.
+        address: Of the master, with its port.
 
     Raises:
-        OSError: the endpoint cannot be opened.
+        OSError: there is no master at this address, or it does not answer; a server cannot listen there.
     """
 
-    def __init__(self, endpoint: str, serve: bool, open_timeout: float = 10.0) -> None:
+    def __init__(self, address: Address, serve: bool, timeout: float = 10.0) -> None:
         self.client = not serve
         self._manager = TopicManager.Instance()
-        self._lock = threading.Lock()
-        self._channels: dict[str, _Channel] = {}
-        self._tokens: dict[str, tuple[str, str, str, str]] = {}  # key to (what, name, type, process)
-        self._worlds: dict[str, Any] = {}
-        listen, connect = ([endpoint], []) if serve else ([], [endpoint])
+        self._lock = threading.RLock()  # of the tables of receivers; sending may find that one is closed
+        self._receivers: dict[str, list[Connection]] = {}
+        self._publishers: dict[_Key, str] = {}  # of other processes, to the types of their messages
+        self._types: dict[str, str] = {}  # topic to type of what those publish
+        self._advertised: dict[str, Any] = {}  # topic to what was announced
+        self._subscribed: dict[str, Any] = {}
+        self._sources: dict[tuple[_Key, int], Connection] = {}  # for all subscribers, 0, or for one, its id
+        self._namespaces: list[str] = []
+        self._registered: set[str] = set()  # of this process
+        self._ready = threading.Event()
+        self._answers: dict[str, Any] = {}
+        self._answered = threading.Condition()
+        listeners = listening_sockets(address) if serve else []
+        if listeners:
+            address = Address(address.host, listeners[0].getsockname()[1])
+        self.address = address
+        self._loop = SocketLoop(SHARE if serve else None)
         try:
-            self._session: Any = zenoh.open(_config("router" if serve else "client", listen, connect, open_timeout))
-        except zenoh.ZError as error:
-            raise OSError(str(error)) from None
-        # The server drops messages for a slow client instead of waiting; a client waits until its command is sent.
-        self._congestion = zenoh.CongestionControl.DROP if serve else zenoh.CongestionControl.BLOCK
-        self._id = str(self._session.zid())
-        self._who = _quote(f"{self._id}.{socket.gethostname()}:{os.getpid()}")
-        me = weakref.ref(self)
-        alive = self._session.liveliness()
-        on_token = _direct(lambda sample: _on_token(me, sample))
-        self._watch = alive.declare_subscriber("libgz/**", on_token, history=True)
-        for reply in alive.get("libgz/**", timeout=QUERY_TIMEOUT):  # complete before the first query
-            if reply.ok is not None:
-                self._add_token(str(reply.ok.key_expr))
+            if serve:
+                Master(self._loop, listeners)
+            self._connect(timeout)
+        except OSError:
+            self._loop.close(0.0)
+            raise
+
+    def _connect(self, timeout: float) -> None:
+        """Connect to the master, and listen for subscribers."""
+        made = socket.create_connection(self.address, timeout=timeout)
+        own = publicized_address()
+        named = own != "127.0.0.1"
+        listener = listening_socket(own if named else made.getsockname()[0])
+        self._own = (own if named else listener.getsockname()[0], listener.getsockname()[1])
+        self._loop.listen(listener, self._accept, REQUEST)
+        self._master = Connection(self._loop, made, LARGEST[self.client])
+        self._master.on_frame = self._receive_packet
+        self._master.on_close = self._master_closed
+        self._loop.call(self._master.start)
+        if not self._ready.wait(timeout):
+            raise TimeoutError("it does not answer as a master of Gazebo")
 
     def close(self) -> None:
-        """Close the session. Can be called twice."""
-        with self._lock:
-            self._session.close()
-            self._channels.clear()
-            self._tokens.clear()
+        """Send what waits, and close all connections. Can be called twice."""
+        self._loop.close(CLOSE_PATIENCE[self.client])
+        self._master.open = False
 
     def connected(self) -> bool:
-        """Whether a client is connected to its server."""
-        return bool(self._session.info.routers_zid())
+        """Whether the connection to the master is open."""
+        return self._master.open
 
     # Other processes ---------------------------------------------------------------------------------------------
 
-    def _add_token(self, key: str) -> None:
-        parts = [unquote(part) for part in key.split("/")]
-        if len(parts) != 5 or parts[4].startswith(self._id + "."):
-            return
-        _, what, name, type_name, who = parts
-        process = who.partition(".")[2]
-        if re.fullmatch(r".+:\d{1,9}", process):  # tokens are untrusted input
-            self._tokens[key] = (what, name, type_name, process)
-
-    def _remove_token(self, key: str) -> None:
-        self._tokens.pop(key, None)
-
     def namespaces(self) -> list[str]:
         """Return the names of the other processes' worlds."""
-        return [name for what, name, _, _ in list(self._tokens.values()) if what == "world"]
+        return [name for name in self._namespaces if name not in self._registered]
 
     def advertised(self) -> dict[str, str]:
         """Return topic to type name of what the other processes publish."""
-        return {name: type_name for what, name, type_name, _ in list(self._tokens.values()) if what == "pub"}
+        return self._types
 
-    def endpoints(self, topic: str) -> list[Endpoint]:
-        """Return the publishers and subscribers of a topic in the other processes."""
-        return [
-            Endpoint(what, type_name, who)
-            for what, name, type_name, who in list(self._tokens.values())
-            if name == topic and what != "world"
-        ]
+    def info(self, topic: str) -> Any:
+        """Return the master's TopicInfo on a topic.
+
+        Raises:
+            GazeboError: the master does not answer, or has ended.
+        """
+        request = message_type("Request")(id=0, request="topic_info", data=topic)
+        with self._answered:
+            self._answers.pop("topic_info_response", None)
+            self._loop.call(lambda: self._tell("request", request))
+            self._answered.wait_for(
+                lambda: "topic_info_response" in self._answers or not self._master.open, ANSWER_PATIENCE
+            )
+            if not self._master.open:
+                raise GazeboError("The server has ended.")
+            if "topic_info_response" not in self._answers:
+                raise GazeboError(f"the master at {self.address.uri} did not answer in {ANSWER_PATIENCE:g} s")
+            return self._answers.pop("topic_info_response")
+
+    def _receive_packet(self, data: bytes) -> None:
+        """Handle a packet of the master.
+
+        Raises:
+            ParameterError: it is damaged.
+        """
+        kind, content = read_packet(data)
+        if kind == "topic_namepaces_init":
+            self._namespaces = list(message_type("GzString_V").FromString(content).data)
+        elif kind == "topic_namespace_add":
+            name: str = message_type("GzString").FromString(content).data
+            if name not in self._namespaces:
+                self._namespaces = [*self._namespaces, name]
+        elif kind == "publishers_init":
+            for publisher in message_type("Publishers").FromString(content).publisher:
+                self._add_publisher(publisher)
+            self._ready.set()
+        elif kind in ("publisher_add", "publisher_advertise", "publisher_subscribe"):
+            self._add_publisher(message_type("Publish").FromString(content))
+        elif kind in ("publisher_del", "unadvertise"):
+            found: Any = message_type("Publish").FromString(content)
+            self._publishers.pop((found.topic, found.host, found.port), None)
+            self._types = {key[0]: name for key, name in self._publishers.items()}
+        elif kind == "topic_info_response":
+            with self._answered:
+                self._answers[kind] = message_type("TopicInfo").FromString(content)
+                self._answered.notify_all()
+
+    def _master_closed(self) -> None:
+        with self._answered:
+            self._answered.notify_all()
+
+    def _add_publisher(self, publisher: Any) -> None:
+        key = publisher.topic, publisher.host, publisher.port
+        if key[1:] != self._own:
+            self._publishers[key] = publisher.msg_type
+            self._types = {**self._types, publisher.topic: publisher.msg_type}
+            topic = self._manager.topics.get(publisher.topic)
+            if topic is not None:
+                self._connect_sources(topic)
 
     # This process ------------------------------------------------------------------------------------------------
 
+    def _tell(self, kind: str, message: Message) -> None:
+        self._master.send(packet(kind, message), must=True)
+
     def refresh_namespaces(self, names: list[str]) -> None:
         """Announce the names of this process's worlds."""
-        with self._lock, contextlib.suppress(zenoh.ZError):
-            for name in self._worlds.keys() - set(names):
-                self._worlds.pop(name).undeclare()
-            for name in names:
-                if name not in self._worlds:
-                    self._worlds[name] = self._token("world", name, "-")
+        for name in names:
+            if name not in self._registered:
+                self._registered.add(name)
+                message = message_type("GzString")(data=name)
+                self._loop.call(functools.partial(self._tell, "register_topic_namespace", message))
 
     def refresh(self, topic: Topic) -> None:
         """Announce the publishers and subscribers that this process now has."""
-        with self._lock, contextlib.suppress(zenoh.ZError):
-            if self._session.is_closed():
-                return
-            channel = self._channels.setdefault(topic.name, _Channel())
-            type_name = topic.type_name()
-            if channel.publishing and type_name != channel.type_name:
-                channel.publisher = None
+        self._loop.call(functools.partial(self._refresh, topic))
+
+    def _refresh(self, topic: Topic) -> None:
+        if not self._master.open:
+            return
+        name, type_name = topic.name, topic.type_name()
+        host, port = self._own
+        before = self._advertised.get(name)
+        if before is not None and before.msg_type != type_name:
+            self._tell("unadvertise", self._advertised.pop(name))
+            with self._lock:
                 topic.remote = False
-                _undeclare(channel.publishing)
-            if type_name and not channel.publishing:
-                self._declare_publisher(channel, topic, type_name)
-            if topic.subscribers and not channel.listening:
-                channel.listening = [self._token("sub", topic.name, "-"), self._declare_subscriber(topic)]
-            elif channel.listening and not topic.subscribers:
-                _undeclare(channel.listening)
-            if not (channel.publishing or channel.listening):
-                self._channels.pop(topic.name, None)
+                ending = self._receivers.pop(name, [])
+            for connection in ending:
+                connection.end()
+        if type_name and name not in self._advertised:
+            publish = message_type("Publish")(topic=name, msg_type=type_name, host=host, port=port)
+            self._advertised[name] = publish
+            self._tell("advertise", publish)
+        if topic.subscribers and name not in self._subscribed:
+            known = self._types.get(name) or type_name
+            subscribe = message_type("Subscribe")(topic=name, host=host, port=port, msg_type=known, latching=False)
+            self._subscribed[name] = subscribe
+            self._tell("subscribe", subscribe)
+        elif not topic.subscribers and name in self._subscribed:
+            self._tell("unsubscribe", self._subscribed.pop(name))
+        self._connect_sources(topic)
 
-    def _token(self, what: str, name: str, type_name: str) -> Any:
-        return self._session.liveliness().declare_token(f"libgz/{what}/{_quote(name)}/{_quote(type_name)}/{self._who}")
+    # Receiving ---------------------------------------------------------------------------------------------------
 
-    def _declare_publisher(self, channel: _Channel, topic: Topic, type_name: str) -> None:
-        """Declare a topic that this process publishes."""
-        publisher: zenoh.Publisher = self._session.declare_publisher(
-            f"libgz/topic/{_quote(topic.name)}",
-            congestion_control=self._congestion,
-            allowed_destination=zenoh.Locality.REMOTE,
+    def _connect_sources(self, topic: Topic) -> None:
+        """Connect to the publishers of a topic that are not connected, and close connections without subscribers."""
+        subscribers = topic.live_subscribers()
+        wanted = {id(one): weakref.ref(one) for one in subscribers if one.latching}
+        if any(not one.latching for one in subscribers):
+            wanted[0] = None  # type: ignore[assignment]
+        for (key, target), connection in list(self._sources.items()):
+            if key[0] == topic.name and target not in wanted:
+                del self._sources[key, target]
+                connection.close()
+        for key, type_name in list(self._publishers.items()):
+            if key[0] == topic.name:
+                for target, subscriber in wanted.items():
+                    if (key, target) not in self._sources:
+                        self._open_source(topic, key, type_name, target, subscriber)
+
+    def _open_source(
+        self, topic: Topic, key: _Key, type_name: str, target: int, subscriber: weakref.ref[LocalSubscriber] | None
+    ) -> None:
+        _, host, port = key
+        try:
+            flags = socket.AI_NUMERICHOST if host != "localhost" else 0
+            family, kind, protocol, _, where = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=flags)[0]
+        except OSError:
+            threading.Thread(target=self._look_up, args=(topic, key), daemon=True).start()
+            return
+        made = socket.socket(family, kind, protocol)
+        made.setblocking(False)
+        made.connect_ex(where)
+        connection = Connection(self._loop, made, LARGEST[self.client])
+        connection.on_frame = functools.partial(self._take, topic, type_name, subscriber)
+        connection.on_close = functools.partial(self._forget_source, key, target)
+        self._sources[key, target] = connection
+        host, port = self._own
+        own = message_type("Subscribe")(
+            topic=topic.name, host=host, port=port, msg_type=type_name, latching=subscriber is not None
         )
+        connection.send(packet("sub", own), must=True)
+        connection.start()
 
-        def on_match(status: Any) -> None:
-            topic.remote = channel.publisher is publisher and _matches(publisher)
+    def _forget_source(self, key: _Key, target: int) -> None:
+        self._sources.pop((key, target), None)
 
-        channel.publisher, channel.type_name = publisher, type_name
-        listener = publisher.declare_matching_listener(_direct(on_match))
-        manager, me, to = self._manager, weakref.ref(self), weakref.ref(topic)
-        queryable = self._session.declare_queryable(
-            f"libgz/latch/{_quote(topic.name)}",
-            _direct(lambda query: manager.queue.append(functools.partial(_answer, me, to, query))),
-            allowed_origin=zenoh.Locality.REMOTE,
-        )
-        channel.publishing = [publisher, listener, queryable, self._token("pub", topic.name, type_name)]
-        topic.remote = _matches(publisher)
+    def _look_up(self, topic: Topic, key: _Key) -> None:
+        """Find the address of a publisher's machine by its name, in a thread: it may take seconds."""
+        try:
+            host = str(socket.getaddrinfo(key[1], key[2], type=socket.SOCK_STREAM)[0][4][0])
+        except OSError:
+            return
 
-    def _declare_subscriber(self, topic: Topic) -> Any:
-        manager, key = self._manager, f"libgz/topic/{_quote(topic.name)}"
+        def replace() -> None:
+            type_name = self._publishers.pop(key, None)
+            if type_name is not None:
+                self._publishers[key[0], host, key[2]] = type_name
+                self._connect_sources(topic)
 
-        def on_message(sample: Any) -> None:
-            incoming = _read(sample, None)
-            if incoming is not None:
-                manager.receive(topic, incoming)
+        self._loop.call(replace)
 
-        return self._session.declare_subscriber(key, _direct(on_message), allowed_origin=zenoh.Locality.REMOTE)
+    def _take(self, topic: Topic, type_name: str, subscriber: weakref.ref[LocalSubscriber] | None, data: bytes) -> None:
+        self._manager.receive(topic, Incoming(next(sequence), type_name, data, subscriber))
+
+    def attached(self, topic: str) -> bool:
+        """Whether another process publishes a topic, and all those that do have been asked for their messages."""
+        found: list[bool] = []
+        done = threading.Event()
+
+        def look() -> None:  # after what this thread has announced before
+            keys = [key for key in self._publishers if key[0] == topic]
+            asked = {key for (key, _), connection in self._sources.items() if not connection.waits}
+            found.append(bool(keys) and asked.issuperset(keys))
+            done.set()
+
+        self._loop.call(look)
+        return done.wait(ANSWER_PATIENCE) and found[0]
+
+    # Sending -----------------------------------------------------------------------------------------------------
+
+    def _accept(self, connection: Connection) -> None:
+        connection.on_frame = functools.partial(self._begin, connection)
+
+    def _begin(self, connection: Connection, data: bytes) -> None:
+        """Handle a subscriber's request: the first packet on its connection.
+
+        Raises:
+            ParameterError: it is none.
+        """
+        kind, content = read_packet(data)
+        if kind != "sub":
+            raise ParameterError(f"a publisher was sent a packet {kind[:40]!r} instead of 'sub'")
+        wanted: Any = message_type("Subscribe").FromString(content)
+        topic = self._manager.topics.get(wanted.topic)
+        if topic is None or wanted.topic not in self._advertised:
+            connection.end()
+            return
+        connection.on_frame = _refuse
+        connection.on_close = functools.partial(self._end, connection, topic)
+        connection.on_room = functools.partial(self._resume, connection, topic)
+        connection.tag = {}
+        with self._lock:
+            self._receivers.setdefault(topic.name, []).append(connection)
+            topic.remote = True
+            for publisher in topic.live_publishers() if wanted.latching else ():
+                if publisher.latest is not None:
+                    number, message = publisher.latest
+                    connection.tag[publisher.id] = number
+                    connection.send(frame(message.SerializeToString()))
+
+    def _resume(self, connection: Connection, topic: Topic) -> None:
+        """Send to a subscriber again that had received nothing for a while."""
+        with self._lock:
+            topic.remote = topic.remote or connection in self._receivers.get(topic.name, ())
+
+    def _end(self, connection: Connection, topic: Topic) -> None:
+        """Forget a subscriber that has closed its connection."""
+        with self._lock:
+            receivers = self._receivers.get(topic.name, [])
+            if connection in receivers:
+                receivers.remove(connection)
+            if not receivers:
+                self._receivers.pop(topic.name, None)
+                topic.remote = False
 
     def send(self, topic: Topic, publisher: int, number: int, message: Message) -> None:
         """Send a message to the subscribers of other processes."""
-        channel = self._channels.get(topic.name)
-        sender = channel.publisher if channel is not None else None
-        if sender is not None:
-            try:
-                sender.put(message.SerializeToString(), attachment=self._stamp(publisher, number, message))
-            except zenoh.ZError as error:
-                log.debug("topic %s: a message was not sent: %s", topic.name, error)
-
-    def _stamp(self, publisher: int, number: int, message: Message) -> bytes:
-        return f"{self._id}.{publisher} {number} {message.GetTypeName()}".encode()
-
-    def latch(self, topic: Topic, subscriber: LocalSubscriber) -> None:
-        """Request the last messages of the other processes."""
-        manager, to = self._manager, weakref.ref(subscriber)
-
-        def on_reply(reply: Any) -> None:
-            incoming = _read(reply.ok, to) if reply.ok is not None else None
-            if incoming is not None:
-                manager.receive(topic, incoming)
-
-        with contextlib.suppress(zenoh.ZError):
-            self._session.get(
-                f"libgz/latch/{_quote(topic.name)}",
-                _direct(on_reply),
-                target=zenoh.QueryTarget.ALL,
-                consolidation=zenoh.ConsolidationMode.NONE,
-                allowed_destination=zenoh.Locality.REMOTE,
-                timeout=QUERY_TIMEOUT,
-            )
+        with self._lock:
+            receivers = [one for one in self._receivers.get(topic.name, ()) if not one.stalled]
+            if not receivers:
+                topic.remote = False  # until one receives again
+                return
+            data = frame(message.SerializeToString())
+            for connection in receivers:
+                if connection.tag.get(publisher, 0) < number:  # it was not sent as the last one from before
+                    connection.send(data)
+        if self.client and not self._loop.inside():
+            end = time.monotonic() + SEND_PATIENCE
+            for connection in receivers:
+                connection.wait_room(max(0.0, end - time.monotonic()))
 
 
-def _direct(callback: Callable[[Any], None]) -> Any:
-    """Return a callback that the library calls in its network thread.
+def _refuse(_data: bytes) -> None:
+    """Take what comes after a subscriber's request.
 
-    Otherwise each callback has its own thread, which delays the end of the process.
+    Raises:
+        ParameterError: always: subscribers send nothing more.
     """
-    return zenoh.handlers.Callback(callback, None, indirect=False)
-
-
-def _matches(publisher: Any) -> bool:
-    """Whether other processes have a subscriber; the library's stubs declare a bool, but it returns an object."""
-    status = publisher.matching_status
-    return bool(getattr(status, "matching", status))
-
-
-def _undeclare(things: list[Any]) -> None:
-    """Undeclare what was declared, in reverse order."""
-    while things:
-        with contextlib.suppress(zenoh.ZError):
-            things.pop().undeclare()
-
-
-def _on_token(network: weakref.ref[Network], sample: Any) -> None:
-    found = network()
-    if found is None:
-        return
-    if sample.kind == zenoh.SampleKind.PUT:
-        found._add_token(str(sample.key_expr))
-    else:
-        found._remove_token(str(sample.key_expr))
-
-
-def _answer(network: weakref.ref[Network], topic: weakref.ref[Topic], query: Any) -> None:
-    """Answer a query for the last message of each publisher of this process, in the delivering thread."""
-    found, known = network(), topic()
-    if found is None or known is None:
-        return
-    for publisher in known.live_publishers():
-        if publisher.latest is not None:
-            number, message = publisher.latest
-            stamp = found._stamp(publisher.id, number, message)
-            with contextlib.suppress(zenoh.ZError):  # the querying process has ended
-                query.reply(query.key_expr, message.SerializeToString(), attachment=stamp)
-
-
-def _read(sample: Any, subscriber: weakref.ref[LocalSubscriber] | None) -> Incoming | None:
-    """Return a received message; None if libgz did not send it."""
-    words = sample.attachment.to_bytes().decode(errors="replace").split(" ") if sample.attachment is not None else []
-    if len(words) != 3 or not words[1].isdecimal():
-        return None
-    return Incoming(next(sequence), words[0], int(words[1]), words[2], sample.payload.to_bytes(), subscriber)
+    raise ParameterError("a subscriber sent more than its request")

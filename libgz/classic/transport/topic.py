@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import logging
-import os
-import socket
 import weakref
 from collections import deque
 from typing import NamedTuple, Protocol
@@ -13,7 +11,7 @@ from typing import NamedTuple, Protocol
 from libgz.classic.msgs.message import Message
 from libgz.errors import ParameterError
 
-__all__ = ["Endpoint", "Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]
+__all__ = ["Incoming", "LocalPublisher", "LocalSubscriber", "Topic", "decode", "encode", "log", "sequence"]
 
 log = logging.getLogger("libgz.classic.transport")
 
@@ -75,23 +73,13 @@ class LocalSubscriber(Protocol):
         """End the subscription."""
 
 
-class Endpoint(NamedTuple):
-    """A publisher or a subscriber, of this or another process."""
-
-    what: str  # pub or sub
-    type_name: str
-    process: str  # host:pid
-
-
 class Incoming(NamedTuple):
     """A message received from another process, still encoded."""
 
     number: int  # of this process
-    sender: str  # the publisher
-    sent: int  # the sender's number
     type_name: str
     data: bytes
-    subscriber: weakref.ref[LocalSubscriber] | None  # the one that requested it; None for all
+    subscriber: weakref.ref[LocalSubscriber] | None  # the latching one that it is for; None for all others
 
 
 class Topic:
@@ -107,13 +95,11 @@ class Topic:
         self.subscribers: dict[int, weakref.ref[LocalSubscriber]] = {}
         self.remote = False  # whether another process has a subscriber
         self.incoming: deque[Incoming] = deque(maxlen=INCOMING)
-        # Publishers of other processes: the number of the last message, and the number that it got here.
-        self.heard: dict[str, tuple[int, int]] = {}
 
     @property
     def used(self) -> bool:
-        """Whether it has publishers or subscribers, or notes on messages of other processes."""
-        return bool(self.publishers or self.subscribers or self.heard or self.incoming)
+        """Whether it has publishers or subscribers, or messages of other processes wait."""
+        return bool(self.publishers or self.subscribers or self.incoming)
 
     def live_publishers(self) -> list[LocalPublisher]:
         """Return the publishers that were not dropped, oldest first."""
@@ -127,14 +113,8 @@ class Topic:
         """Return the full name of the type that this process publishes, or an empty string."""
         return next((publisher.GetMsgType() for publisher in self.live_publishers()), "")
 
-    def endpoints(self) -> list[Endpoint]:
-        """Return the publishers and subscribers of this process."""
-        me = f"{socket.gethostname()}:{os.getpid()}"
-        publishers = [Endpoint("pub", publisher.GetMsgType(), me) for publisher in self.live_publishers()]
-        return publishers + [Endpoint("sub", "", me) for _ in self.live_subscribers()]
-
-    def deliver(self, number: int, message: Message) -> None:
-        """Call all subscribers that subscribed before the message got its number."""
+    def deliver(self, number: int, message: Message, latching: bool = True) -> None:
+        """Call all subscribers that subscribed before the message got its number; without `latching`, not those."""
         for subscriber in self.live_subscribers():
-            if subscriber.since < number:
+            if subscriber.since < number and (latching or not subscriber.latching):
                 subscriber.take(message)

@@ -1,7 +1,6 @@
 """Topics between processes: a second process, on an unused port."""
 
 import logging
-import os
 import socket
 import subprocess
 import sys
@@ -9,6 +8,7 @@ import textwrap
 import time
 
 import pytest
+from classic_wire import Connection, Subscription
 from master_uri import free_master_uri
 
 from libgz.classic import msgs
@@ -79,9 +79,9 @@ node.Init()
 """
 
 
-def client(code, *, before="", **options):
+def client(code, **options):
     """A second process that has connected and made a node."""
-    text = before + CLIENT + textwrap.dedent(code)
+    text = CLIENT + textwrap.dedent(code)
     return subprocess.Popen(
         [sys.executable, "-c", text], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
     )
@@ -119,7 +119,7 @@ def test_messages_go_both_ways(uri, node):
         pub.Publish(pose)
         wait(lambda: got)
         assert finish(process) == "2.5 box\n"
-        assert got[0] == msgs.LaserScan(ranges=[1.5, float("inf")], frame="é")
+        assert (list(got[0].ranges), got[0].frame) == ([1.5, float("inf")], "é")
         wait(lambda: not pub.HasConnections())
         assert sub.GetTopic() == "/gazebo/w/up"
         assert getAdvertisedTopics() == ["/gazebo/w/down"]
@@ -194,8 +194,9 @@ def test_publishers_and_subscribers_of_other_processes(uri, node):
         wait(lambda: manager.TopicInfo("/gazebo/w/a").subscriber)
         info = manager.TopicInfo("/gazebo/w/a")
         assert info.msg_type == "gazebo.msgs.Int"
-        assert [(p.msg_type, p.port) for p in info.publisher] == [("gazebo.msgs.Int", os.getpid())]
-        assert [s.port for s in info.subscriber] == [process.pid]
+        assert [(p.msg_type, p.host) for p in info.publisher] == [("gazebo.msgs.Int", "127.0.0.1")]
+        assert [s.topic for s in info.subscriber] == ["/gazebo/w/a"]
+        assert info.publisher[0].port != info.subscriber[0].port
         assert getAdvertisedTopics() == ["/gazebo/w/a", "/gazebo/w/b"]
         process.kill()  # leaves nothing behind
         process.communicate()
@@ -225,7 +226,7 @@ def test_nothing_is_serialized_for_nobody(uri, node, monkeypatch):
         got = []
         sub = node.Subscribe("~/a", got.append)
         pub = node.Advertise(msgs.Int, "~/a")
-        monkeypatch.setattr(msgs.Message, "SerializeToString", lambda self: pytest.fail("serialized"))
+        monkeypatch.setattr(msgs.Int, "SerializeToString", lambda self: pytest.fail("serialized"))
         pub.Publish(msgs.Int(data=1))
         manager.ProcessNodes()
         assert got[0].data == 1
@@ -248,32 +249,6 @@ def test_a_message_of_an_unknown_type_is_reported(uri, node, caplog):
         assert "there is no message type 'my.Own'" in caplog.text
         assert not got
         assert sub
-
-
-def test_a_hostile_client_does_no_harm(uri, node, caplog):
-    with serve():
-        got = []
-        sub = node.Subscribe("~/a", got.append)
-        pub = node.Advertise(msgs.Int, "~/a")
-        process = client(
-            """
-            session, topic = manager.remote._session, "%2Fgazebo%2Fw%2Fa"
-            keys = "libgz/pub", f"libgz/pub/{topic}/x/me", "libgz/a/b/c/e.f:g"
-            tokens = [session.liveliness().declare_token(key) for key in keys]
-            for attachment in (None, b"", b"a b c", b"\\xff 1 gazebo.msgs.Int", b"a 1 gazebo.msgs.Pose", b"a 1 os.sys"):
-                session.put(f"libgz/topic/{topic}", b"\\x08", attachment=attachment)
-            up = node.Advertise(msgs.Int, "~/a")
-            assert up.WaitForConnection(20)
-            up.Publish(msgs.Int(data=5))
-            """
-        )
-        finish(process)
-        wait(lambda: got)
-        assert [m.data for m in got] == [5]
-        assert caplog.text.count("a received message was dropped: the message is damaged") == 1
-        assert caplog.text.count("was dropped") == 3
-        assert len(manager.TopicInfo("/gazebo/w/a").publisher) >= 1
-        assert all((sub, pub))
 
 
 def test_clients_deliver_in_a_thread(uri, node):
@@ -303,7 +278,7 @@ def test_clients_deliver_in_a_thread(uri, node):
 
 def test_a_port_in_use(uri):
     text = (
-        r"^Unable to start server\[bind: Address already in use\]. There is probably another Gazebo process running.$"
+        r"^Unable to start server\[bind: Address already in use\]. There is probably another Gazebo process running. GA"
     )
     with serve(), pytest.raises(ServerError, match=r"has a link to http://127.0.0.1:"):
         serve()
@@ -316,7 +291,9 @@ def test_a_port_in_use(uri):
         serve()
     assert Link.current is None
     with serve() as link:  # the port is free again
-        assert link.networked
+        assert link.address.port == port
+    with serve("http://localhost:0") as link:
+        assert link.address.port not in (0, port)
 
 
 def test_no_server(uri, caplog):
@@ -325,10 +302,8 @@ def test_no_server(uri, caplog):
     assert not init(timeoutIterations=0)
     assert "Failed to connect to master in 0 seconds." in caplog.text
     silent = socket.create_server(("127.0.0.1", int(uri.rpartition(":")[2])))
-    with silent, pytest.raises(ServerError, match=r"does not answer; a server of libgz needs pip install"):
+    with silent, pytest.raises(ServerError, match=r"does not answer as a master of Gazebo"):
         connect(timeout=0.2)
-    with pytest.raises(ServerError, match="Unable to start server"):
-        serve("http://192.0.2.1:11345")
 
 
 def test_a_client_waits_for_its_server(uri):
@@ -352,54 +327,13 @@ def test_a_client_notices_the_end_of_its_server(uri):
             Node().Init("w")
 
 
-BLOCK = """
-import sys
-class Block:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] == "zenoh":
-            raise ImportError("blocked", name="zenoh")
-sys.meta_path.insert(0, Block())
-"""
-
-
-def test_without_the_extra(uri):
-    process = client("", before=BLOCK)
-    _, err = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 1
-    assert err.splitlines()[-1].endswith("need eclipse-zenoh, which is not installed: pip install 'libgz[net]'")
-    server = BLOCK + textwrap.dedent(
-        """
-        from libgz.classic import msgs
-        from libgz.classic.transport import Node, TopicManager, serve
-        link = serve()
-        assert not link.networked
-        node, got = Node(), []
-        node.Init("w")
-        sub = node.Subscribe("~/a", got.append)
-        node.Advertise(msgs.Int, "~/a").Publish(msgs.Int(data=3))
-        TopicManager.Instance().ProcessNodes()
-        print(got[0].data, flush=True)
-        input()
-        link.close()
-        """
-    )
-    run = subprocess.Popen([sys.executable, "-c", server], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    assert run.stdout.readline() == "3\n"
-    with pytest.raises(ServerError, match="Address already in use"):
-        serve()
-    run.communicate("\n", timeout=PATIENCE)
-    assert run.returncode == 0
-    with serve() as link:
-        assert link.networked
-
-
 def test_the_master_uri(monkeypatch, caplog):
     monkeypatch.delenv("GAZEBO_MASTER_URI", raising=False)
     assert get_master_uri() == ("127.0.0.1", 11345)
     assert get_master_uri().uri == "http://127.0.0.1:11345"
     monkeypatch.setenv("GAZEBO_MASTER_URI", "http://robot:123")
     assert get_master_uri() == ("robot", 123)
-    assert get_master_uri("[::1]:5").endpoint == "tcp/[::1]:5"
+    assert get_master_uri("[::1]:5").uri == "http://[::1]:5"
     with caplog.at_level(logging.WARNING):
         assert get_master_uri("http://robot").port == 11345
     assert caplog.messages == ["Port missing in master URI[http://robot]. Using default value of 11345."]
@@ -410,4 +344,29 @@ def test_the_master_uri(monkeypatch, caplog):
     assert publicized_address() == "10.1.2.3"
     monkeypatch.delenv("GAZEBO_IP")
     monkeypatch.delenv("GAZEBO_HOSTNAME", raising=False)
-    assert len(publicized_address().split(".")) == 4
+    assert publicized_address() == "127.0.0.1"
+
+
+def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
+    monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)
+    with serve() as link:
+        pub = node.Advertise(msgs.GzString, "~/a")
+        master = Connection(link.address.port)
+        deaf = Subscription(master, "/gazebo/w/a", "GzString")
+        assert pub.WaitForConnection(PATIENCE)
+        end = time.monotonic() + PATIENCE
+        while pub.HasConnections():
+            assert time.monotonic() < end, "it is still sent to"
+            pub.Publish(msgs.GzString(data="x" * 100_000))
+            time.sleep(0.001)
+        deaf.next()
+
+        def read():
+            deaf.next()
+            return pub.HasConnections()
+
+        wait(read)
+        pub.Publish(msgs.GzString(data="last"))
+        assert deaf.until(lambda message: message.data == "last")
+        deaf.close()
+        master.close()

@@ -90,7 +90,7 @@ def test_the_factory_makes_models_from_text_file_and_copy(view, send):
 
 def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, send, caplog):
     text = f"<sdf version='1.6'>{BOX.format(name='box', pose='5 0 9 0 0 0')}</sdf>"
-    send("~/factory", msgs.Factory(sdf=text))
+    send("~/factory", msgs.Factory(sdf=text, allow_renaming=False))
     assert "A model named [box] already exists and allow_renaming is false. Model won't be inserted." in caplog.text
     send("~/factory", msgs.Factory(sdf=text, allow_renaming=True))
     assert view.ModelByName("box_0").WorldPose().Pos().X() == pytest.approx(5.0)

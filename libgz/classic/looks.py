@@ -1,0 +1,121 @@
+"""Messages that describe what is rendered: visuals, geometries and materials of SDF elements, and a scene's look."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from typing import Any
+
+from libgz.classic import msgs
+from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.sdf.element import Element
+
+__all__ = ["fill_geometry", "fill_scene", "visual_messages"]
+
+_KINDS = ("box", "cylinder", "sphere", "plane", "image", "heightmap", "mesh", "polyline")
+
+
+def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
+    """The visuals of a link's element.
+
+    Args:
+        link: the element.
+        name: the link's scoped name.
+        parent: the link's id.
+    """
+    for element in link.named("visual"):
+        own = f"{name}::{element.Get(str, 'name')}"
+        message = msgs.Visual(
+            name=own,
+            # The engine has no visuals: a number that others do not have, always the same.
+            id=1 << 31 | zlib.crc32(own.encode()) & 0x7FFFFFFF,
+            parent_name=name,
+            parent_id=parent,
+            type="VISUAL",
+            cast_shadows=element.Get(bool, "cast_shadows"),
+            transparency=element.Get(float, "transparency"),
+            laser_retro=element.Get(float, "laser_retro"),
+            visible=True,
+        )
+        msgs.Set(message.pose, element.Get(GzPose, "pose"))
+        for geometry in element.named("geometry"):
+            fill_geometry(message.geometry, geometry)
+        for material in element.named("material"):
+            _fill_material(message.material, material)
+        for plugin in element.named("plugin"):
+            message.plugin.add(name=plugin.Get(str, "name"), filename=plugin.Get(str, "filename"))
+        yield message
+
+
+def fill_geometry(message: Any, geometry: Element) -> None:
+    """Describe a `<geometry>` in a msgs.Geometry."""
+    shape = next((child for child in geometry.children if child.name in _KINDS), None)
+    if shape is None:
+        message.type = message.EMPTY
+        return
+    message.type = shape.name.upper()
+    if shape.name == "box":
+        msgs.Set(message.box.size, shape.Get(GzVector, "size"))
+    elif shape.name == "sphere":
+        message.sphere.radius = shape.Get(float, "radius")
+    elif shape.name == "cylinder":
+        message.cylinder.radius, message.cylinder.length = shape.Get(float, "radius"), shape.Get(float, "length")
+    elif shape.name == "plane":
+        msgs.Set(message.plane.normal, shape.Get(GzVector, "normal"))
+        message.plane.size.x, message.plane.size.y = _pair(shape.Get(str, "size"))
+    elif shape.name == "mesh":
+        message.mesh.filename = shape.Get(str, "uri")
+        msgs.Set(message.mesh.scale, shape.Get(GzVector, "scale"))
+        for part in shape.named("submesh"):
+            message.mesh.submesh = part.Get(str, "name")
+            message.mesh.center_submesh = part.Get(bool, "center")
+    elif shape.name == "image":
+        message.image.uri = shape.Get(str, "uri")
+        message.image.scale, message.image.height = shape.Get(float, "scale"), shape.Get(float, "height")
+        message.image.threshold = shape.Get(int, "threshold")
+        message.image.granularity = shape.Get(int, "granularity")
+    elif shape.name == "heightmap":
+        message.heightmap.filename = shape.Get(str, "uri")
+        msgs.Set(message.heightmap.size, shape.Get(GzVector, "size"))
+        msgs.Set(message.heightmap.origin, shape.Get(GzVector, "pos"))
+    else:
+        part = message.polyline.add(height=shape.Get(float, "height"))
+        for point in shape.named("point"):
+            corner = part.point.add()
+            corner.x, corner.y = _pair(point.Get(str))
+
+
+def _pair(text: str) -> tuple[float, float]:
+    x, y = text.split()
+    return float(x), float(y)
+
+
+def _fill_material(message: Any, material: Element) -> None:
+    for script in material.named("script"):
+        message.script.name = script.Get(str, "name")
+        message.script.uri.extend(uri.Get(str) for uri in script.named("uri"))
+    for name in ("ambient", "diffuse", "specular", "emissive"):
+        if material.HasElement(name):
+            msgs.Set(getattr(message, name), material.Get(GzColor, name))
+    if material.HasElement("lighting"):
+        message.lighting = material.Get(bool, "lighting")
+
+
+def fill_scene(message: Any, scene: Element) -> None:
+    """Describe a `<scene>` in a msgs.Scene."""
+    msgs.Set(message.ambient, scene.Get(GzColor, "ambient"))
+    msgs.Set(message.background, scene.Get(GzColor, "background"))
+    message.shadows = scene.Get(bool, "shadows")
+    if scene.HasElement("grid"):
+        message.grid = scene.Get(bool, "grid")
+    if scene.HasElement("origin_visual"):
+        message.origin_visual = scene.Get(bool, "origin_visual")
+    for sky in scene.named("sky"):
+        message.sky.time = sky.Get(float, "time")
+        message.sky.sunrise, message.sky.sunset = sky.Get(float, "sunrise"), sky.Get(float, "sunset")
+    for fog in scene.named("fog"):
+        if (kind := fog.Get(str, "type")) in ("linear", "exp", "exp2"):
+            message.fog.type = {"linear": "LINEAR", "exp": "EXPONENTIAL", "exp2": "EXPONENTIAL2"}[kind]
+            msgs.Set(message.fog.color, fog.Get(GzColor, "color"))
+            message.fog.density = fog.Get(float, "density")
+            message.fog.start, message.fog.end = fog.Get(float, "start"), fog.Get(float, "end")

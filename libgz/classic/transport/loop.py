@@ -1,0 +1,375 @@
+"""SocketLoop: the one thread that handles all sockets of a link, and its connections.
+
+What comes in may be hostile. Handling it takes at most a share of the time, frames have a largest size, queues are
+bounded, and of too many connections those are closed that have sent nothing valid.
+"""
+
+from __future__ import annotations
+
+import collections
+import contextlib
+import selectors
+import socket
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from libgz.classic.transport.framing import Frames
+from libgz.classic.transport.topic import log
+from libgz.errors import ParameterError
+
+__all__ = ["Connection", "SocketLoop"]
+
+CONNECTIONS = 500  # that are accepted at the same time
+BURST = 0.03  # [s] of handling what comes in at once, before the share counts
+CHUNK = 1 << 16  # [bytes] received at once from one connection
+EVENTS = 32  # connections that are handled before others have their turn
+STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
+QUEUE_BYTES, QUEUE_COUNT = 8 << 20, 1000  # that wait for one receiver; then the oldest are dropped
+
+
+class SocketLoop:
+    """Handles connections in a thread.
+
+    Args:
+        share: Of the processor's time, for what comes in; None for no limit.
+    """
+
+    def __init__(self, share: float | None = None) -> None:
+        self._share, self._credit, self._counted = share, BURST, time.monotonic()
+        self._main = selectors.DefaultSelector()  # what is always handled: calls, sending, and all that comes in
+        self._inputs = selectors.EpollSelector()
+        self._reading = True
+        self._main.register(self._inputs.fileno(), selectors.EVENT_READ, self._handle_inputs)
+        self._wake_end, self._wake = socket.socketpair()
+        self._wake_end.setblocking(False)
+        self._wake.setblocking(False)
+        self._main.register(self._wake_end, selectors.EVENT_READ, self._woken)
+        self._calls: collections.deque[Callable[[], None]] = collections.deque()
+        self._awake = False
+        self.accepted: dict[Connection, None] = {}  # oldest first
+        self._listeners: list[socket.socket] = []
+        self._connections: set[Connection] = set()
+        self._ending = False
+        self._warned = False
+        self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
+        self._thread.start()
+
+    # Other threads -----------------------------------------------------------------------------------------------
+
+    def call(self, function: Callable[[], None]) -> None:
+        """Call a function in the loop's thread."""
+        self._calls.append(function)
+        if not self._awake:
+            self._awake = True
+            with contextlib.suppress(OSError):  # full, so that it wakes anyway; or closed
+                self._wake.send(b"\0")
+
+    def inside(self) -> bool:
+        """Whether the caller is the loop's thread."""
+        return threading.current_thread() is self._thread
+
+    def close(self, patience: float) -> None:
+        """Send what waits, for at most so long [s], and close all connections."""
+        end = time.monotonic() + patience
+        while self._thread.is_alive() and (self._calls or any(one.waits for one in list(self._connections))):
+            if time.monotonic() > end:
+                break
+            time.sleep(0.002)
+        self._ending = True
+        self._awake = False
+        self.call(lambda: None)
+        self._thread.join(5.0)
+        for opened in (*self._listeners, *(one.socket for one in self._connections), self._wake, self._wake_end):
+            with contextlib.suppress(OSError):
+                opened.close()
+        self._main.close()
+        self._inputs.close()
+
+    # The thread --------------------------------------------------------------------------------------------------
+
+    def listen(self, listener: socket.socket, accept: Callable[[Connection], None], largest: int) -> None:
+        """Accept connections; `accept` sets what they are for. Any thread may call this."""
+        listener.setblocking(False)
+        self._listeners.append(listener)
+        self.call(lambda: self._register_listener(listener, accept, largest))
+
+    def _register_listener(self, listener: socket.socket, accept: Callable[[Connection], None], largest: int) -> None:
+        def on_ready(_mask: int) -> None:
+            try:
+                made, _ = listener.accept()
+            except OSError:
+                return
+            connection = Connection(self, made, largest)
+            self.accepted[connection] = None
+            if len(self.accepted) > CONNECTIONS:
+                self._make_room(connection)
+            if connection.open:
+                accept(connection)
+                connection.start()
+
+        self._inputs.register(listener, selectors.EVENT_READ, on_ready)
+
+    def _make_room(self, new: Connection) -> None:
+        """Close the oldest connection that has sent nothing valid, or the new one."""
+        self.warn("more than %d clients are connected; those that send nothing are disconnected", CONNECTIONS)
+        next((one for one in self.accepted if not one.valid and one is not new), new).drop()
+
+    def warn(self, text: str, *values: object) -> None:
+        """Log a warning of a client, once: there may be many."""
+        if not self._warned:
+            self._warned = True
+            log.warning(f"{text} (reported once)", *values)
+        else:
+            log.debug(text, *values)
+
+    def _run(self) -> None:
+        while not self._ending:
+            for key, mask in self._main.select(self._pause()):
+                self._guarded(key.data, mask)
+            self._awake = False
+            while self._calls:
+                call = self._calls.popleft()
+                self._guarded(call)
+
+    def _guarded(self, handler: Callable[..., None], *arguments: int) -> None:
+        try:
+            handler(*arguments)
+        except Exception:  # noqa: BLE001 - the thread must not end
+            log.exception("topics between processes: an event could not be handled")
+
+    def _pause(self) -> float | None:
+        """Return how long to wait for events [s], and read again once there is time for it."""
+        if self._reading or self._share is None:
+            return None
+        self._count(0.0)
+        if self._credit > 0.0:
+            self._reading = True
+            self._main.register(self._inputs.fileno(), selectors.EVENT_READ, self._handle_inputs)
+            return 0.0
+        return 0.005 - self._credit / self._share
+
+    def _count(self, spent: float) -> None:
+        now = time.monotonic()
+        if self._share is not None:
+            self._credit = min(BURST, self._credit + self._share * (now - self._counted)) - spent
+        self._counted = now
+
+    def _handle_inputs(self, _mask: int) -> None:
+        begin = time.thread_time()
+        ready = self._inputs.select(0)[:EVENTS]
+        ready.sort(key=lambda entry: entry[0].fileobj not in self._listeners)  # new connections first
+        for key, mask in ready:
+            self._guarded(key.data, mask)
+        self._count(time.thread_time() - begin)
+        if self._credit <= 0.0 and self._share is not None:
+            self._reading = False
+            self._main.unregister(self._inputs.fileno())
+
+    def _woken(self, _mask: int) -> None:
+        with contextlib.suppress(OSError):
+            self._wake_end.recv(4096)
+
+    def read_from(self, connection: Connection) -> None:
+        """Begin to handle a connection's socket."""
+        self._connections.add(connection)
+        self._inputs.register(connection.socket, selectors.EVENT_READ, connection.on_input)
+
+    def write_to(self, connection: Connection, wanted: bool) -> None:
+        """Call a connection when its socket can take more, or no longer."""
+        if wanted:
+            with contextlib.suppress(KeyError):
+                self._main.register(connection.socket, selectors.EVENT_WRITE, connection.on_output)
+        else:
+            with contextlib.suppress(KeyError, ValueError):
+                self._main.unregister(connection.socket)
+
+    def forget(self, connection: Connection) -> None:
+        """Stop handling a connection's socket."""
+        self.accepted.pop(connection, None)
+        self._connections.discard(connection)
+        with contextlib.suppress(KeyError, ValueError):
+            self._inputs.unregister(connection.socket)
+        self.write_to(connection, False)
+
+
+class Connection:
+    """A connection, whose data are frames. Its methods are called in the loop's thread, but for `send` and `wait_room`.
+
+    Args:
+        loop: The loop.
+        socket: Connected, or connecting.
+        largest: The largest content of a frame [bytes].
+
+    Attributes:
+        on_frame: Called with each received content; raises ParameterError if it is invalid.
+        on_close: Called by `drop`, and when the other end closes the connection.
+        on_room: Called after something was sent.
+        open: Whether it is not closed.
+        valid: Whether a valid frame was received.
+    """
+
+    def __init__(self, loop: SocketLoop, socket_: socket.socket, largest: int) -> None:
+        self._loop, self.socket = loop, socket_
+        self.on_frame: Callable[[bytes], None] = lambda _data: None
+        self.on_close: Callable[[], None] = lambda: None
+        self.on_room: Callable[[], None] = lambda: None
+        self.open, self.valid = True, False
+        self.tag: Any = None
+        self._frames = Frames(largest)
+        self._queue: collections.deque[bytes] = collections.deque()
+        self._size = 0
+        self._sent = 0  # bytes of the first in the queue
+        self._lock = threading.Lock()
+        self._room = threading.Event()
+        self._posted = False
+        self._ends = False
+        self._dropped = False
+        self._moved = time.monotonic()  # when something was sent, or began to wait
+        socket_.setblocking(False)
+        with contextlib.suppress(OSError):
+            socket_.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+    @property
+    def waits(self) -> bool:
+        """Whether there is something to send."""
+        return bool(self._queue) and self.open
+
+    @property
+    def stalled(self) -> bool:
+        """Whether the other end has taken nothing for a second, though something waits."""
+        return bool(self._queue) and time.monotonic() - self._moved > STALLED
+
+    def start(self) -> None:
+        """Begin to receive."""
+        if self.open:
+            self._loop.read_from(self)
+            self.on_input(0)
+
+    # Sending -----------------------------------------------------------------------------------------------------
+
+    def send(self, data: bytes, must: bool = False) -> None:
+        """Queue a frame; any thread may call this.
+
+        Above the limits of the queue the oldest frames are dropped, or, if none must be lost, the connection is closed.
+        """
+        with self._lock:
+            if not self.open:
+                return
+            if not self._queue:
+                self._moved = time.monotonic()
+            self._queue.append(data)
+            self._size += len(data)
+            while len(self._queue) > 2 and (self._size > QUEUE_BYTES or len(self._queue) > QUEUE_COUNT):
+                if must:
+                    self._loop.call(self.drop)
+                    return
+                first = self._queue.popleft() if not self._sent else None
+                if first is None:  # half of it is sent
+                    first = self._queue[1]
+                    del self._queue[1]
+                self._size -= len(first)
+                self._dropped = True
+            if self._posted:
+                return
+            self._posted = True
+        if self._loop.inside():  # at once, as a part of what it answers
+            self.on_output(0)
+        else:
+            self._loop.call(self._flush)
+
+    def wait_room(self, timeout: float) -> None:
+        """Wait until the queue is at most half full, or so long [s]; not in the loop's thread."""
+        end = time.monotonic() + timeout
+        while self.open and (self._size > QUEUE_BYTES // 2 or len(self._queue) > QUEUE_COUNT // 2):
+            self._room.clear()
+            if not self._room.wait(min(0.05, max(0.0, end - time.monotonic()))) and time.monotonic() > end:
+                return
+
+    def _flush(self) -> None:
+        self.on_output(0)
+
+    def on_output(self, _mask: int) -> None:
+        """Send what the socket takes."""
+        if not self.open:
+            return
+        done = False
+        for _ in range(64):
+            with self._lock:
+                if not self._queue:
+                    self._posted, done = False, True
+                    break
+                first = self._queue[0]
+            try:
+                count = self.socket.send(memoryview(first)[self._sent :])
+            except (BlockingIOError, InterruptedError):
+                break
+            except OSError:
+                self.drop()
+                return
+            with self._lock:
+                self._moved = time.monotonic()
+                self._sent += count
+                if self._sent == len(first):
+                    self._queue.popleft()
+                    self._size -= len(first)
+                    self._sent = 0
+        self._room.set()
+        self.on_room()
+        if self._dropped:
+            self._dropped = False
+            self._loop.warn("a client receives more slowly than it is sent; the oldest messages are dropped")
+        if done and self._ends:
+            self.drop()
+        else:
+            self._loop.write_to(self, not done)
+
+    # Receiving ---------------------------------------------------------------------------------------------------
+
+    def on_input(self, _mask: int) -> None:
+        """Receive what is there."""
+        if not self.open:
+            return
+        try:
+            data = self.socket.recv(CHUNK)
+        except (BlockingIOError, InterruptedError):
+            return
+        except OSError:
+            self.drop()
+            return
+        if not data:
+            self.drop()
+            return
+        try:
+            for content in self._frames.add(data):
+                self.on_frame(content)
+                self.valid = True
+                if not self.open:
+                    return
+        except ParameterError as error:
+            self._loop.warn("a client was disconnected: %s", error)
+            self.drop()
+
+    def drop(self) -> None:
+        """Close the connection, and report it by `on_close`."""
+        if self.open:
+            self.close()
+            self.on_close()
+
+    def end(self) -> None:
+        """Close the connection once all is sent."""
+        self._ends = True
+        if self.open:
+            self.on_output(0)
+
+    def close(self) -> None:
+        """Close the connection. Can be called twice."""
+        if self.open:
+            with self._lock:
+                self.open = False
+                self._queue.clear()
+            self._room.set()
+            self._loop.forget(self)
+            with contextlib.suppress(OSError):
+                self.socket.close()

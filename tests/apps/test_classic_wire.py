@@ -1,0 +1,300 @@
+"""gzserver by the protocol of Gazebo classic: an independent client, and hostile ones."""
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from classic_wire import PATIENCE, Connection, Publication, Subscription, frame, new, packet, receive, types
+from gzserver_process import new_environment
+
+WORLD = """
+<sdf version='1.6'><world name='w'>
+  <model name='wall'><static>1</static><pose>3 0 0.5 0 0 0</pose><link name='link'>
+    <collision name='c'><geometry><box><size>1 10 1</size></box></geometry></collision>
+    <visual name='v'><pose>0 0 0.25 0 0 0</pose><geometry><box><size>1 10 1</size></box></geometry>
+      <material><diffuse>0.5 0.25 0 1</diffuse></material></visual>
+  </link></model>
+  <model name='robot'><static>1</static><pose>0 0 0.5 0 0 0</pose><link name='link'>
+    <sensor name='laser' type='ray'><always_on>1</always_on><update_rate>20</update_rate><ray>
+      <scan><horizontal><samples>3</samples><min_angle>-0.1</min_angle><max_angle>0.1</max_angle></horizontal></scan>
+      <range><min>0.1</min><max>10</max></range></ray></sensor>
+  </link></model>
+</world></sdf>
+"""
+BALL = """<sdf version='1.6'><model name='ball'><static>1</static><link name='l'>
+  <collision name='c'><geometry><sphere><radius>0.5</radius></sphere></geometry></collision></link></model></sdf>"""
+
+
+@pytest.fixture(scope="module")
+def server(tmp_path_factory):
+    """(port, process) of a gzserver at a free port."""
+    folder = tmp_path_factory.mktemp("server")
+    (folder / "w.world").write_text(WORLD)
+    environment = {**new_environment(folder), "GAZEBO_MASTER_URI": "http://localhost:0"}
+    del environment["GAZEBO_IP"]
+    command = [sys.executable, "-u", "-m", "libgz.apps.gzserver", str(folder / "w.world")]
+    with subprocess.Popen(command, env=environment, stdout=subprocess.PIPE, text=True) as process:
+        line = process.stdout.readline()
+        assert line.startswith("GAZEBO_MASTER_URI=http://127.0.0.1:")
+        yield int(line.rpartition(":")[2]), process
+        assert process.poll() is None
+        process.terminate()
+        assert process.wait(20) == 0
+
+
+@pytest.fixture
+def master(server):
+    found = Connection(server[0])
+    eventually(lambda: "/gazebo/w/world_stats" in found.ask("get_topics", "topic_list", "GzString_V").data)
+    yield found
+    found.close()
+
+
+def eventually(condition):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.05)
+
+
+def test_a_master_begins_as_that_of_classic(server, master):
+    again = Connection(server[0])
+    assert [found.type for found in again.first] == ["version_init", "topic_namepaces_init", "publishers_init"]
+    version, names, publishers = (
+        types()[name].FromString(found.serialized_data)
+        for name, found in zip(("GzString", "GzString_V", "Publishers"), again.first, strict=True)
+    )
+    assert version.data.startswith("gazebo 11.")
+    assert list(names.data) == ["w"]
+    found = {one.topic: one for one in publishers.publisher}
+    assert found["/gazebo/w/pose/info"].msg_type == "gazebo.msgs.PosesStamped"
+    assert all(one.host == "127.0.0.1" and one.port for one in found.values())
+    assert list(again.ask("get_topic_namespaces", "get_topic_namespaces_response", "GzString_V").data) == ["w"]
+    assert set(found) <= {one.topic for one in again.ask("get_publishers", "publisher_list", "Publishers").publisher}
+    info = again.ask("topic_info", "topic_info_response", "TopicInfo", "/gazebo/w/factory")
+    assert [one.topic for one in info.subscriber] == ["/gazebo/w/factory"]
+    again.close()
+
+
+def test_poses_and_statistics_are_published(master):
+    poses = Subscription(master, "/gazebo/w/pose/local/info", "PosesStamped")
+    found = {pose.name: pose for pose in poses.next().pose}
+    assert (found["wall"].position.x, found["wall"].orientation.w, found["wall::link"].position.x) == (3.0, 1.0, 0.0)
+    assert found["wall"].id != found["robot"].id
+    statistics = Subscription(master, "/gazebo/w/world_stats", "WorldStatistics")
+    first = statistics.next()
+    later = statistics.until(lambda message: message.iterations > first.iterations)
+    assert (later.sim_time.sec, later.sim_time.nsec) > (first.sim_time.sec, first.sim_time.nsec)
+    assert later.model_count == 2
+    poses.close()
+    statistics.close()
+
+
+def test_a_laser_is_published(master):
+    scans = Subscription(master, "/gazebo/w/robot/link/laser/scan", "LaserScanStamped")
+    scan = scans.next().scan
+    assert scan.count == 3
+    assert scan.ranges[1] == pytest.approx(2.5, abs=0.01)
+    scans.close()
+
+
+def test_the_world_is_paused_and_stepped(master):
+    control = Publication(master, "/gazebo/w/world_control", "WorldControl")
+    statistics = Subscription(master, "/gazebo/w/world_stats", "WorldStatistics")
+    control.publish(new("WorldControl", pause=True))
+    paused = statistics.until(lambda message: message.paused)
+    control.publish(new("WorldControl", multi_step=5))
+    stepped = statistics.until(lambda message: message.iterations == paused.iterations + 5)
+    assert stepped.paused
+    control.publish(new("WorldControl", pause=False))
+    statistics.until(lambda message: not message.paused)
+    control.close()
+    statistics.close()
+
+
+def test_a_model_is_inserted_moved_and_deleted(master):
+    poses = Subscription(master, "/gazebo/w/pose/info", "PosesStamped")
+    news = Subscription(master, "/gazebo/w/model/info", "Model")
+    factory = Publication(master, "/gazebo/w/factory", "Factory")
+    modify = Publication(master, "/gazebo/w/model/modify", "Model")
+    requests = Publication(master, "/gazebo/w/request", "Request")
+    made = new("Factory", sdf=BALL)
+    made.pose.position.x, made.pose.position.y, made.pose.position.z = 0.0, 5.0, 1.0
+    made.pose.orientation.x = made.pose.orientation.y = made.pose.orientation.z = 0.0
+    made.pose.orientation.w = 1.0
+    factory.publish(made)
+    model = news.next()
+    assert (model.name, model.link[0].name) == ("ball", "ball::l")
+    assert model.link[0].collision[0].geometry.sphere.radius == 0.5
+
+    def place(message):
+        return next(((p.position.x, p.position.y, p.position.z) for p in message.pose if p.name == "ball"), None)
+
+    poses.until(lambda message: place(message) == (0.0, 5.0, 1.0))
+    moved = new("Model", name="ball", id=model.id)
+    moved.pose.CopyFrom(made.pose)
+    moved.pose.position.y = 7.5
+    modify.publish(moved)
+    poses.until(lambda message: place(message) == (0.0, 7.5, 1.0))
+    requests.publish(new("Request", id=5, request="entity_delete", data="ball"))
+    poses.until(lambda message: place(message) is None)
+    for end in (poses, news, factory, modify, requests):
+        end.close()
+
+
+def test_a_client_is_given_the_scene(master):
+    """What gzclient does at its start."""
+    responses = Subscription(master, "/gazebo/w/response", "Response")
+    requests = Publication(master, "/gazebo/w/request", "Request")
+    requests.publish(new("Request", id=42, request="scene_info"))
+    response = responses.until(lambda message: message.id == 42)
+    assert (response.request, response.response, response.type) == ("scene_info", "success", "gazebo.msgs.Scene")
+    scene = types()["Scene"].FromString(response.serialized_data)
+    assert scene.name == "w"
+    wall = next(model for model in scene.model if model.name == "wall")
+    assert (wall.is_static, wall.pose.position.x) == (True, 3.0)
+    [visual] = [visual for visual in wall.link[0].visual if visual.name == "wall::link::v"]
+    assert (visual.parent_name, visual.parent_id) == ("wall::link", wall.link[0].id)
+    assert visual.geometry.type == types()["Geometry"].BOX
+    assert (visual.geometry.box.size.y, visual.pose.position.z) == (10.0, 0.25)
+    assert (visual.material.diffuse.r, visual.material.diffuse.g) == (0.5, 0.25)
+    responses.close()
+    requests.close()
+
+
+def test_the_physics_are_set_and_asked_for(master):
+    responses = Subscription(master, "/gazebo/w/response", "Response")
+    physics = Publication(master, "/gazebo/w/physics", "Physics")
+    requests = Publication(master, "/gazebo/w/request", "Request")
+    message = new("Physics", iters=77)
+    message.gravity.x, message.gravity.y, message.gravity.z = 0.0, 0.0, -1.5
+    physics.publish(message)
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        requests.publish(new("Request", id=7, request="physics_info"))
+        response = responses.until(lambda message: message.id == 7)
+        found = types()["Physics"].FromString(response.serialized_data)
+        if found.iters == 77:
+            break
+    assert (found.iters, found.gravity.z) == (77, -1.5)
+    for one in (responses, physics, requests):
+        one.close()
+
+
+def test_a_log_is_started_and_stopped(master):
+    control = Publication(master, "/gazebo/w/log/control", "LogControl")
+    status = Subscription(master, "/gazebo/w/log/status", "LogStatus")
+    control.publish(new("LogControl", start=True))
+    started = status.until(lambda message: message.log_file.full_path)
+    assert started.log_file.full_path.endswith("state.log")
+    control.publish(new("LogControl", stop=True))
+    status.until(lambda message: not message.log_file.full_path)
+    control.close()
+    status.close()
+
+
+def test_a_latching_subscriber_gets_the_last_message_from_before(master):
+    requests = Publication(master, "/gazebo/w/request", "Request")
+    first = Subscription(master, "/gazebo/w/response", "Response")
+    requests.publish(new("Request", id=1001, request="entity_list"))
+    first.until(lambda message: message.id == 1001)
+    late = Subscription(master, "/gazebo/w/response", "Response", latching=True)
+    assert late.next().id == 1001
+    for one in (requests, first, late):
+        one.close()
+
+
+def test_a_closed_client_is_forgotten(master):
+    other = Connection(master.socket.getpeername()[1])
+    other.send("advertise", new("Publish", topic="/a", msg_type="gazebo.msgs.Int", host="127.0.0.1", port=9))
+    master.wait("publisher_add", "Publish", lambda message: message.topic == "/a")
+    other.close()
+    master.wait("publisher_del", "Publish", lambda message: message.topic == "/a")
+
+
+# Hostile clients ------------------------------------------------------------------------------------------------------
+
+
+def closed(connection):
+    """Whether the other end closes a connection."""
+    connection.settimeout(PATIENCE)
+    try:
+        while connection.recv(1 << 16):
+            pass
+    except ConnectionError:
+        pass
+    return True
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"GET / HTTP/1.1\r\n\r\n",
+        b"-0000001" + b"x" * 100,
+        b"ffffffff" + b"x" * 1000,
+        b"00000003\xff\xff\xff",
+        frame(b"\x0a\x04\x08\x01\x10\x01\x12\x09advertise\x1a\x02\x0a\xff"),
+    ],
+    ids=["http", "sign", "4 GB", "no packet", "no message"],
+)
+@pytest.mark.parametrize("topic", [False, True], ids=["master", "topic"])
+def test_what_is_no_message_ends_the_connection(master, server, data, topic):
+    port = server[0]
+    if topic:
+        publishers = master.ask("get_publishers", "publisher_list", "Publishers").publisher
+        port = next(one.port for one in publishers if one.topic == "/gazebo/w/world_stats")
+    with socket.create_connection(("127.0.0.1", port)) as connection:
+        connection.sendall(data)
+        assert closed(connection)
+    test_poses_and_statistics_are_published(master)
+
+
+def test_half_a_packet_and_silence_hold_up_nobody(master, server):
+    whole = packet("request", new("Request", id=1, request="get_topics"))
+    halves = [socket.create_connection(("127.0.0.1", server[0])) for _ in range(5)]
+    for number, half in enumerate(halves):
+        half.sendall(whole[: 3 + 5 * number])
+    test_poses_and_statistics_are_published(master)
+    halves[0].sendall(whole[3:])  # slow, but valid
+    kinds = []
+    halves[0].settimeout(PATIENCE)
+    while "topic_list" not in kinds:
+        kinds.append(types()["Packet"].FromString(receive(halves[0])).type)
+    for half in halves:
+        half.close()
+
+
+def test_a_thousand_connections(server):
+    kept = []
+    try:
+        for _ in range(1000):
+            kept.append(socket.create_connection(("127.0.0.1", server[0]), timeout=PATIENCE))
+        master = Connection(server[0])
+        test_poses_and_statistics_are_published(master)
+        master.close()
+    finally:
+        for one in kept:
+            one.close()
+
+
+def test_a_subscriber_that_never_reads(master, server):
+    """The server's memory stays bounded, and other subscribers get their messages."""
+    deaf = [Subscription(master, "/gazebo/w/pose/info", "PosesStamped") for _ in range(20)]
+    test_poses_and_statistics_are_published(master)
+    used = int(Path(f"/proc/{server[1].pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    assert used < 1 << 30
+    for one in deaf:
+        one.close()
+
+
+def test_invalid_commands_are_reported_and_the_world_runs_on(master):
+    factory = Publication(master, "/gazebo/w/factory", "Factory")
+    factory.publish(new("Factory", sdf="<sdf"))
+    factory.socket.sendall(frame(b"\x0a\x01\xff"))
+    factory.socket.sendall(frame(b"\xff" * 50))
+    test_poses_and_statistics_are_published(master)
+    factory.close()

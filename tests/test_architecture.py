@@ -36,7 +36,7 @@ CLASSIC_LAYERS = [
     ["msgs"],
     ["transport"],
     ["event", "sdf"],
-    ["plugin_base"],
+    ["plugin_base", "ros_names"],
     ["loading"],
     ["physics"],
     ["rendering"],

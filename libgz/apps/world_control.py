@@ -8,11 +8,10 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from libgz.apps.joint_servos import JointServos
 from libgz.errors import GazeboError, NotFoundError, ParameterError
 from libgz.front import World
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
@@ -21,6 +20,9 @@ from libgz.physics.geoms import LightGeom
 from libgz.sdf.paths import model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
+
+if TYPE_CHECKING:
+    from libgz.apps.joint_servos import JointServos
 
 __all__ = ["WorldControl"]
 
@@ -44,7 +46,7 @@ class WorldControl:
         self.speed: float | None = None
         self._steps = 0  # that the paused world is still to do
         self._nodes: dict[str, Any] = {}
-        self._servos = JointServos(world)
+        self._servos: JointServos | None = None
         self._verbs: dict[str, Callable[[str, dict[str, Any]], Any]] = {
             "abilities": self._abilities,
             "pause": self._pause,
@@ -87,7 +89,8 @@ class WorldControl:
 
     def stepped(self) -> None:
         """Pause again after the steps that were asked for, and set joints' motors; called after each step."""
-        self._servos.act()
+        if self._servos is not None:
+            self._servos.act()
         if self._steps:
             self._steps -= 1
             if not self._steps:
@@ -116,7 +119,8 @@ class WorldControl:
     def _reset(self, _argument: str, _content: dict[str, Any]) -> None:
         paused = self.world.paused
         self.world.Reset()
-        self._servos.clear()
+        if self._servos is not None:
+            self._servos.clear()
         self.world.paused = paused  # a state has that, too
 
     def _speed(self, argument: str, _content: dict[str, Any]) -> None:
@@ -162,16 +166,23 @@ class WorldControl:
         for light in lights:
             light.SetDiffuseColor(GzColor(*parts))
 
+    def _joint_servos(self) -> JointServos:
+        from libgz.apps.joint_servos import JointServos  # legacy worlds do without SDF
+
+        if self._servos is None:
+            self._servos = JointServos(self.world)
+        return self._servos
+
     def _joint(self, _argument: str, content: dict[str, Any]) -> None:
         """Move an axis of a joint of an SDF model to a position, and hold it there."""
         axis, position = content.get("axis", 0), content.get("position")
         if not isinstance(axis, int) or not isinstance(position, int | float):
             raise ParameterError(f"axis {axis!r} must be a whole number, position {position!r} a number")
-        self._servos.hold(str(content.get("name", "")), str(content.get("joint", "")), axis, float(position))
+        self._joint_servos().hold(str(content.get("name", "")), str(content.get("joint", "")), axis, float(position))
 
     def _release(self, _argument: str, content: dict[str, Any]) -> None:
         """Let the joints of a model move freely again."""
-        self._servos.release(str(content.get("name", "")))
+        self._joint_servos().release(str(content.get("name", "")))
 
     def _delete(self, _argument: str, content: dict[str, Any]) -> None:
         entity = self._entity(content)

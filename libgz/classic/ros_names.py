@@ -11,7 +11,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.world import World
+    from libgz.simulation.world import World
 
 __all__ = ["SENSOR_PLUGINS", "is_ros_name", "notice", "stand_in"]
 
@@ -56,11 +56,11 @@ class _Notice:
 
 def notice(world: World) -> None:
     """Log, once a world, that there is no ROS."""
-    kept = world.core.extension(_Notice)
+    kept = world.extension(_Notice)
     if not kept.logged:
         kept.logged = True
         log.warning(
             "world %r has plugins for ROS; libgz runs them over its own topics (`libgz topic -l`) and interfaces: "
             "see docs/plugins.md",
-            world.Name(),
+            world.name,
         )

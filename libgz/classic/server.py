@@ -223,7 +223,7 @@ class WorldServer:
     ) -> LoadedPlugin | None:
         """A plugin of this world, constructed; None if that fails, which is logged."""
         if is_ros_name(filename):
-            notice(self.world)
+            notice(self.core)
         return new_plugin(kind, filename, name, holder, self.core.events, self.filename, entity)
 
     def remove_world_plugin(self, name: str) -> None:

@@ -23,7 +23,7 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
-from libgz.simulation.updates import UpdateRows
+from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
 __all__ = ["SdfModel", "load_joints", "model_pose"]
@@ -341,8 +341,8 @@ class SdfModel(Entity):
         return True
 
     def MasterRows(self, rows: UpdateRows) -> None:
-        """The joints are updated in Python; a model without joints is not updated."""
-        if self.sdf_joints:
+        """Joints, grippers and what a subclass does are updated in Python; other models are not updated."""
+        if self.sdf_joints or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
             rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:

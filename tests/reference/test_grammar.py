@@ -12,6 +12,7 @@ from libgz.reference.grammar import grammar
 
 ROOT = Path(__file__).parents[2]
 READY_WORLDS = sorted([*installed_worlds().glob("*.world"), *ROOT.glob("examples/*/*.world")])
+READY_WORLDS = [path for path in READY_WORLDS if "<sdf" not in path.read_text()]
 BUILT_IN = sorted(MODELS)
 
 

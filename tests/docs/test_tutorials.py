@@ -11,7 +11,14 @@ from master_uri import free_master_uri
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*(ROOT / "docs" / "tutorials").glob("*.md"), *(ROOT / "docs" / "howto").glob("*.md")])
-LONG = ("classic", "opengl", "to_sdf")  # other tests run most of what is in them
+LONG = (
+    "classic",
+    "opengl",
+    "plugins101",
+    "port_model",
+    "port_plugin",
+    "to_sdf",
+)  # other tests run most of what is in them
 SESSION = Path(__file__).parent / "session.py"
 
 

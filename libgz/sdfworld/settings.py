@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 from libgz.errors import Diagnostics, ParameterError
@@ -55,7 +56,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
         if holder.HasElement("magnetic_field"):
             settings.magnetic_field = holder.Get(GzVector, "magnetic_field")
     if element.HasElement("spherical_coordinates"):
-        settings.spherical_coordinates = element.child("spherical_coordinates")
+        settings.spherical_coordinates = _place_on_earth(element.child("spherical_coordinates"), diagnostics)
     try:
         settings.wind, settings.atmosphere = read_wind(element), read_atmosphere(element, diagnostics)
     except ParameterError as error:
@@ -67,3 +68,12 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     except ParameterError as error:
         diagnostics.failure(chosen, error)
     return settings
+
+
+def _place_on_earth(element: Element, diagnostics: Diagnostics) -> Element:
+    """The `<spherical_coordinates>`, after a check that its numbers are finite."""
+    for name in ("latitude_deg", "longitude_deg", "elevation", "heading_deg"):
+        value = element.Get(float, name)
+        if not math.isfinite(value):
+            diagnostics.failure(element, ParameterError(f"<{name}> is {value}; it must be finite"))
+    return element

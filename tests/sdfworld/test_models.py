@@ -219,3 +219,9 @@ def test_a_body_that_runs_away_is_halted_and_told_once(load, monkeypatch, caplog
         assert all(map(math.isfinite, made.body("m").GetPosition()))
         ends.append(made.engine.states.tobytes())
     assert len(set(ends)) == 1
+
+
+def test_a_place_on_earth_must_be_finite(load):
+    where = "<spherical_coordinates><heading_deg>inf</heading_deg></spherical_coordinates>"
+    with pytest.raises(WorldFileError, match="<heading_deg> is inf; it must be finite"):
+        load(world(where))

@@ -127,8 +127,9 @@ class GaussianNoiseModel(Noise):
         seed: np.random.SeedSequence | None = None,
     ) -> None:
         super().__init__(NoiseType.GAUSSIAN_QUANTIZED if precision else NoiseType.GAUSSIAN)
-        self._mean, self._stddev = mean, stddev
-        self._bias_mean, self._bias_stddev = bias_mean, bias_stddev
+        # Zero is added because numpy refuses a standard deviation of -0.
+        self._mean, self._stddev = mean, stddev + 0.0
+        self._bias_mean, self._bias_stddev = bias_mean, bias_stddev + 0.0
         self._precision = precision
         self._seed = seed if seed is not None else np.random.SeedSequence()
         self.restart()

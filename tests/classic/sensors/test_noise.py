@@ -9,6 +9,7 @@ from sensor_worlds import box, get, model, noise, ray, sensor, world_of
 
 import libgz
 from libgz.classic import sensors
+from libgz.classic.sensors.noise import GaussianNoiseModel
 from libgz.errors import NotFoundError
 
 
@@ -80,3 +81,8 @@ def test_custom_noise_is_what_a_plugin_sets():
         get("s").Noise(kind).SetCustomNoiseCallback(lambda value: 0.5 * value)
         world.step(1)
         assert get("s").Range(1) == pytest.approx(1.25)
+
+
+def test_a_standard_deviation_of_minus_zero_is_zero():
+    model = GaussianNoiseModel(0.5, -0.0, 0.0, -0.0)
+    assert model.Apply(1.0) == 1.5

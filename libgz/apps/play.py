@@ -136,6 +136,8 @@ def _topics(path: str, stack: contextlib.ExitStack) -> Any:
 
 def _write_page(options: argparse.Namespace) -> int:
     """Show the log to a viewer, and write what that one shows."""
+    from libgz.recording.player import Player  # needs the extra `log`
+
     speed = options.speed or 1.0
     server_id, out = free_server_id(), Path(options.html)
     with contextlib.ExitStack() as stack:

@@ -45,6 +45,7 @@ def test_a_page_works_as_it_is_typed(page, tmp_path):
 
 
 @needs_namespaces
+@pytest.mark.trial
 def test_every_program_of_the_other_pages_runs(tmp_path):
     environment = {
         **{name: value for name, value in os.environ.items() if not name.startswith("GAZEBO")},

@@ -12,6 +12,8 @@ import pytest
 
 from libgz.sweep.results import read_results
 
+pytestmark = pytest.mark.trial  # they take long; other tests run most of it
+
 LIBGZ = [sys.executable, "-m", "libgz", "sweep"]
 TIMED = {"wall_time", "attempts", "host"}
 

@@ -10,7 +10,7 @@ import libgz
 from libgz.files import installed_worlds
 from libgz.transport.server import free_server_id
 
-pytestmark = [needs_chromium, pytest.mark.filterwarnings("ignore")]
+pytestmark = [needs_chromium, pytest.mark.trial, pytest.mark.filterwarnings("ignore")]
 
 ARM = """<sdf version="1.6"><world name="default"><include><uri>model://ground_plane</uri></include><include>
 <uri>model://sun</uri></include><model name="arm"><link name="base"><pose>0 0 .1 0 0 0</pose><inertial>

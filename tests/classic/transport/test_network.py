@@ -347,6 +347,7 @@ def test_the_master_uri(monkeypatch, caplog):
     assert publicized_address() == "127.0.0.1"
 
 
+@pytest.mark.trial
 def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
     monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)
     with serve() as link:

@@ -48,6 +48,18 @@ def collision(shape, pose="0 0 0 0 0 0", name="c"):
     return f"<collision name='{name}'><pose>{pose}</pose><geometry>{shape}</geometry></collision>"
 
 
+def wheel(name, x, y):
+    """A driven wheel of a base, whose joint has the wheel's name."""
+    shape = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
+    inertia = "<inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.003</izz></inertia>"
+    return (
+        f"<link name='{name}_wheel'><pose>{x} {y} 0.1 -1.5707963 0 0</pose>"
+        f"<inertial><mass>0.5</mass>{inertia}</inertial>{collision(shape)}</link>"
+        f"<joint name='{name}' type='revolute'><parent>base</parent><child>{name}_wheel</child>"
+        "<axis><xyz>0 0 1</xyz></axis></joint>"
+    )
+
+
 def command(topic, speed, turn=0.0):
     node = transport.Node()
     node.Init("default")

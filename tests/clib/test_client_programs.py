@@ -1,13 +1,12 @@
 """The C header and library, and C programs that are clients."""
 
-import ctypes
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-from c_programs import COMPILER, WARNINGS, compile_c, config, needs_compiler, run
+from c_programs import COMPILER, WARNINGS, compile_c, config, needs_compiler, number_for, run, scalars_of
 from wire_layout import LAYOUT
 
 import libgz
@@ -16,7 +15,6 @@ from libgz.files import installed_worlds
 from libgz.geometry import GzQuaternFromEuler
 from libgz.interfaces.catalog import INTERFACES, new_interface
 from libgz.interfaces.gripper import Gripper
-from libgz.transport.layout import fields_of
 from libgz.transport.server import Server
 
 # Generated files ------------------------------------------------------------------------------------------------
@@ -146,27 +144,6 @@ int main(int count, char **words)
     return 0;
 }
 """
-
-
-def scalars_of(struct, wanted):
-    """(C and Python path of a number, its kind) of a struct, the first and the last of each array."""
-    for name, field in fields_of(struct).items():
-        if not any(writer in field.writer for writer in wanted):
-            continue
-        indices = [""]
-        for extent in field.shape:
-            indices = [f"{i}[{k}]" for i in indices for k in sorted({0, extent - 1})]
-        for index in indices:
-            if issubclass(field.ctype, ctypes.Structure):
-                for inner, kind in scalars_of(field.ctype, "SC"):
-                    yield f"{name}{index}.{inner}", kind
-            elif field.ctype is not ctypes.c_char:
-                yield f"{name}{index}", field.ctype
-
-
-def number_for(position, kind):
-    """A number that a field of this kind holds, another one for each field."""
-    return (position % 200) + (0.25 if kind in (ctypes.c_double, ctypes.c_float) else 0) + 1
 
 
 @needs_compiler

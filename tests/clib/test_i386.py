@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from c_programs import COMPILER, compile_c, config, needs_compiler, run
+from c_programs import COMPILER, compile_c, config, needs_compiler, number_for, run, scalars_of
 
 import libgz
 from libgz.files import installed_worlds
@@ -75,27 +75,6 @@ def test_the_compiler_agrees_on_every_field(tmp_path, abi, version):
     lines.append("int main(void) { return 0; }")
     assert len(lines) > 350
     compile_c(tmp_path, "\n".join(lines), *config("--cflags").stdout.split(), *(["-m32"] if abi == I386 else []))
-
-
-def scalars_of(struct, wanted):
-    """(C and Python path of a number, its kind): the first and the last of each array."""
-    for name, field in fields_of(struct).items():
-        if not any(writer in field.writer for writer in wanted):
-            continue
-        indices = [""]
-        for extent in field.shape:
-            indices = [f"{i}[{k}]" for i in indices for k in sorted({0, extent - 1})]
-        for index in indices:
-            if issubclass(field.ctype, ctypes.Structure):
-                for inner, kind in scalars_of(field.ctype, "SC"):
-                    yield f"{name}{index}.{inner}", kind
-            elif field.ctype is not ctypes.c_char:
-                yield f"{name}{index}", field.ctype
-
-
-def number_for(position, kind):
-    """A number that a field of this kind holds, another one for each field."""
-    return (position % 200) + (0.25 if kind in (ctypes.c_double, ctypes.c_float) else 0) + 1
 
 
 ONE = r"""

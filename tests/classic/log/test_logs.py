@@ -280,19 +280,19 @@ def test_topics_begin_and_end_a_log(load, tmp_path):
 
     core = load(world(BOX))
     control = RecordControl(attach(core).world)
-    node, told = Node(), []
+    node, heard = Node(), []
     node.Init("default")
     publisher, subscriber = (
         node.Advertise(msgs.LogControl, "~/log/control"),
-        node.Subscribe("~/log/status", told.append),
+        node.Subscribe("~/log/status", heard.append),
     )
     publisher.Publish(msgs.LogControl(start=True, base_path=str(tmp_path / "here"), encoding="txt"))
     core.step(11)
     assert control.record.running
     publisher.Publish(msgs.LogControl(stop=True))
     core.step(5)
-    assert [bool(message.log_file.full_path) for message in told] == [True, False]
-    assert told[0].log_file.full_path == str(tmp_path / "here" / "state.log")
+    assert [bool(message.log_file.full_path) for message in heard] == [True, False]
+    assert heard[0].log_file.full_path == str(tmp_path / "here" / "state.log")
     assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, 12))
     subscriber.Unsubscribe()
     control.close()

@@ -131,13 +131,13 @@ def test_messages_set_and_ask_for_the_air(run):
     request.Publish(msgs.Request(id=2, request="atmosphere_info"))
     core.step(2)
     found = {answer.request: answer for answer in answers}
-    told = msgs.Wind()
-    told.ParseFromString(found["wind_info"].serialized_data)
-    assert told.linear_velocity.x == 3.0
-    told = msgs.Atmosphere()
-    told.ParseFromString(found["atmosphere_info"].serialized_data)
-    assert (told.temperature, told.pressure) == (290.0, 90000.0)
-    assert told.mass_density == pytest.approx(world.Atmosphere().MassDensity())
+    message = msgs.Wind()
+    message.ParseFromString(found["wind_info"].serialized_data)
+    assert message.linear_velocity.x == 3.0
+    message = msgs.Atmosphere()
+    message.ParseFromString(found["atmosphere_info"].serialized_data)
+    assert (message.temperature, message.pressure) == (290.0, 90000.0)
+    assert message.mass_density == pytest.approx(world.Atmosphere().MassDensity())
     del subscriber
 
 

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 import pytest
-from plugin_worlds import GROUND, body, collision, command, plugin
+from plugin_worlds import GROUND, body, collision, command, plugin, wheel
 
 import libgz
 from libgz.classic import msgs, transport
@@ -388,23 +388,13 @@ def test_link_plot_adds_points_where_the_link_was(run):
 
 
 def robot(inside):
-    def wheel(name, y):
-        shape = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
-        inertia = "<inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.003</izz></inertia>"
-        return (
-            f"<link name='{name}_wheel'><pose>0 {y} 0.1 -1.5707963 0 0</pose>"
-            f"<inertial><mass>0.5</mass>{inertia}</inertial>{collision(shape)}</link>"
-            f"<joint name='{name}' type='revolute'><parent>base</parent><child>{name}_wheel</child>"
-            "<axis><xyz>0 0 1</xyz></axis></joint>"
-        )
-
     ball = (
         "<collision name='b'><pose>0.2 0 -0.1 0 0 0</pose><geometry><sphere><radius>0.05</radius></sphere></geometry>"
     )
     ball += "<surface><friction><ode><mu>0</mu><mu2>0</mu2></ode></friction></surface></collision>"
     back = ball.replace("'b'", "'b2'").replace("0.2 0", "-0.2 0")
     base = f"<link name='base'><pose>0 0 0.15 0 0 0</pose><inertial><mass>5</mass></inertial>{ball}{back}</link>"
-    return f"<model name='r2'>{base}{wheel('left', 0.2)}{wheel('right', -0.2)}{inside}</model>"
+    return f"<model name='r2'>{base}{wheel('left', 0, 0.2)}{wheel('right', 0, -0.2)}{inside}</model>"
 
 
 def test_ros_diff_drive_turns_left_and_publishes_odometry(run, caplog):

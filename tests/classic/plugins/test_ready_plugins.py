@@ -9,7 +9,7 @@ import sys
 import textwrap
 
 import pytest
-from plugin_worlds import GROUND, HINGE, body, collision, command, plugin
+from plugin_worlds import GROUND, HINGE, body, collision, command, plugin, wheel
 
 from libgz.classic import gui, msgs, transport
 from libgz.classic.loading import new_plugin
@@ -48,16 +48,6 @@ def test_diff_drive_reports_missing_elements(run, caplog):
 
 
 def four_wheels():
-    def wheel(name, x, y):
-        shape = "<cylinder><radius>0.1</radius><length>0.05</length></cylinder>"
-        inertia = "<inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.003</izz></inertia>"
-        return (
-            f"<link name='{name}_wheel'><pose>{x} {y} 0.1 -1.5707963 0 0</pose>"
-            f"<inertial><mass>0.5</mass>{inertia}</inertial>{collision(shape)}</link>"
-            f"<joint name='{name}' type='revolute'><parent>base</parent><child>{name}_wheel</child>"
-            "<axis><xyz>0 0 1</xyz></axis></joint>"
-        )
-
     places = {
         "left_front": (0.2, 0.2),
         "right_front": (0.2, -0.2),

@@ -34,7 +34,12 @@ def attacked(gazebo, tmp_path):
 
 
 def files_of(server):
-    return sorted(path for path in server.directory.iterdir() if path.name != "gazebo.pid" and path.is_file())
+    """A server's files but its pid; not those that it writes at the moment, which get another name."""
+    return sorted(
+        path
+        for path in server.directory.iterdir()
+        if path.name != "gazebo.pid" and path.suffix != ".new" and path.is_file()
+    )
 
 
 def take_lock(descriptor):

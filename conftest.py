@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: the workers share the cores
+
 from libgz.transport.semaphores import GZ_SEM_KEY, SemaphoreSet
 
 try:

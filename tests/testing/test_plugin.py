@@ -85,7 +85,7 @@ def test_bad(libgz_world):
     seen = read_image(place / "world-overview.png")
     assert seen.shape == (480, 640, 3)
     assert seen.std() > 5.0  # something is to be seen
-    done = run_pytest(tmp_path, "--libgz-record", "--libgz-record-dir", "kept", "test_it.py")
+    done = run_pytest(tmp_path, "--libgz-record", "--libgz-record-dir", "kept", "test_it.py", "-k", "bad")
     assert (tmp_path / "kept" / "test_it.py-test_bad" / "log.txt").is_file()
 
 
@@ -97,7 +97,7 @@ import sys, libgz
 with libgz.Client(int(sys.argv[1]), timeout=20.0) as client:
     robot = client.position("robot1")
     robot.command(vx=float(sys.argv[2]))
-    while client.wait(timeout=20.0) and robot.time < 1.5:
+    while client.wait(timeout=20.0) and robot.time < 0.5:
         pass
     print(client.position("robot1").cmd_vel_pos[0])
 """
@@ -107,7 +107,7 @@ with libgz.Client(int(sys.argv[1]), timeout=20.0) as client:
 import pathlib, subprocess, sys, time
 import pytest
 
-@pytest.mark.parametrize("number", range(8))
+@pytest.mark.parametrize("number", range(4))
 def test_it(libgz_world, number):
     world = libgz_world("pioneer2at")
     begin, speed = time.time(), 0.05 * (number + 1)
@@ -124,7 +124,7 @@ def test_it(libgz_world, number):
     done = run_pytest(tmp_path, "-n", "4")
     assert done.returncode == 0, done.stdout
     runs = [tuple(map(float, line.split())) for line in (tmp_path / "served").read_text().splitlines()]
-    assert len(runs) == 8
+    assert len(runs) == 4
     together = [(one, two) for one in runs for two in runs if one < two and one[1] < two[2] and two[1] < one[2]]
     assert together  # some ran at the same time
     assert all(one[0] != two[0] for one, two in together)

@@ -63,7 +63,9 @@ def test_standard_terms_are_used():
     assert not found, "\n".join(found)
 
 
-@pytest.mark.parametrize("line", ["the server told us", "let it go; LETTING GO of it", "it was drawn", "a mended fault"])
+@pytest.mark.parametrize(
+    "line", ["the server told us", "let it go; LETTING GO of it", "it was drawn", "a mended fault"]
+)
 def test_other_terms_are_found(line):
     assert list(terms(line))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from weakref import WeakSet
 
 from libgz.errors import (
     USER_ERRORS,
@@ -43,6 +44,9 @@ class ModelLoader:
         world: where.
         factory: the model classes by name.
         origin_of: where a model of an element comes from.
+
+    Attributes:
+        built: the elements of all models that were built.
     """
 
     def __init__(
@@ -51,6 +55,7 @@ class ModelLoader:
         self.world = world
         self.factory = factory
         self.origin_of = origin_of
+        self.built: WeakSet[WorldFileNode] = WeakSet()
 
     def visit(self, node: WorldFileNode) -> None:
         """Load the models of an element and of what is in it; a model inside a model is its child."""
@@ -149,6 +154,7 @@ class ModelLoader:
         if model.fixed:
             model.modelSpaceId.set_fixed()
         model.origin = self.origin_of(node)
+        self.built.add(node)
         self.world.adopt(model)
         log.debug("loaded %s %r", model.GetName(), model.GetId())
 

@@ -214,24 +214,26 @@ class LegacyWorld(Era):
         return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
     def save(self, world: World) -> int:
-        """Make the present poses of top-level models their initial ones, and write them to the worldfile; 0 or -1.
+        """Make the present poses of top-level models their initial ones, and write the worldfile; 0 or -1.
 
-        Worlds of libgz that were found by name are not written to.
+        Models that were deleted are left out, inserted ones are added at the end. Worlds of libgz that were found by
+        name are not written to.
         """
         if self.file is None:
             return -1
         if self.file.filename is not None and is_ready_world(Path(self.file.filename)):
             log.error("%s belongs to libgz and is not written to; run a copy of it", self.file.filename)
             return -1
-        for model in self.models:
-            if model.parent is not None or model.node is None or model.node.file is not self.file:
-                continue
+        present = {model.node: model for model in self.models if model.node is not None}
+        top = [(node, model) for node, model in present.items() if model.parent is None]
+        for node, model in top:
             pose = to_file(model, model.GetPose())
             model.initPose = model.GetPose()
-            model.node.SetPosition("xyz", pose.pos, add=True)
-            model.node.SetRotation("rpy", pose.rot, add=True)
+            node.SetPosition("xyz", pose.pos, add=True)
+            node.SetRotation("rpy", pose.rot, add=True)
+        added = [node for node, _ in top if node.file is not self.file]
         try:
-            self.file.Save()
+            self.file.Save(removed=self.loader.built - present.keys(), added=added)
         except WorldFileError as error:
             log.error("%s", error)
             return -1

@@ -6,6 +6,8 @@ import codecs
 import functools
 import logging
 import os
+import re
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
 from lxml import etree
@@ -14,7 +16,7 @@ from libgz.errors import Diagnostics, ParameterError, Place, WorldFileError
 from libgz.files import expand, read_limited, write_whole, xml_parser
 from libgz.worldfile.node import Changes, WorldFileNode
 from libgz.worldfile.number import atof
-from libgz.worldfile.source import splice
+from libgz.worldfile.source import element_spans, splice
 from libgz.worldfile.spelling import DEFAULT_STEP, OLD_MODELS, OLD_ORIGIN_HEIGHT, OLD_TAGS
 
 __all__ = ["WorldFile"]
@@ -42,7 +44,7 @@ class WorldFile:
         self.source = b""
         self.encoding = "utf-8"
         self.root: WorldFileNode | None = None
-        self.changes = Changes()  # since the file was read or saved
+        self.changes = Changes()  # since the file was read
 
     @classmethod
     def from_file(cls, filename: str | os.PathLike[str]) -> WorldFile:
@@ -214,11 +216,19 @@ class WorldFile:
 
     # Saving ------------------------------------------------------------------------------------------------------
 
-    def Save(self, filename: str | os.PathLike[str] | None = None) -> int:
+    def Save(
+        self,
+        filename: str | os.PathLike[str] | None = None,
+        *,
+        removed: Collection[WorldFileNode] = (),
+        added: Iterable[WorldFileNode] = (),
+    ) -> int:
         """Write the file with its changed values; comments, order and layout stay. 0.
 
         Args:
             filename: where to write; None for the file that was loaded.
+            removed: elements that are left out of what is written.
+            added: elements of other worldfiles, which are written at the end.
 
         Raises:
             WorldFileError: the file cannot be written, or has no name.
@@ -226,32 +236,40 @@ class WorldFile:
         target = filename or self.filename
         if target is None:
             raise WorldFileError("this worldfile was loaded from text: name a file to save it to")
-        if self.changes:
-            try:
-                self.source = self._changed_source()
-            except WorldFileError as error:
-                raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
-            self._renumber()
-            self.changes = Changes()
+        try:
+            elements = [self._adopted(node, removed) for node in added]
+            source = self._changed_source({n.number for n in removed if n.file is self}, elements)
+        except WorldFileError as error:
+            raise WorldFileError(f"unable to save {str(target)!r}: {error}") from None
         log.info("saving: %s", target)
         try:
-            write_whole(Path(target), self.source)
+            write_whole(Path(target), source)
         except OSError as error:
             raise WorldFileError(f"unable to save {str(target)!r}: {error.strerror}") from None
         return 0
 
-    def _changed_source(self) -> bytes:
-        """The file's bytes with its changed values."""
+    def _changed_source(self, removed: Collection[int] = (), appended: Sequence[bytes] = (), only: int = 0) -> bytes:
+        """The file's bytes, or those of one element, with its changed values."""
         changes = self.changes
-        if not changes:
+        if not (changes or removed or appended or only):
             return self.source
         children = {number: [(child.name, child.content) for child in c] for number, c in changes.children.items()}
-        return splice(self.source, changes.texts, changes.attributes, children, self.encoding)
+        return splice(
+            self.source, changes.texts, changes.attributes, children, self.encoding,
+            removed=removed, appended=appended, only=only,
+        )  # fmt: skip
 
-    def _renumber(self) -> None:
-        """Number the elements in document order again, after some were added."""
-        for number, node in enumerate(self.GetRootNode().walk()):
-            node.number = number
+    def _adopted(self, node: WorldFileNode, removed: Collection[WorldFileNode]) -> bytes:
+        """The bytes of an element of another worldfile, which declare the prefixes that this file's root does not."""
+        other = WorldFile.of(node)
+        gone = {n.number for n in removed if n.file is other}
+        text = other._changed_source(gone, only=node.number).decode(other.encoding)
+        head = self.source[: element_spans(self.source)[0].content].decode(self.encoding)
+        tag = f"<{node.tag}"
+        for prefix in sorted(set(re.findall(r"</?([\w-]+):", text))):
+            if f"xmlns:{prefix}" not in head + text:
+                text = text.replace(tag, f"{tag} xmlns:{prefix}='{prefix}'", 1)
+        return text.encode(self.encoding, "xmlcharrefreplace")
 
 
 def _encoding(root: etree._Element) -> str:

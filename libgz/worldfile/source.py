@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 from xml.parsers import expat
@@ -129,8 +129,12 @@ def splice(
     attributes: Mapping[tuple[int, str], str],
     children: Mapping[int, list[tuple[str, str]]],
     encoding: str,
+    *,
+    removed: Collection[int] = (),
+    appended: Sequence[bytes] = (),
+    only: int = 0,
 ) -> bytes:
-    """The document with changed and added values.
+    """The document with changed and added values, or one element of it.
 
     Args:
         source: the document.
@@ -138,6 +142,9 @@ def splice(
         attributes: (number of an element, name of an attribute it has) -> the attribute's new value.
         children: number of an element -> (tag, text) of children to add at its beginning.
         encoding: of the document.
+        removed: numbers of elements that are left out.
+        appended: elements to add at the end of the root, encoded.
+        only: the number of the element; 0 is the root, and stands for the whole document.
 
     Raises:
         WorldFileError: the document is in UTF-16 or UTF-32.
@@ -153,4 +160,30 @@ def splice(
         indent = indent_of(source, spans[number])
         lines = b"".join(indent + f"<{tag}>{xml_text(text)}</{tag}>".encode(encoding) for tag, text in added)
         edits.append(put_first(source, spans[number], lines))
-    return apply_edits(source, sorted(edits))
+    gone = [(_line_start(source, spans[number]), spans[number].after) for number in removed]
+    edits = [edit for edit in edits if not any(begin <= edit[0] < end for begin, end in gone)]
+    edits += [
+        (begin, end, b"")
+        for begin, end in gone
+        if not any(other < begin and end < after for other, after in gone)  # it goes with what it is in
+    ]
+    if appended:
+        edits.append(_append(source, spans[0], appended))
+    begin, end = (spans[only].start, spans[only].after) if only else (0, len(source))
+    kept = [(first - begin, last - begin, new) for first, last, new in edits if begin <= first and last <= end]
+    return apply_edits(source[begin:end], sorted(kept))
+
+
+def _line_start(source: bytes, span: Span) -> int:
+    """Where an element begins, with the blanks in front of it and the line break."""
+    return len(source[: span.start].rstrip(b" \t\r\n"))
+
+
+def _append(source: bytes, root: Span, elements: Sequence[bytes]) -> Edit:
+    """The edit that adds elements at the end of the root, each on a line of its own."""
+    indent = indent_of(source, root) or b"\n"
+    added = b"".join(indent + element for element in elements)
+    if root.empty:
+        return fill(source, root, added + b"\n")
+    last = root.content + len(source[root.content : root.end].rstrip())
+    return last, last, added if last < root.end else added + b"\n"

@@ -363,6 +363,48 @@ def test_added_tags_are_indented_like_their_neighbours(tmp_path):
     assert "<model:Box >\n    <xyz>1.000 2.000 3.000</xyz>\n    <id>a</id>\n" in path.read_text()
 
 
+MODELS = """<gz:world xmlns:gz='g' xmlns:model='m'>
+  <!-- the first -->
+  <model:A><id>a</id><model:B><id>b</id></model:B></model:A>
+  <model:C/> <!-- the last -->
+</gz:world>
+"""
+
+
+def parsed(text):
+    file = WorldFile()
+    file.LoadString(text)
+    return file
+
+
+def test_elements_are_left_out_and_added(tmp_path):
+    path = tmp_path / "w.world"
+    path.write_text(MODELS)
+    file = WorldFile.from_file(path)
+    a, c = file.GetRootNode().children
+    other = parsed("<w:w xmlns:w='w' xmlns:model='m'> <model:D><w:x>\u00e9</w:x><id/></model:D></w:w>")
+    [d] = other.GetRootNode().children
+    d.SetPosition("xyz", (1, 0, 0), add=True)
+    file.Save(removed=[a.children[1]], added=[d])
+    expected = MODELS.replace("<model:B><id>b</id></model:B>", "").replace(
+        "<!-- the last -->",
+        "<!-- the last -->\n  <model:D xmlns:w='w'><xyz>1.000 0.000 0.000</xyz><w:x>\u00e9</w:x><id/></model:D>",
+    )
+    assert path.read_text() == expected
+    a.SetPosition("xyz", (0, 1, 0), add=True)  # what is in an element that is left out has no effect
+    file.Save(removed=[a, a.children[2], c])
+    assert (
+        path.read_text()
+        == "<gz:world xmlns:gz='g' xmlns:model='m'>\n  <!-- the first --> <!-- the last -->\n</gz:world>\n"
+    )
+    file.Save(removed=[a, c], added=[d])
+    again = WorldFile.from_file(path).GetRootNode()
+    assert [node.tag for node in again.children] == ["model:D"]
+    empty = parsed("<gz:world xmlns:gz='g'/>")
+    empty.Save(tmp_path / "e.world", added=[c])
+    assert (tmp_path / "e.world").read_text() == "<gz:world xmlns:gz='g'>\n<model:C xmlns:model='model'/>\n</gz:world>"
+
+
 def test_other_encodings_survive(tmp_path):
     path = tmp_path / "w.world"
     text = (

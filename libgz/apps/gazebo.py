@@ -41,7 +41,7 @@ from libgz.transport.server import on_free_server_id
 from libgz.worldfile.search import find_worldfile, why_missing
 
 if TYPE_CHECKING:
-    from libgz.apps.record import Recorder, ViewRecorder
+    from libgz.apps.record import VideoRecorder
     from libgz.recording.capture import Capture
 
 __all__ = ["main"]
@@ -164,7 +164,7 @@ class Run:
         self.steps: int | None = options.steps
         self.deadline: float | None = None
         self.stopped = False
-        self.recorders: list[Recorder | ViewRecorder] = []
+        self.recorders: list[VideoRecorder] = []
         self.control: SnapshotControl | None = None
         self.capture: Capture | None = None
         self._next_status = 0.0 if sys.stdout.isatty() else float("inf")

@@ -15,7 +15,7 @@ from libgz.apps.classic_command import FAILED, Parser, SystemPlugins, log_link, 
 from libgz.apps.console import STRICT, STRICT_HELP, as_command, whole_number
 from libgz.apps.mcap_option import add_mcap_option, record_mcap
 from libgz.apps.progress import show_loading
-from libgz.apps.record import Recorder, ViewRecorder, record_videos
+from libgz.apps.record import VideoRecorder, record_videos
 from libgz.apps.server_log import add_log_options, keep_log
 from libgz.apps.snapshot_control import SnapshotControl, add_rewind_option
 from libgz.apps.view import add_view_options, view_process
@@ -222,7 +222,7 @@ class Server:
         control: PlaybackControl | None,
         server: WorldServer | None,
         snapshots: SnapshotControl,
-        recorders: Sequence[Capture | Recorder | ViewRecorder],
+        recorders: Sequence[Capture | VideoRecorder],
     ) -> None:
         pacer, done = Pacer(core.simSpeed), 0
         while not self._over(server, done):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,16 +16,29 @@ from libgz.models.camera import eye_of
 from libgz.rendering.framing import free_camera
 from libgz.simulation.rate import TIME_SLACK
 
-__all__ = ["Recorder", "ViewRecorder", "new_recorder"]
+if TYPE_CHECKING:
+    from libgz.classic.sensors import CameraSensor
+
+__all__ = ["Recorder", "SensorRecorder", "VideoRecorder", "ViewRecorder", "new_recorder", "record_videos"]
 
 KINDS = {"camera": "image", "guicam": "image", "stereo": "left_image"}  # interface type -> field of the image
-
-
 VIEW, VIEW_RATE, VIEW_SIZE = "view", 25.0, (640, 480)  # name, images a second of sim time, and size [px]
 
 
-def new_recorder(world: World, request: str, shadows: bool = True) -> Recorder | ViewRecorder:
+class VideoRecorder(Protocol):
+    """What writes a video while a world runs."""
+
+    def take(self) -> None:
+        """Write an image, if there is a new one."""
+
+    def close(self) -> None:
+        """Finish the file."""
+
+
+def new_recorder(world: World, request: str, shadows: bool = True) -> VideoRecorder:
     """The recorder of a request, ``ID=FILE`` or ``view=FILE``; a camera that is called view is a camera.
+
+    In a world of SDF the name of a camera sensor stands for its id: the full one, or the last part of it.
 
     Raises:
         ParameterError: the request has another format.
@@ -34,22 +47,45 @@ def new_recorder(world: World, request: str, shadows: bool = True) -> Recorder |
         GazeboError: the packages are missing, or the file cannot be written.
     """
     name, _, file = request.partition("=")
-    if name == VIEW and file and not any((kind, name) in world.gz_server.interfaces for kind in KINDS):
+    if not (name and file):
+        raise ParameterError(f"--record {request!r}: it must be ID=FILE, a camera's id and a video file")
+    if any((kind, name) in world.gz_server.interfaces for kind in KINDS):
+        return Recorder(world, name, Path(file), shadows=shadows)
+    sensors = _sensors_of(world)
+    if name in sensors:
+        return SensorRecorder(sensors[name], Path(file))
+    if name == VIEW:
         return ViewRecorder(world, Path(file), shadows)
-    return Recorder(world, request, shadows=shadows)
+    ids = [known for kind, known in world.gz_server.interfaces if kind in KINDS]
+    ids += sorted({sensor.ScopedName() for sensor in sensors.values()})
+    raise NotFoundError(
+        f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}; "
+        "view=FILE records the whole world"
+    )
+
+
+def _sensors_of(world: World) -> dict[str, CameraSensor]:
+    """The camera sensors of a world of SDF by their full names and, the first of each, by their short ones."""
+    if world.sdf is None:
+        return {}
+    from libgz.classic.sensors import CameraSensor
+    from libgz.classic.server import attach  # legacy worlds do without
+
+    manager = attach(world).sensors
+    found = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
+    short = {sensor.Name(): sensor for sensor in reversed(found)}
+    return {**short, **{sensor.ScopedName(): sensor for sensor in found}}
 
 
 @contextlib.contextmanager
-def record_videos(
-    world: World, requests: Iterable[str], shadows: bool = True
-) -> Iterator[list[Recorder | ViewRecorder]]:
+def record_videos(world: World, requests: Iterable[str], shadows: bool = True) -> Iterator[list[VideoRecorder]]:
     """The recorders of requests, closed at the end.
 
     Raises:
         GazeboError: as `new_recorder`.
     """
     with contextlib.ExitStack() as stack:
-        recorders = []
+        recorders: list[VideoRecorder] = []
         for request in requests:
             recorders.append(new_recorder(world, request, shadows))
             stack.callback(recorders[-1].close)
@@ -105,33 +141,22 @@ class Recorder:
 
     Args:
         world: an initialized world.
-        request: ``ID=FILE``, the camera's id and a video file (.mp4, .mkv, ...).
+        name: the camera's id.
+        path: of the video (.mp4, .mkv, ...).
         shadows: whether the video has shadows, unless the world's scene forbids them; clients get images without.
 
     Raises:
-        ParameterError: the request has another format.
-        NotFoundError: there is no such camera.
         GazeboError: the packages are missing, or the file cannot be written.
     """
 
-    def __init__(self, world: World, request: str, *, shadows: bool = True) -> None:
-        name, equals, file = request.partition("=")
-        if not (name and equals and file):
-            raise ParameterError(f"--record {request!r}: it must be ID=FILE, a camera's id and a video file")
-        self.path = Path(file)
+    def __init__(self, world: World, name: str, path: Path, *, shadows: bool = True) -> None:
         interfaces = world.gz_server.interfaces
-        kind = next((kind for kind in KINDS if (kind, name) in interfaces), None)
-        if kind is None:
-            ids = [known for type_, known in interfaces if type_ in KINDS]
-            raise NotFoundError(
-                f"no camera has the id {name!r}; there are {', '.join(ids) or 'none'}{nearest(name, ids)}; "
-                "view=FILE records the whole world"
-            )
+        kind = next(kind for kind in KINDS if (kind, name) in interfaces)
         self._interface, self._field = interfaces[kind, name], KINDS[kind]
         self._eye = eye_of(world.model(name)) if shadows else None
         self._rate = float(getattr(world.model(name), "values").updateRate)  # noqa: B009 - of the camera models
         self._last = -1.0
-        self._video = _Video(self.path, self._rate)
+        self._video = _Video(path, self._rate)
 
     def take(self) -> None:
         """Write the camera's image, if it is new.
@@ -148,6 +173,48 @@ class Recorder:
         if self._eye is not None:
             image = self._eye.shaded()
         self._video.write(image)
+
+    def close(self) -> None:
+        """Finish the file; a second call does nothing.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        self._video.close()
+
+
+class SensorRecorder:
+    """Writes each image that a camera sensor of an SDF world takes, at most 25 a second if it has no rate.
+
+    Args:
+        sensor: the sensor; it measures from now on, whether or not somebody reads it.
+        path: of the video (.mp4, .mkv, ...).
+
+    Raises:
+        LibraryError: rendering is disabled, or OpenGL does not work here.
+        GazeboError: the packages are missing, or the file cannot be written.
+    """
+
+    def __init__(self, sensor: CameraSensor, path: Path) -> None:
+        if sensor.Camera().core.blind:
+            name = sensor.ScopedName()
+            raise LibraryError(f"--record {name}=... needs rendering, which is disabled (--gl none or LIBGZ_GL)")
+        self._sensor, self._rate = sensor, sensor.UpdateRate() or VIEW_RATE
+        self._video = _Video(path, self._rate)
+        self._last = sensor.LastMeasurementTime().Double()
+        sensor.SetActive(True)
+
+    def take(self) -> None:
+        """Write the sensor's image, if it is new.
+
+        Raises:
+            GazeboError: the file cannot be written.
+        """
+        now = self._sensor.LastMeasurementTime().Double()
+        if self._last - TIME_SLACK <= now < self._last + 1.0 / self._rate - TIME_SLACK:  # else the world was reset
+            return
+        self._last = now
+        self._video.write(self._sensor.Camera().pixels)
 
     def close(self) -> None:
         """Finish the file; a second call does nothing.

@@ -221,6 +221,27 @@ def test_a_video_of_the_whole_world_beside_classics_record(place, tmp_path):
     assert frames.shape == (5, 480, 640, 3)  # 0.2 s at 25 Hz
     assert frames[-1].std() > 5.0
     assert not list(tmp_path.rglob("state.log"))
-    assert "no camera has the id 'cam9'" in run(place, "--record=cam9=a.mp4", "--iters", 1, file).stderr
+
+
+EYE = """<model name='robot'><static>1</static><link name='l'>
+<sensor name='eye' type='camera'><update_rate>{rate}</update_rate>
+<camera><image><width>64</width><height>48</height></image><clip><near>.1</near><far>9</far></clip></camera></sensor>
+</link></model>"""
+
+
+@pytest.mark.parametrize(("rate", "name", "count"), [(10, "eye", 2), (0, "default::robot::l::eye", 5)])
+def test_a_video_of_a_camera_sensor(place, tmp_path, rate, name, count):
+    video = tmp_path / "eye.mp4"
+    done = run(place, "--record", f"{name}={video}", "--iters", 230, world(tmp_path, EYE.format(rate=rate)))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert v3.imread(video, plugin="pyav").shape == (count, 48, 64, 3)
+
+
+def test_classics_record_beside_videos(place, tmp_path):
+    file = world(tmp_path, EYE.format(rate=10))
+    assert (
+        "no camera has the id 'cam9'; there are default::robot::l::eye"
+        in run(place, "--record=cam9=a.mp4", "--iters", 1, file).stderr
+    )
     run(place, "--record", "--record_path", tmp_path / "log", "--iters", 1, file)
     assert list(tmp_path.rglob("state.log"))

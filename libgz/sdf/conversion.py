@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,8 @@ from lxml import etree
 
 from libgz.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
+from libgz.sdf.macros import expanded
+from libgz.sdf.urdf import ROBOT, sdf_of
 from libgz.sdf.xml import line_of, local_name, parse_document
 
 __all__ = ["OLDEST", "ROOTS", "Change", "convert", "upgrade_document"]
@@ -82,13 +84,25 @@ def convert(root: etree._Element, version: str, target: str, label: str = "<stri
     return sorted(work.changes, key=lambda change: change.line)
 
 
-def upgrade_document(data: bytes, label: str = "<string>") -> tuple[bytes, list[Change]]:
+def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = None) -> tuple[bytes, Sequence[Remark]]:
     """A document in SDF 1.6, and what was changed; one of a later version stays as it is.
 
+    Args:
+        data: the document, SDF or a robot description.
+        label: its name in messages.
+        path: its file, whose macros xacro expands.
+
     Raises:
-        WorldFileError: it cannot be read, is not SDF, or its version is not known.
+        WorldFileError: it cannot be read, is neither, has errors, or its version is not known.
     """
     root = parse_document(data, label, Diagnostics())
+    if local_name(root) == ROBOT:
+        diagnostics = Diagnostics()
+        robot, label = expanded(root, label, path, diagnostics)
+        sdf = sdf_of(robot, label, diagnostics)
+        diagnostics.raise_errors()
+        text = etree.tostring(sdf, encoding="utf-8", xml_declaration=True, pretty_print=True)
+        return text, [Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"), *diagnostics.warnings]
     version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
     if local_name(root) not in ROOTS or not version:
         raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: the root must be <sdf version='...'>")

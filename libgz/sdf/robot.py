@@ -13,14 +13,24 @@ from numpy.typing import NDArray
 
 from libgz.errors import Diagnostics, Place, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
-from libgz.sdf.xml import line_of, local_name
+from libgz.sdf.xml import child_of, line_of, local_name
 
-__all__ = ["WORLD", "Extension", "Inertial", "Robot", "RobotJoint", "RobotLink", "RobotShape", "value_of"]
+__all__ = [
+    "WORLD",
+    "Extension",
+    "Inertial",
+    "Robot",
+    "RobotJoint",
+    "RobotLink",
+    "RobotShape",
+    "describes",
+    "value_of",
+]
 
 WORLD = "world"  # the name of a root link that stands for the world
 LIGHTEST = 1e-6  # [kg] links of this mass or less are left out
+SHAPES = ("collision", "visual")
 KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
-LIMITED = ("revolute", "prismatic")
 # Elements of <robot> that have a meaning here or are for other programs.
 KNOWN = ("link", "joint", "gazebo", "material", "transmission", "origin", "ros2_control", "sensor", "group", "verbose")
 TRUE = ("true", "yes", "1")
@@ -233,9 +243,7 @@ class Robot:
 
     def _materials(self) -> Iterator[etree._Element]:
         """Those of the links, too, where they say more than a name; those of the robot come last, and so count."""
-        for visual in self.xml.iterfind("link/visual/material"):
-            if len(visual):
-                yield visual
+        yield from filter(describes, self.xml.iterfind("link/visual/material"))
         yield from self.xml.iterfind("material")
 
     def _named(self, tag: str) -> Iterator[tuple[etree._Element, str]]:
@@ -414,12 +422,9 @@ class Robot:
         self.warn(link.xml, f"{what}, so link {link.name!r} is left out{more}, as Gazebo classic did")
 
 
-SHAPES = ("collision", "visual")
-
-
-def child_of(xml: etree._Element, tag: str) -> etree._Element | None:
-    """The first child of a name."""
-    return next(xml.iterfind(tag), None)
+def describes(material: etree._Element) -> bool:
+    """Whether a `<material>` has more than a name."""
+    return any(child_of(material, tag) is not None for tag in ("color", "texture"))
 
 
 def value_of(xml: etree._Element) -> str:

@@ -13,8 +13,18 @@ from lxml import etree
 from libgz.errors import Diagnostics, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuaternFromEuler, GzQuaternToEuler, GzVector
 from libgz.sdf.description import NEWEST
-from libgz.sdf.robot import TRUE, WORLD, Extension, Robot, RobotJoint, RobotLink, RobotShape, child_of, value_of
-from libgz.sdf.xml import local_name
+from libgz.sdf.robot import (
+    TRUE,
+    WORLD,
+    Extension,
+    Robot,
+    RobotJoint,
+    RobotLink,
+    RobotShape,
+    describes,
+    value_of,
+)
+from libgz.sdf.xml import child_of, local_name
 
 __all__ = ["ROBOT", "sdf_of"]
 
@@ -163,8 +173,7 @@ class _Writer:
         if kind not in wanted:
             robot.warn(source, f"is no shape of URDF; it is left out{nearest(kind, wanted)}")
             return None
-        missing = [key for key in wanted[kind] if source.get(key) is None]
-        for key in missing:
+        for key in (key for key in wanted[kind] if source.get(key) is None):
             robot.error(source, f"attribute {key!r} is missing and must be given")
         result = etree.Element("geometry")
         result.sourceline = source.sourceline
@@ -187,7 +196,7 @@ class _Writer:
     def _write_colour(self, visual: etree._Element, given: etree._Element) -> None:
         """Write the colour of a material, given here or under its name."""
         name = given.get("name", "")
-        material = given if len(given) else self.robot.materials.get(name)
+        material = given if describes(given) else self.robot.materials.get(name)
         if material is None:
             if name:
                 known = nearest(name, self.robot.materials)
@@ -232,7 +241,7 @@ class _Writer:
                     _set(link, f"velocity_decay/{part}", self._number(child), child)
             elif key not in OWN:
                 copied = copy.deepcopy(child)
-                if key in POSED:
+                if key in POSED and extension.reference in self.robot.lumped:
                     self._move(copied, extension.pose)
                 link.append(copied)
 

@@ -10,7 +10,7 @@ from lxml import etree
 from libgz.errors import Diagnostics, Place, WorldFileError
 from libgz.files import xml_parser
 
-__all__ = ["line_of", "local_name", "parse_document", "tag_name"]
+__all__ = ["child_of", "line_of", "local_name", "parse_document", "tag_name"]
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
@@ -100,6 +100,11 @@ def _decoded(data: bytes, encoding: str) -> str:
         return data.decode(encoding, "replace")
     except LookupError:
         return data.decode("utf-8", "replace")
+
+
+def child_of(xml: etree._Element, name: str) -> etree._Element | None:
+    """The first child of a name, whatever its namespace; None if there is none."""
+    return next((child for child in xml if isinstance(child.tag, str) and local_name(child) == name), None)
 
 
 def local_name(xml: etree._Element) -> str:

@@ -290,7 +290,7 @@ def test_colours_come_from_the_robot_or_the_link():
         ([link("a"), link("b"), joint("j"), joint("k", "fixed", "b", "a")], "the joints are a loop"),
         ([link("a"), link("b"), link("c"), joint("j", parent="c"), joint("k")], "is the child of joint 'j', too"),
         ([link("a", MASS + "<collision><geometry><box/></geometry></collision>")], "attribute 'size' is missing"),
-        ([link("a", MASS + BALL), "<gazebo reference='a'><mu1>slippery</mu1></gazebo>"], "<mu1>: 'slippery' is not allowed"),
+        ([link("a", MASS + BALL), "<gazebo reference='a'><mu1>slippery</mu1></gazebo>"], "'slippery' is not allowed"),
         ([link("a"), "<gazebo reference='a'><gravity>often</gravity></gazebo>"], "<gravity>: 'often' is not allowed"),
         (
             [link("a"), link("b"), joint("j", "continuous", inside="<mimic joint='jj'/>")],

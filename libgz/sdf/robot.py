@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from libgz.errors import Diagnostics, Place, nearest
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzQuatern, GzQuaternFromEuler, GzVector, rotate
+from libgz.sdf.value import repaired
 from libgz.sdf.xml import child_of, line_of, local_name
 
 __all__ = [
@@ -205,19 +206,25 @@ class Robot:
     # Values ----------------------------------------------------------------------------------------------------------
 
     def numbers(self, xml: etree._Element, key: str, count: int, default: tuple[float, ...]) -> tuple[float, ...]:
-        """Finite numbers of an attribute; the default, with an error, where it is not as many."""
+        """Finite numbers of an attribute; the default where there are none.
+
+        As in SDF, units and commas are ignored, missing numbers are 0 and others too many, with a warning; what has
+        no numbers is an error.
+        """
         text = xml.get(key)
         if text is None:
             return default
-        try:
-            values = tuple(float(word) for word in text.split())
-        except ValueError:
-            values = ()
-        if len(values) != count or not all(map(math.isfinite, values)):
-            needed = "a number" if count == 1 else f"{count} numbers"
+        needed = "a number" if count == 1 else f"{count} numbers"
+        values = _finite(text)
+        if len(values) == count:
+            return values
+        usable = repaired({1: "double", 3: "vector3", 4: "color"}[count], text)
+        values = _finite(usable)
+        if not values:
             self.error(xml, f"{key} is {text!r}; it must be {needed}")
             return default
-        return values
+        self.warn(xml, f"{key} {text!r} is read as {usable!r}; it should be {needed}")
+        return (*values, *default[len(values) :])
 
     def number(self, xml: etree._Element, key: str, default: float = 0.0) -> float:
         """A finite number of an attribute; the default, with an error, where it is none."""
@@ -430,6 +437,15 @@ def describes(material: etree._Element) -> bool:
 def value_of(xml: etree._Element) -> str:
     """The value of an element of `<gazebo>`: its attribute `value`, or its text."""
     return (xml.get("value") or xml.text or "").strip()
+
+
+def _finite(text: str) -> tuple[float, ...]:
+    """The numbers of a text; none if one of them is not finite, or no number."""
+    try:
+        values = tuple(map(float, text.split()))
+    except ValueError:
+        return ()
+    return values if all(map(math.isfinite, values)) else ()
 
 
 def _matrix(turn: GzQuatern) -> NDArray[np.float64]:

@@ -19,6 +19,7 @@ _SLIPS = re.compile(rb"<!--(.*?)-->|<!\[CDATA\[.*?\]\]>|&(?!(?:#\d+|#x[0-9a-fA-F
 # libxml2's names of what it recovers from without loss -> what is reported.
 _TOLERATED = {
     "NS_ERR_UNDEFINED_NAMESPACE": "{message}; it is read without xmlns",
+    "ERR_UNKNOWN_VERSION": "{message}; it is read as 1.0",
     "ERR_ATTRIBUTE_REDEFINED": "{message}; the first one counts",
     "ERR_DOCUMENT_END": "what follows the root element is ignored",
     "ERR_LT_IN_ATTRIBUTE": "'<' in the value of an attribute should be written &lt;",

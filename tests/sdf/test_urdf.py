@@ -307,6 +307,17 @@ def test_errors_have_file_and_line(parts, message):
     assert any(message in one and one.startswith("r.urdf:") for one in found), found
 
 
+@pytest.mark.parametrize(
+    ("written", "read_as"), [("1, 2, 3", "1 2 3"), ("1 2 3 4", "1 2 3"), ("1m 2m 3.", "1 2 3."), ("1 2", "1 2 0")]
+)
+def test_odd_numbers_are_warnings(written, read_as):
+    file = read(link("a"), link("b"), joint("j", "floating", inside=f"<origin xyz='{written}'/>"))
+    found = [str(one) for one in file.diagnostics.found]
+    assert found == ([f"r.urdf:4: <origin>: xyz {written!r} is read as {read_as!r}; it should be 3 numbers"])
+    place = named(file.root.child("model"), "link", "b").Get(GzPose, "pose").pos
+    assert place == GzVector(1, 2, 0 if written == "1 2" else 3)
+
+
 def test_lines_are_those_of_the_robot(tmp_path):
     path = tmp_path / "r.urdf"
     path.write_text(

@@ -318,6 +318,19 @@ def test_odd_numbers_are_warnings(written, read_as):
     assert place == GzVector(1, 2, 0 if written == "1 2" else 3)
 
 
+def test_limits_that_are_missing_or_exchanged_are_warnings():
+    file = read(
+        link("a"), link("b"), link("c"), joint("j", "revolute"),
+        joint("k", "prismatic", "b", "c", "<limit lower='2' upper='-1' effort='3' velocity='4'/>"),
+    )  # fmt: skip
+    assert [str(one) for one in file.diagnostics.found] == [
+        "r.urdf:5: <joint>: <limit> is missing, which revolute joints must have; it moves without limits",
+        "r.urdf:6: <limit>: lower is 2 and upper -1; they are exchanged",
+    ]
+    limit = named(file.root.child("model"), "joint", "k").child("axis").child("limit")
+    assert [limit.Get(float, key) for key in ("lower", "upper", "effort", "velocity")] == [-1.0, 2.0, 3.0, 4.0]
+
+
 def test_lines_are_those_of_the_robot(tmp_path):
     path = tmp_path / "r.urdf"
     path.write_text(

@@ -56,7 +56,8 @@ def seeds(kind: str) -> list[bytes]:
     if kind == "legacy":
         return [path.read_bytes() for path in worlds(installed_worlds(), b"gz:world")]
     if kind == "sdf":
-        files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf")
+        robots = sorted((ROOT / "tests" / "data" / "urdf").rglob("*.urdf"))
+        files = [EVERYTHING] * 8 + worlds(ROOT / "examples", b"<sdf") + robots
         return [path.read_bytes() for path in files]
     return [sample(kind, number) for number in range(2)]
 

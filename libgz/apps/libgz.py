@@ -45,7 +45,7 @@ COMMANDS = {
     "stats": "print the real-time factor of a running SDF world",
     "topic": "list, print, measure and publish topics of a running gzserver",
     "view": "show a running world in a browser, with controls",
-    "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 to SDF 1.6",
+    "upgrade": "convert a worldfile of 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF 1.0 to 1.5 or URDF to SDF 1.6",
     "worlds": "list the worlds that are installed with libgz",
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from typing import Any
 
 from libgz.apps.console import read_text
@@ -12,6 +13,8 @@ from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.errors import ParameterError
+from libgz.sdf.reader import SdfFile, is_robot_text
+from libgz.sdf.upgrade import NEWEST, upgraded
 
 __all__ = ["configure", "run"]
 
@@ -35,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("-p", "--pose", action="store_true", help="print its pose: x y z [m] roll pitch yaw [rad]")
     add("--json", action="store_true", help="with -i and -p: print a JSON object")
     add("-d", "--delete", action="store_true", help="delete the model")
-    add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF file, or model://name")
+    add("-f", "--spawn-file", metavar="FILE", help="add a model from an SDF or URDF file, or model://name")
     add("-s", "--spawn-string", metavar="SDF", help="add a model from an SDF string")
     for word, coordinate in AXES.items():
         add(f"-{word[-1]}", f"--{word}", type=float, default=None, metavar="N", help=f"new {coordinate}")
@@ -81,6 +84,18 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def _model_text(filename: str) -> str:
+    """The text of a model's file; a robot description is sent as SDF, with its macros expanded and meshes found."""
+    text = read_text(filename, "the model")
+    if not is_robot_text(text):
+        return text
+    file = SdfFile.load(filename)
+    file.diagnostics.raise_errors()
+    for warning in file.diagnostics.warnings:
+        print(warning, file=sys.stderr)
+    return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
+
+
 def _factory(options: argparse.Namespace, place: list[float | None] | None) -> Any:
     message = msgs.Factory()
     if options.spawn_string:
@@ -88,7 +103,7 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
     elif "://" in options.spawn_file:
         message.sdf_filename = options.spawn_file
     else:
-        message.sdf = read_text(options.spawn_file, "the model")
+        message.sdf = _model_text(options.spawn_file)
     if options.model_name:
         message.edit_name = options.model_name
     if place is not None:

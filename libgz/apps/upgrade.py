@@ -1,4 +1,4 @@
-"""libgz upgrade: convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7, or older SDF to SDF 1.6."""
+"""libgz upgrade: convert a worldfile of Gazebo 0.3 or 0.4 to the format of 0.5 to 0.7, or SDF or URDF to SDF 1.6."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from libgz.errors import Remark, WorldFileError
 from libgz.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
 from libgz.sdf.reader import is_sdf
+from libgz.sdf.urdf import ROBOT
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
 
@@ -20,7 +21,8 @@ __all__ = ["configure", "run"]
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Add the options."""
-    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help="the worldfile or SDF file to convert")
+    what = "the worldfile, SDF file or robot description (URDF) to convert"
+    parser.add_argument("worldfile", type=Path, metavar="WORLDFILE", help=what)
     target = parser.add_mutually_exclusive_group()
     target.add_argument("-o", dest="output", type=Path, metavar="FILE", help="the file to write (default: stdout)")
     target.add_argument("--in-place", action="store_true", help="overwrite the file")
@@ -34,6 +36,8 @@ def run(options: argparse.Namespace) -> int:
         GazeboError: the output cannot be written.
     """
     text, changes = _upgraded(options.worldfile)
+    if options.in_place and any(change.element == ROBOT for change in changes):
+        raise WorldFileError(f"{options.worldfile} is a robot description; name the SDF file to write with -o")
     for change in changes:
         print(change, file=sys.stderr)
     target = options.worldfile if options.in_place else options.output
@@ -52,6 +56,6 @@ def _upgraded(path: Path) -> tuple[bytes, Sequence[Remark]]:
     if not is_sdf(path):
         return upgrade(WorldFile.from_file(path))
     try:
-        return upgrade_document(read_limited(path), str(path))
+        return upgrade_document(read_limited(path), str(path), path)
     except OSError as error:
         raise WorldFileError(f"{path} cannot be read: {error.strerror}") from None

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +17,9 @@ from lxml import etree
 
 from libgz.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
-from libgz.sdf.xml import line_of, local_name, parse_document
+from libgz.sdf.macros import expanded
+from libgz.sdf.urdf import ROBOT, sdf_of
+from libgz.sdf.xml import child_of, line_of, local_name, parse_document
 
 __all__ = ["OLDEST", "ROOTS", "Change", "convert", "upgrade_document"]
 
@@ -82,13 +84,25 @@ def convert(root: etree._Element, version: str, target: str, label: str = "<stri
     return sorted(work.changes, key=lambda change: change.line)
 
 
-def upgrade_document(data: bytes, label: str = "<string>") -> tuple[bytes, list[Change]]:
+def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = None) -> tuple[bytes, Sequence[Remark]]:
     """A document in SDF 1.6, and what was changed; one of a later version stays as it is.
 
+    Args:
+        data: the document, SDF or a robot description.
+        label: its name in messages.
+        path: its file, whose macros xacro expands.
+
     Raises:
-        WorldFileError: it cannot be read, is not SDF, or its version is not known.
+        WorldFileError: it cannot be read, is neither, has errors, or its version is not known.
     """
     root = parse_document(data, label, Diagnostics())
+    if local_name(root) == ROBOT:
+        diagnostics = Diagnostics()
+        robot, label = expanded(root, label, path, diagnostics)
+        sdf = sdf_of(robot, label, diagnostics)
+        diagnostics.raise_errors()
+        text = etree.tostring(sdf, encoding="utf-8", xml_declaration=True, pretty_print=True)
+        return text, [Change(label, line_of(robot), ROBOT, f"became <sdf version='{NEWEST}'>"), *diagnostics.warnings]
     version = root.get("version", OLDEST if local_name(root) == "gazebo" else "")
     if local_name(root) not in ROOTS or not version:
         raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: the root must be <sdf version='...'>")
@@ -124,7 +138,7 @@ class _Conversion:
                     self._move(xml, move)
             if version == "1.2" and path[-1] == "sensor" and "type" not in xml.attrib:
                 self._name_type(xml)
-            if version == "1.5" and path[-1] in ("axis", "axis2") and _child(xml, "use_parent_model_frame") is None:
+            if version == "1.5" and path[-1] in ("axis", "axis2") and child_of(xml, "use_parent_model_frame") is None:
                 _add(xml, "use_parent_model_frame").text = "true"
                 self.note(xml, "<use_parent_model_frame> true was added: up to 1.4, axes are in the model's frame")
             if version == "1.6" and path[-1] == "imu":
@@ -134,16 +148,16 @@ class _Conversion:
         way, _, attribute = move.source.partition("@")
         source: etree._Element | None = xml
         for step in filter(None, way.split("/")):
-            source = _child(source, step) if source is not None else None
+            source = child_of(source, step) if source is not None else None
         if source is None or (attribute and attribute not in source.attrib):
             return
         *steps, name = move.target.split("/")
         holder = xml
         for step in steps:
-            known = holder.getparent() if step == ".." else _child(holder, step)
+            known = holder.getparent() if step == ".." else child_of(holder, step)
             holder = known if known is not None else _add(holder, step, source)
         old = f"attribute {attribute!r}" + (f" of <{way}>" if way else "") if attribute else f"<{way}>"
-        present = _child(holder, name)
+        present = child_of(holder, name)
         if present is not None and (present is not source or not attribute):
             self.note(source, f"{old} was dropped, for there is a <{name}>")
         else:
@@ -162,22 +176,22 @@ class _Conversion:
 
     def _name_type(self, sensor: etree._Element) -> None:
         """Set the type of a sensor that has none, by its content."""
-        kind = next((name for name in SENSORS if _child(sensor, name) is not None), None)
+        kind = next((name for name in SENSORS if child_of(sensor, name) is not None), None)
         if kind is not None:
             sensor.set("type", kind)
             self.note(sensor, f"type {kind!r} was added, for there is a <{kind}>")
 
     def _spread_noise(self, imu: etree._Element) -> None:
         """Replace one noise for all axes by one for each."""
-        noise = _child(imu, "noise")
+        noise = child_of(imu, "noise")
         if noise is None:
             return
-        kind = _child(noise, "type")
+        kind = child_of(noise, "type")
         for old, new in KINDS.items():
-            values = _child(noise, old)
+            values = child_of(noise, old)
             if values is None:
                 continue
-            holder = _child(imu, new)
+            holder = child_of(imu, new)
             holder = _add(imu, new) if holder is None else holder
             for axis in "xyz":
                 target = _add(_add(holder, axis), "noise")
@@ -196,10 +210,6 @@ def _walk(xml: etree._Element, above: tuple[str, ...]) -> Iterator[tuple[etree._
     for child in xml:
         if isinstance(child.tag, str) and local_name(child) != "plugin":
             yield from _walk(child, path)
-
-
-def _child(xml: etree._Element, name: str) -> etree._Element | None:
-    return next((child for child in xml if isinstance(child.tag, str) and local_name(child) == name), None)
 
 
 def _is_empty(xml: etree._Element) -> bool:

@@ -18,6 +18,7 @@ added_resources: list[Path] = []
 
 BUILT_IN = Path(__file__).parent / "models"  # ground_plane and sun
 OLD_SUFFIXES = (".model", ".light")  # of models in Gazebo 1, before they had folders
+MODEL_SCHEMES = ("model", "package")  # the second one is of ROS, where models lie in packages
 MEDIA = ("", "models", "media/models", "Media/models")
 
 
@@ -26,8 +27,9 @@ def _listed(variable: str) -> list[Path]:
 
 
 def model_directories() -> list[Path]:
-    """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz."""
-    return [expand("~/.gazebo/models"), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN]
+    """Folders of `model://` URIs, in order: ~/.gazebo/models, GAZEBO_MODEL_PATH, added ones, those of libgz, of ROS."""
+    ros = [*_listed("ROS_PACKAGE_PATH"), *(prefix / "share" for prefix in _listed("AMENT_PREFIX_PATH"))]
+    return [expand("~/.gazebo/models"), *_listed("GAZEBO_MODEL_PATH"), *added_models, BUILT_IN, *ros]
 
 
 def resource_directories() -> list[Path]:
@@ -37,11 +39,12 @@ def resource_directories() -> list[Path]:
 
 
 def find_uri(uri: str, beside: Path | None = None) -> Path:
-    """The file or folder of a URI: `model://name/...`, `file://path`, or a plain path.
+    """The file or folder of a URI: `model://name/...`, `package://name/...`, `file://path`, or a plain path.
 
     Args:
         uri: as written.
-        beside: folder of the file that contains the URI; plain paths are tried there first.
+        beside: folder of the file that contains the URI; plain paths are tried there first. A model or package that is
+            nowhere else may be one of the folders around it.
 
     Raises:
         NotFoundError: it does not exist; the message lists the places tried.
@@ -51,16 +54,27 @@ def find_uri(uri: str, beside: Path | None = None) -> Path:
         scheme, rest = "", uri.strip()
     if scheme in ("http", "https"):
         raise NotFoundError(f"Unable to find uri[{uri}]: libgz never looks on the network; put the model on disk")
-    if scheme not in ("", "model", "file"):
-        raise NotFoundError(f"Unable to find uri[{uri}]: {scheme}:// is not known; model:// and file:// are")
-    folders = model_directories() if scheme == "model" else [*([beside] if beside else []), *resource_directories()]
+    if scheme not in ("", "file", *MODEL_SCHEMES):
+        known = "model://, package:// and file:// are"
+        raise NotFoundError(f"Unable to find uri[{uri}]: {scheme}:// is not known; {known}")
+    if scheme in MODEL_SCHEMES:
+        folders = [*model_directories(), *_around(rest.partition("/")[0], beside)]
+    else:
+        folders = [*([beside] if beside else []), *resource_directories()]
     places = [Path(rest)] if Path(rest).is_absolute() else [folder / rest for folder in folders]
     for place in places:
         if exists(place):
             return place
     tried = ", ".join(dict.fromkeys(map(str, places)))
-    advice = "; set GAZEBO_MODEL_PATH" if scheme == "model" else "; set GAZEBO_RESOURCE_PATH"
+    advice = "; set GAZEBO_MODEL_PATH" if scheme in MODEL_SCHEMES else "; set GAZEBO_RESOURCE_PATH"
     raise NotFoundError(f"Unable to find uri[{uri}]; looked for {tried}{advice}")
+
+
+def _around(name: str, beside: Path | None) -> list[Path]:
+    """The folder that holds a model or package of this name, if `beside` is in it; or is one itself, of ROS."""
+    inside = [folder for folder in (beside.absolute(), *beside.absolute().parents) if name] if beside else []
+    paths = _listed("ROS_PACKAGE_PATH")  # which may name packages themselves
+    return [folder.parent for folder in (*inside, *paths) if folder.name == name]
 
 
 def find_world(name: str) -> Path:

@@ -18,14 +18,17 @@ from libgz.sdf.conversion import OLDEST, ROOTS, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
+from libgz.sdf.macros import expanded
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
+from libgz.sdf.urdf import ROBOT, sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
 from libgz.sdf.xml import line_of, local_name, parse_document, tag_name
 
-__all__ = ["SdfFile", "is_sdf", "is_sdf_text"]
+__all__ = ["SdfFile", "is_robot_text", "is_sdf", "is_sdf_text"]
 
 DEEPEST_INCLUDE = 20
+READABLE = (*ROOTS, ROBOT)  # root elements
 UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
@@ -53,6 +56,7 @@ class SdfFile:
         self.diagnostics = Diagnostics()
         self.version = NEWEST
         self.label = "<string>"
+        self._path: Path | None = None
         self._folder: Path | None = None
         self._text = b""
         self._depth = 0
@@ -81,7 +85,7 @@ class SdfFile:
             data = read_limited(path)
         except OSError as error:
             raise WorldFileError(f"Unable to read sdf file[{path}]: {error.strerror}") from None
-        self.label, self._folder = str(path), path.parent
+        self.label, self._path, self._folder = str(path), path, path.parent
         self._read(data)
 
     def read_again(self) -> SdfFile:
@@ -96,6 +100,11 @@ class SdfFile:
     def _read(self, data: bytes) -> None:
         self._text = data
         xml = parse_document(data, self.label, self.diagnostics)
+        if local_name(xml) == ROBOT:
+            given = xml
+            xml, self.label = expanded(xml, self.label, self._path, self.diagnostics)
+            self._text = data if xml is given else etree.tostring(xml)
+            xml = sdf_of(xml, self.label, self.diagnostics)
         if local_name(xml) not in ROOTS:
             raise WorldFileError(
                 f"{self.label}:{line_of(xml)}: <{local_name(xml)}>: the root of an SDF file must be <sdf version='...'>"
@@ -365,23 +374,29 @@ def _repeated(parent: Element, name: str) -> bool:
 
 
 def is_sdf(filename: str | os.PathLike[str]) -> bool:
-    """Whether the root of a file is `<sdf>`, or the older `<gazebo>`; false for what cannot be read or is not XML."""
+    """Whether the root of a file is `<sdf>`, the older `<gazebo>`, or URDF's `<robot>`; false for what is not XML."""
     try:
         with Path(filename).open("rb") as stream:
-            return _root_is_sdf(stream)
+            return _root_of(stream) in READABLE
     except OSError:
         return False
 
 
 def is_sdf_text(text: str) -> bool:
     """The same for a text."""
-    return _root_is_sdf(BytesIO(text.encode()))
+    return _root_of(BytesIO(text.encode())) in READABLE
 
 
-def _root_is_sdf(stream: IO[bytes]) -> bool:
+def is_robot_text(text: str) -> bool:
+    """Whether a text is a robot description (URDF)."""
+    return _root_of(BytesIO(text.encode())) == ROBOT
+
+
+def _root_of(stream: IO[bytes]) -> str:
+    """The name of a document's root element; empty for what is not XML."""
     try:
         events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
         _, root = next(iter(events))
-        return local_name(root) in ROOTS
+        return local_name(root)
     except (StopIteration, etree.XMLSyntaxError):
-        return False
+        return ""

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
+from libgz.errors import NotFoundError
 from libgz.files import is_file
 from libgz.sdf.description import NEWEST
 from libgz.sdf.element import Element
+from libgz.sdf.paths import find_uri
 
 __all__ = ["NEWEST", "upgraded"]
 
@@ -50,11 +53,22 @@ def _make_absolute(element: Element, folder: Path | None) -> None:
     for name in NAMES_OF_FILES:
         for found in element.find(name):
             text = found.Get(str).strip()
-            if not text or "://" in text or not found.file or found.file.startswith("<"):
+            if not text or not found.file or found.file.startswith("<"):
                 continue
             home = Path(found.file).parent.resolve()
-            if (folder is None or home != folder.resolve()) and is_file(home / text):
+            if "://" in text:
+                _set_beside(found, text, home)
+            elif (folder is None or home != folder.resolve()) and is_file(home / text):
                 found.Set(str(home / text))
+
+
+def _set_beside(found: Element, uri: str, home: Path) -> None:
+    """Make a URI absolute that is found only because its model or package is around the document."""
+    try:
+        find_uri(uri)
+    except NotFoundError:
+        with contextlib.suppress(NotFoundError):
+            found.Set(str(find_uri(uri, home)))
 
 
 def _add(parent: Element, name: str) -> Element:

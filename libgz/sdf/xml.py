@@ -10,7 +10,7 @@ from lxml import etree
 from libgz.errors import Diagnostics, Place, WorldFileError
 from libgz.files import xml_parser
 
-__all__ = ["line_of", "local_name", "parse_document", "tag_name"]
+__all__ = ["child_of", "line_of", "local_name", "parse_document", "tag_name"]
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")
@@ -19,6 +19,7 @@ _SLIPS = re.compile(rb"<!--(.*?)-->|<!\[CDATA\[.*?\]\]>|&(?!(?:#\d+|#x[0-9a-fA-F
 # libxml2's names of what it recovers from without loss -> what is reported.
 _TOLERATED = {
     "NS_ERR_UNDEFINED_NAMESPACE": "{message}; it is read without xmlns",
+    "ERR_UNKNOWN_VERSION": "{message}; it is read as 1.0",
     "ERR_ATTRIBUTE_REDEFINED": "{message}; the first one counts",
     "ERR_DOCUMENT_END": "what follows the root element is ignored",
     "ERR_LT_IN_ATTRIBUTE": "'<' in the value of an attribute should be written &lt;",
@@ -100,6 +101,11 @@ def _decoded(data: bytes, encoding: str) -> str:
         return data.decode(encoding, "replace")
     except LookupError:
         return data.decode("utf-8", "replace")
+
+
+def child_of(xml: etree._Element, name: str) -> etree._Element | None:
+    """The first child of a name, whatever its namespace; None if there is none."""
+    return next((child for child in xml if isinstance(child.tag, str) and local_name(child) == name), None)
 
 
 def local_name(xml: etree._Element) -> str:

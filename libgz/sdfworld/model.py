@@ -18,6 +18,7 @@ from libgz.sdfworld.axis import Axis, JointPlan, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
 from libgz.sdfworld.gripper import SdfGripper
 from libgz.sdfworld.joint import Place, SdfJoint
+from libgz.sdfworld.mimic import Mimic
 from libgz.sdfworld.shapes import make_collision, make_visual
 from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
@@ -49,6 +50,7 @@ class SdfModel(Entity):
         self.nested: dict[str, SdfModel] = {}
         self.sdf_joints: dict[str, SdfJoint] = {}
         self.grippers: dict[str, SdfGripper] = {}
+        self.mimics: list[Mimic] = []
         self.geom_names: dict[Geom, str] = {}
         self.visual_elements: dict[Geom, Element] = {}
         self._frame_in_canonical = GzPose()
@@ -97,6 +99,9 @@ class SdfModel(Entity):
             self._guard(element, self.add_joint, element)
         for element in self.sdf.named("gripper"):
             self._guard(element, self._add_gripper, element)
+        for element in self.sdf.named("joint"):
+            for mimic in element.child("axis").named("mimic") if element.HasElement("axis") else ():
+                self._guard(mimic, self._add_mimic, mimic, element.Get(str, "name"))
         for model in self.nested.values():
             model.build_joints()
         self.set_auto_disable(self.sdf.Get(bool, "allow_auto_disable"))
@@ -332,6 +337,10 @@ class SdfModel(Entity):
             gripper = SdfGripper(self, element)
             self.grippers[gripper.name] = gripper
 
+    def _add_mimic(self, element: Element, follower: str) -> None:
+        if follower in self.sdf_joints:  # a static model has none
+            self.mimics.append(Mimic(element, follower, self.sdf_joints))
+
     def remove_joint(self, name: str) -> bool:
         """Destroy a joint; false if there is none of this name."""
         joint = self.sdf_joints.pop(name, None)
@@ -346,11 +355,13 @@ class SdfModel(Entity):
             rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
-        """Apply damping, springs, threads and gears of the joints; let grippers hold what they touch."""
+        """Apply damping, springs, threads and gears of the joints; let joints follow others, and grippers hold."""
         if self.sdf_joints and step > 0.0:
             for joint in self.sdf_joints.values():
                 if joint.acts:
                     joint.update()
+            for mimic in self.mimics:
+                mimic.update()
         if self.grippers and step > 0.0:
             for gripper in self.grippers.values():
                 gripper.update()

@@ -7,10 +7,12 @@ import re
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 from master_uri import free_master_uri
 
+ROBOTS = Path(__file__).parents[1] / "data" / "urdf"
 WORLD = """
 <sdf version='1.6'><world name='w'>
   <model name='box'><pose>1 2 3 0 0 0</pose><static>1</static>
@@ -88,6 +90,11 @@ def test_models_come_and_go(libgz, tmp_path):
     libgz("model", "-f", str(file), "-m", "guest", "-z", "2")
     eventually(lambda: "guest" in libgz("topic", "-r", "entity_list"))
     assert pose(libgz, "guest")[2] == pytest.approx(2.0)
+    robot = ROBOTS / "robot_pack" / "urdf" / "mesh_bot.urdf"  # whose mesh lies in the package around it
+    libgz("model", "-f", str(robot), "-m", "robot", "-x", "5")
+    eventually(lambda: "robot" in libgz("topic", "-r", "entity_list"))
+    assert pose(libgz, "robot")[0] == pytest.approx(5.0, abs=1e-3)
+    libgz("model", "-m", "robot", "-d")
     libgz("model", "-m", "guest", "-d")
     assert "there is no 'guest'; there are box, arm" in libgz("model", "-m", "guest", "-p", code=1)
 

@@ -233,7 +233,10 @@ def test_the_command_reports_invalid_ids_of_interfaces(tmp_path, id):
     ("text", "message"),
     [
         ("<a/>", "1: <a>: warning: there is no <model:...> element in this file, and its root is not like <gz:world>"),
-        ("<robot name='a'><link name='b'/></robot>", "1: <robot>: this is a robot description (URDF), not a worldfile"),
+        (
+            "<robot name='a'><link name='b'/></robot>",
+            "1: <link>: warning: there is no <inertial>, so link 'b' is left out",
+        ),
         ("<html><body/></html>", "1: <html>: this is a web page, not a worldfile of 0.3 - 0.7"),
         ("<w xmlns:model='m'><model:SimpleSolid/></w>", ""),
         ("<gz:world xmlns:gz='g'/>", ""),

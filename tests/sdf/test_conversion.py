@@ -115,3 +115,15 @@ def test_the_command_writes_them(tmp_path):
     assert "<static>" in done.stderr
     assert SdfFile.load(new).version == "1.6"
     assert run_libgz("upgrade", new, "--in-place").stderr.endswith("nothing to change\n")
+
+
+def test_the_command_writes_robots_as_sdf(tmp_path):
+    robot = tmp_path / "r.urdf"
+    robot.write_text("<robot name='r'><link name='world'/></robot>")
+    new = tmp_path / "new.sdf"
+    done = run_libgz("upgrade", robot, "-o", new)
+    assert (done.returncode, done.stderr) == (0, f"{robot}:1: <robot>: became <sdf version='1.6'>\n")
+    assert SdfFile.load(new).root.child("model").Get(str, "name") == "r"
+    done = run_libgz("upgrade", robot, "--in-place")
+    assert done.returncode == 1
+    assert "name the SDF file to write with -o" in done.stderr

@@ -23,6 +23,7 @@ def warnings(text):
     ("text", "said"),
     [
         ("\n\n<?xml version='1.0'?>" + MODEL.format(""), "w.sdf:3: <xml>: the XML declaration stands after the start"),
+        ("<?xml version='0.0'?>" + MODEL.format(""), "w.sdf:1: <xml>: Unsupported version '0.0'; it is read as 1.0"),
         (MODEL.format("<!-- a -- b -->"), "w.sdf:2: <xml>: '--' in a comment"),
         (MODEL.format("<!-- a --->"), "w.sdf:2: <xml>: '--' in a comment"),
         (MODEL.format("\n<plugin name='a&b' filename='x'/>"), "w.sdf:3: <xml>: '&' should be written &amp;"),

@@ -32,3 +32,16 @@ def test_wind_turns_the_pendulum():
         # the wind blows upwards as fast as ahead, as in Gazebo
         assert math.atan2(x, 2.0 - z) == pytest.approx(math.atan(4.0 / (9.8 - 4.0)), abs=2e-3)
         assert tuple(made.model("stone").GetPose().pos) == pytest.approx((1.0, 0.0, 0.1), abs=1e-4)
+
+
+def test_the_rover_drives_and_opens_both_fingers():
+    with libgz.World.from_file(FOLDER / "rover.world") as made:
+        joints = made.model("rover").sdf_joints
+        made.interface("position", "rover").command(vx=0.3)
+        for _ in range(1500):
+            joints["left_finger_joint"].add_force(3.0)
+            made.step(1)
+        x, y, _ = made.model("rover").GetPose().pos
+        assert (x, y) == pytest.approx((0.45, 0.0), abs=0.05)
+        assert joints["left_finger_joint"].position() > 0.09
+        assert joints["right_finger_joint"].position() == pytest.approx(0.1, abs=0.005)

@@ -163,6 +163,7 @@ def _table() -> str:
         "{",
         "  unsigned long size;",
         "  libgz_frame **( *frames )( void ); // of this thread",
+        "  const int *ended; // whether Python has ended: its objects were deleted",
         *(f"  {function.prototype}" for function in functions()),
         "};",
         "",

@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 6bcfec1e;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface da98ab81;"
 
 #include "LibgzFrame.h"
 
@@ -12,6 +12,7 @@ struct libgz_table
 {
   unsigned long size;
   libgz_frame **( *frames )( void ); // of this thread
+  const int *ended; // whether Python has ended: its objects were deleted
   void *( *WorldFileNode_GetChild )( long self, const char *name );
   const char *( *WorldFileNode_GetString )( long self, const char *key, int require );
   const char *( *WorldFileNode_GetFilename )( long self, const char *key, int require );

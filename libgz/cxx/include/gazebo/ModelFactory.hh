@@ -131,11 +131,6 @@ inline int libgz_describe( char *text, size_t size, const char *what )
 #define LIBGZ_CATCH
 #endif
 
-LIBGZ_EXPORT void libgz_plugin_bind( const libgz_table *table )
-{
-  libgz_bound = table;
-}
-
 LIBGZ_EXPORT int libgz_plugin_create( ModelFactoryFn create, World *world, const char *label, void **model, char *text,
                                       size_t size )
 {

@@ -83,6 +83,11 @@ class CxxPlugin:
         self.wire = c_int.in_dll(library, "libgz_plugin_wire").value
         self.text = ctypes.create_string_buffer(LONGEST)
 
+    def model_class(self, name: str, function: int) -> type[CxxModel]:
+        """The class of the models that a function of the plugin creates."""
+        values = {"plugin": self, "create": function, "not_kept": NOT_KEPT.format(self.path), "__module__": "C++"}
+        return type(name, (CxxModel,), values)
+
     def create(self, function: int, world: int, label: bytes) -> int:
         """Create a model by a function that the plugin registered; `world` is the C++ object."""
         model = c_void_p()
@@ -163,9 +168,7 @@ def load(path: Path) -> Plugin:
         log.info("plugin %s renders with %s: its Render is never called", path, shared.renders_with)
     cxx = CxxPlugin(path, shared)
     plugin = Plugin(path, edited=edited)
-    for name, function in registered:
-        values = {"plugin": cxx, "create": function, "not_kept": NOT_KEPT.format(path), "__module__": "C++"}
-        plugin.registered.append((name, type(name, (CxxModel,), values)))
+    plugin.registered = [(name, cxx.model_class(name, function)) for name, function in registered]
     _loaded[path] = edited, plugin
     return plugin
 

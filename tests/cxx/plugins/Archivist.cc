@@ -170,6 +170,15 @@ void Archivist::Say()
   PRINT_MSG0( 0, "important" );
   PRINT_MSG1( 1, "informative %d", 1 );
   PRINT_MSG7( 9, "%d %d %d %d %d %d %d", 1, 2, 3, 4, 5, 6, 7 );
+  PRINT_WARN1( "%d", 1 );
+  PRINT_WARN3( "%d %d %d", 1, 2, 3 );
+  PRINT_ERR1( "%d", 1 );
+  PRINT_ERR2( "%d %d", 1, 2 );
+  PRINT_MSG2( 2, "%d %d", 1, 2 );
+  PRINT_MSG3( 2, "%d %d %d", 1, 2, 3 );
+  PRINT_MSG4( 2, "%d %d %d %d", 1, 2, 3, 4 );
+  PRINT_MSG5( 2, "%d %d %d %d %d", 1, 2, 3, 4, 5 );
+  PRINT_MSG6( 2, "%d %d %d %d %d %d", 1, 2, 3, 4, 5, 6 );
   PRINT_GL_ERR();
 }
 
@@ -182,5 +191,6 @@ int Archivist::Init( WorldFile *file, WorldFileNode *node )
 
 void Archivist::Update( double step )
 {
-  seen["Update"]++;
+  if ( seen["Update"]++ == 0 )
+    EXPECT( this->world->Save() == 0 );
 }

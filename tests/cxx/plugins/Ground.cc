@@ -33,6 +33,7 @@ class PillGeom : public Geom
     this->contact->kp = 5e4;
     this->contact->mu1 = this->contact->mu2 = 0.25;
     this->contact->kd += 10;
+    this->contact->slip1 = this->contact->slip2 = 0.02; // without effect
   }
 
   // As drawn in 2005.

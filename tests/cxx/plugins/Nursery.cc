@@ -57,7 +57,7 @@ class Nursery : public Model
     body->SetGravityMode( false );
     CHECK( strcmp( this->GetName(), "Nursery" ) == 0 && strcmp( this->GetId(), "m0" ) == 0 );
     CHECK( this->GetIntId() > 0 && this->GetParentIntId() == 0 && this->parent == NULL );
-    RegisterLate();
+    ModelFactory::RegisterModel( "static", "Late", NewLate );
     return 0;
   }
 
@@ -107,6 +107,10 @@ class Nursery : public Model
       second->SetPose( GzPoseSet( GzVectorSet( 0, 9, 0 ), GzQuaternIdent() ) );
       EXPECT( GzVectorMag( second->GetBody()->GetLinearVel() ) == 0 );
       EXPECT( ModelFactory::NewModel( this->world, "Nothing" ) == NULL );
+      this->world->ResetModelPoses();
+      EXPECT( NEAR( second->GetPose().pos.x, 5, 1e-9 ) && NEAR( second->GetPose().pos.z, 1, 1e-9 ) );
+      GzPose home = this->GetPose();
+      EXPECT( GzVectorMag( GzVectorSub( home.pos, this->initPose.pos ) ) < 1e-9 );
     }
   }
 

@@ -22,6 +22,7 @@ __all__ = ["SharedObject"]
 
 UNDEFINED = re.compile(r"undefined symbol: (\w+)")
 RENDERING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
+FOLDER = "libgz-plugin-"  # beginning of the names of folders with copies, before the number of their process
 ELF64 = b"\x7fELF\x02\x01"
 DYNAMIC_SYMBOLS = 11  # SHT_DYNSYM
 SYMBOL = 24  # bytes of an entry there; the fifth one has binding and type
@@ -45,7 +46,8 @@ class SharedObject:
     def __init__(self, path: Path) -> None:
         data = bytearray(read_limited(path))
         _make_its_own(data)
-        folder = Path(tempfile.mkdtemp(prefix="libgz-plugin-"))
+        _remove_stale()
+        folder = Path(tempfile.mkdtemp(prefix=f"{FOLDER}{os.getpid()}-"))
         remove = weakref.finalize(self, _remove, folder, os.getpid())
         copy = folder / path.name
         self.renders_with: str | None = None
@@ -71,6 +73,14 @@ class SharedObject:
             if missing is not None:
                 reason = f"nothing defines {missing[1]}; link the file or library that does"
             raise PluginError(f"error loading plugin: {path}: {reason}") from None
+
+
+def _remove_stale() -> None:
+    """Remove what processes that crashed have left; a file that is in use stays in memory."""
+    for folder in Path(tempfile.gettempdir()).glob(f"{FOLDER}*"):
+        process = folder.name.removeprefix(FOLDER).partition("-")[0]
+        if process.isdigit() and not Path("/proc", process).exists():
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _remove(folder: Path, process: int) -> None:

@@ -376,6 +376,7 @@ from libgz.physics.geoms import (
     HeightfieldGeom as HeightfieldGeom,
     LightGeom as LightGeom,
     PlaneGeom as PlaneGeom,
+    PrismGeom as PrismGeom,
     RayGeom as RayGeom,
     SphereGeom as SphereGeom,
     TriMeshGeom as TriMeshGeom,

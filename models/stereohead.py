@@ -16,6 +16,7 @@ from libgz.models.parts import GREY, add_body, fit
 from libgz.models.serving import serve
 from libgz.physics.geoms import BoxGeom
 from libgz.rendering.camera import Camera as Eye
+from libgz.rendering.disparity import disparities
 from libgz.simulation.rate import UpdateRate
 from libgz.worldfile.attributes import boolean, length, read
 from libgz.worldfile.file import WorldFile
@@ -34,7 +35,6 @@ class StereoHeadAttributes(RobotCameraAttributes):
 
 
 LENS = (0.025, 0.025)  # x and z of the optical centres [m]
-HIDDEN = 1.0  # [px]; difference of disparities from which on a nearer point occludes another
 
 
 class StereoHead(Model):
@@ -80,24 +80,23 @@ class StereoHead(Model):
         if not self.eyes or self.eyes["left"].blind or not self.rate.due(now):
             return
         wanted = any(self.disparities.values())
-        shifts: dict[str, NDArray[np.float32]] = {}
+        depths: dict[str, NDArray[np.float32]] = {}
         for side, eye in self.eyes.items():
             set_view(self, eye, self.values.hfov)
             eye.SetPose(self.GetBody().global_pose(self.places[side]))
             if wanted:
-                depth = np.empty((eye.height, eye.width), dtype=np.float32)
-                eye.Update(depth)
-                shifts[side] = np.float32(eye.view.focal * self.values.baseline) / depth
+                depths[side] = np.empty((eye.height, eye.width), dtype=np.float32)
+                eye.Update(depths[side])
             elif self.images[side]:
                 eye.Update()
-        self._publish(now, self._without_hidden(shifts) if wanted else {})
+        found: dict[str, NDArray[np.float32]] = {}
+        if wanted:
+            focal = self.eyes["left"].view.focal
+            both = disparities(depths["left"], depths["right"], focal, self.values.baseline)
+            found = dict(zip(depths, both, strict=True))
+        self._publish(now, found)
 
-    def _without_hidden(self, shifts: dict[str, NDArray[np.float32]]) -> dict[str, NDArray[np.float32]]:
-        """Disparities [px], 0 where the point is not visible to the other camera."""
-        left, right = shifts["left"], shifts["right"]
-        return {"left": _seen_by_both(left, right, -1.0), "right": _seen_by_both(right, left, 1.0)}
-
-    def _publish(self, now: float, disparities: dict[str, NDArray[np.float32]]) -> None:
+    def _publish(self, now: float, found: dict[str, NDArray[np.float32]]) -> None:
         if not self.stereo.lock():
             return
         data = self.stereo.data
@@ -107,7 +106,7 @@ class StereoHead(Model):
                 self.stereo.array(f"{side}_image")[: eye.image.size] = eye.image.reshape(-1)
                 setattr(data, f"{side}_image_size", eye.image.size)
             if self.disparities[side]:
-                values = disparities[side].reshape(-1)
+                values = found[side].reshape(-1)
                 self.stereo.array(f"{side}_disparity")[: values.size] = values
                 setattr(data, f"{side}_disparity_size", values.size)
         data.time = now
@@ -116,17 +115,3 @@ class StereoHead(Model):
         for side, eye in self.eyes.items():
             if self.values.saveFrames and self.images[side]:
                 self.savers[side].save(eye.image)
-
-
-def _seen_by_both(own: NDArray[np.float32], other: NDArray[np.float32], sign: float) -> NDArray[np.float32]:
-    """`own` disparities [px], 0 where the point lies outside the other image or is occluded in it.
-
-    Args:
-        own, other: disparities of both images, shape (height, width).
-        sign: of the shift from a column of the own image to a column of the other.
-    """
-    width = own.shape[1]
-    columns = np.rint(np.arange(width) + sign * own).astype(np.int64)
-    inside = (columns >= 0) & (columns < width)
-    there = np.take_along_axis(other, np.clip(columns, 0, width - 1), axis=1)
-    return np.where(inside & (there <= own + HIDDEN), own, np.float32(0.0))

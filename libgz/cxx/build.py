@@ -226,6 +226,8 @@ def _hint(message: str) -> str:
     name_ = _NAME.search(message)
     if name_ is not None:
         return _name_hint(name_[1] or name_[2])
+    if "cast from pointer to smaller type" in message:
+        return "; g++ accepts this: CXX=g++. Or pass GetIntId() and GetParentIntId()"
     if "abstract class" in message or "abstract type" in message:
         return (
             "; a model must define int Load(WorldFile *, WorldFileNode *), int Init(WorldFile *, WorldFileNode *), "

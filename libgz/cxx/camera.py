@@ -43,7 +43,7 @@ class CxxCamera:
         self._camera: Camera | None = None
         self._pose = GzPose()
         self._image: NDArray[np.uint8] | None = None  # bottom row first
-        self._depth: NDArray[np.float32] | None = None
+        self.depth: NDArray[np.float32] | None = None  # ahead of the camera [m], top row first
         self._folder, self._saves, self._saved = Path(), False, 0
 
     @property
@@ -64,7 +64,7 @@ class CxxCamera:
         self._camera.options = self.options
         self._camera.SetPose(self._pose)
         self._image = np.zeros((height, width, 3), dtype=np.uint8)
-        self._depth = None
+        self.depth = None
 
     def Fini(self) -> int:
         """Release the camera; 0."""
@@ -84,7 +84,7 @@ class CxxCamera:
             return
         depth = np.empty((camera.height, camera.width), dtype=np.float32)
         image = camera.Update(depth)
-        self._depth = depth
+        self.depth = depth
         self._image[:] = image[::-1]
         if self._saves:
             self._save(image)
@@ -133,9 +133,9 @@ class CxxCamera:
     def GetZValue(self, x: int, y: int) -> float:
         """What OpenGL's depth buffer has at a pixel, 0 to 1, from its top left corner; 1 for the sky."""
         camera = self.camera
-        if self._depth is None or not (0 <= x < camera.width and 0 <= y < camera.height):
+        if self.depth is None or not (0 <= x < camera.width and 0 <= y < camera.height):
             return 1.0
-        distance = float(self._depth[y, x])
+        distance = float(self.depth[y, x])
         if not math.isfinite(distance):
             return 1.0
         return camera.far / (camera.far - camera.near) * (1.0 - camera.near / distance)

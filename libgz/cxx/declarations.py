@@ -332,11 +332,6 @@ void SetCollideBits( uint bits ); set the categories it collides with
 void SetRelativePosition( GzVector position ); move the geom's centre in the body frame [m]
 void SetRelativeRotation( GzQuatern rotation ); turn the geom in the body frame
 GzPose GetPose() const; global pose of the geom's centre [m]
-void SetHardness( double kp, double kd ); spring [N/m] and damper [N s/m] of contacts
-void SetFriction( double mu1, double mu2 ); Coulomb coefficients; the smaller one of two geoms applies
-void SetBounce( double bounce ); coefficient of restitution, 0 to 1
-void SetSlip1( double slip ); stored without effect
-void SetSlip2( double slip ); stored without effect
 double GetBounce() const; the bounce in force
 double GetSlip1() const; the value last set
 double GetSlip2() const; the value last set
@@ -351,6 +346,12 @@ dMass *BaseGeom_GetBodyMassMatrix(BaseGeom *self)
 bool BaseGeom_GetPlaceable(BaseGeom *self)
 Body *BaseGeom_GetBody(BaseGeom *self)
 void BaseGeom_SetExtraRotation(BaseGeom *self, GzQuatern rotation)
+void BaseGeom_SetContact(BaseGeom *self, double kp, double kd, double bounce, double mu1, double mu2)
+void BaseGeom_SetHardness(BaseGeom *self, double kp, double kd)
+void BaseGeom_SetFriction(BaseGeom *self, double mu1, double mu2)
+void BaseGeom_SetBounce(BaseGeom *self, double bounce)
+void BaseGeom_SetSlip1(BaseGeom *self, double slip)
+void BaseGeom_SetSlip2(BaseGeom *self, double slip)
 void BaseGeom_SetRelativePose(BaseGeom *self, GzPose pose, bool updateCoM)
 GzPose BaseGeom_GetRelativePose(BaseGeom *self)
 """,
@@ -383,6 +384,48 @@ GzPose BaseGeom_GetRelativePose(BaseGeom *self)
       libgz_bound->BaseGeom_GetRelativePose( this->libgz_handle, &result.pos.x );
       libgz_check();
       return result;
+    }
+
+  /// Spring [N/m] and damper [N s/m] of contacts.
+  public: void SetHardness( double kp, double kd )
+    {
+      libgz_bound->BaseGeom_SetHardness( this->libgz_handle, kp, kd );
+      libgz_check();
+      this->contact->kp.value = kp;
+      this->contact->kd.value = kd;
+    }
+
+  /// Coulomb coefficients; the smaller one of two geoms applies.
+  public: void SetFriction( double mu1, double mu2 )
+    {
+      libgz_bound->BaseGeom_SetFriction( this->libgz_handle, mu1, mu2 );
+      libgz_check();
+      this->contact->mu1.value = mu1;
+      this->contact->mu2.value = mu2;
+    }
+
+  /// Coefficient of restitution, 0 to 1.
+  public: void SetBounce( double bounce )
+    {
+      libgz_bound->BaseGeom_SetBounce( this->libgz_handle, bounce );
+      libgz_check();
+      this->contact->bounce.value = bounce;
+    }
+
+  /// Stored without effect.
+  public: void SetSlip1( double slip )
+    {
+      libgz_bound->BaseGeom_SetSlip1( this->libgz_handle, slip );
+      libgz_check();
+      this->contact->slip1.value = slip;
+    }
+
+  /// Stored without effect.
+  public: void SetSlip2( double slip )
+    {
+      libgz_bound->BaseGeom_SetSlip2( this->libgz_handle, slip );
+      libgz_check();
+      this->contact->slip2.value = slip;
     }
 
   /// ODE's geom; NULL if it is only rendered.
@@ -419,11 +462,14 @@ GzPose BaseGeom_GetRelativePose(BaseGeom *self)
       libgz_check();
       this->geomId = this->transId = (dGeomID) libgz_bound->BaseGeom_GetGeomId( this->libgz_handle );
       this->placeableGeom = libgz_bound->BaseGeom_GetPlaceable( this->libgz_handle ) != 0;
+      libgz_check();
+      if ( !this->libgz_wraps )
+        this->contact->libgz_attach( this->libgz_handle );
     }
 
   protected: dSpaceID spaceId;
   protected: dGeomID transId, geomId;
-  protected: ContactParams *contact; // not read: SetFriction and others set contact parameters
+  protected: ContactParams *contact;
 """,
     ),
     CxxClass(
@@ -463,14 +509,16 @@ GLuint GetPickId() const; the pick number
 """,
         base="BaseGeom",
         includes=("BaseGeom.hh", "Color.hh", "RenderOptions.hh"),
+        forward=("GzImage",),
         functions="""
 int Geom_SetTexture2D(Geom *self, int width, int height, const void *data)
 int Geom_GetRenderOrder(Geom *self)
 """,
         public="""\
-  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ), dirty( true ) {}
-  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
+  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ) { this->libgz_look(); }
+  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL )
     {
+      this->libgz_look();
       this->libgz_wrap( handle );
       this->body = (Body *) libgz_bound->BaseGeom_GetBody( handle );
       this->renderOrder = libgz_bound->Geom_GetRenderOrder( handle );
@@ -496,7 +544,37 @@ int Geom_GetRenderOrder(Geom *self)
         protected="""\
   protected: void SetList( int, GLuint, RenderOptions ) {}
   protected: void GetList( int, GLuint *list, RenderOptions * ) { *list = 0; }
+
+  // For Render functions, which are never called: the look of a new geom. The getters have the present one.
+  protected: bool transparency;
+  protected: float laser, retro;
+  protected: int fiducial;
+  protected: GLfloat colorDiffuse[4], colorAmbient[4], colorSpecular[4], colorEmission[4];
+  protected: GLfloat shininess;
+  protected: GzImage *textureImage;
+  protected: GzVector textureSize;
+  protected: int pick;
   protected: bool dirty;
+
+  private: void libgz_look()
+    {
+      int i;
+      this->transparency = false;
+      this->laser = 1;
+      this->retro = 0;
+      this->fiducial = -1;
+      for ( i = 0; i < 4; i++ )
+      {
+        this->colorDiffuse[i] = i < 3 ? 0.8f : 1.0f;
+        this->colorAmbient[i] = this->colorSpecular[i] = i < 3 ? 0.2f : 1.0f;
+        this->colorEmission[i] = i < 3 ? 0.0f : 1.0f;
+      }
+      this->shininess = 0;
+      this->textureImage = NULL;
+      this->textureSize = GzVectorSet( 2, 2, 0 );
+      this->pick = 0;
+      this->dirty = true;
+    }
 """,
     ),
     _geom("BoxGeom", "A box of full lengths [m].", "double xDim, double yDim, double zDim"),
@@ -604,6 +682,22 @@ void UpdateMesh( GzVector point ); build the mesh
 """,
     ),
     CxxClass(
+        "PrismGeom",
+        "An upright prism, such as a piece of wall: corners of its base in order, at z = 0, and its height [m].",
+        base="Geom",
+        includes=("Geom.hh", "Body.hh"),
+        public="""\
+  public: PrismGeom( Body *owner, dSpaceID space, int count, GzVector *corners, double height ) : Geom( space )
+    {
+      this->body = owner;
+      this->libgz_handle
+        = libgz_bound->PrismGeom_new( this, libgz_handle_of( owner ), space, count, corners, height );
+      this->libgz_made();
+    }
+""",
+        functions="long PrismGeom_new(void *pointer, Body *body, dSpaceID space, int count, const void *corners, double height)\n",
+    ),
+    CxxClass(
         "PointSetGeom",
         "Points that are only rendered.",
         base="Geom",
@@ -622,21 +716,18 @@ void UpdateMesh( GzVector point ); build the mesh
         "JointGroup",
         "Joints that are destroyed together.",
         """
+dJointGroupID GetGroupId() const; ODE's own group, for joints that are made with functions of ODE
 void Empty(); destroy all joints of the group
 """,
         includes=("Ode.hh",),
         functions="long JointGroup_new(void *pointer)\n",
         public="""\
-  public: JointGroup() : groupId( NULL )
+  public: JointGroup()
     {
       this->libgz_handle = libgz_bound->JointGroup_new( this );
       libgz_check();
     }
-
-  /// NULL: ODE's own groups are not used.
-  public: dJointGroupID GetGroupId() const { return this->groupId; }
 """,
-        protected="  protected: dJointGroupID groupId;\n",
     ),
     CxxClass(
         "Joint",
@@ -852,6 +943,47 @@ void Camera_SetRenderOptions(Camera *self, int switches, int polygonMode, int sh
         protected="  private: RenderOptions libgz_options;\n",
     ),
     CxxClass(
+        "StereoCamera",
+        "Two cameras side by side, 0 the left one and 1 the right one, that look along +x of one pose.",
+        """
+int Init( int width, int height, double hfov, double baseline, double minDepth, double maxDepth, const char *method, int zBufferDepth = 24 ); 0, or -1 after an error message
+int Fini(); release both cameras; 0
+void Update(); render what is enabled, and save the images if that is enabled
+void SetPose( GzPose pose ); set the global pose of the middle between both cameras [m]
+GzPose GetPose(); the global pose [m]
+double GetFOV() const; the horizontal field of view [rad]
+void EnableImage( int camera, bool enable ); whether the images of a camera are wanted; initially they are
+void EnableDisparity( int camera, bool enable ); whether the disparities of a camera are wanted; initially they are
+const unsigned char *GetImageData( int camera ) const; packed RGB, bottom row first; NULL before Init
+const float *GetDisparityData( int camera ) const; disparities [px] in the order of the image, 0 where the other camera does not see the point
+void SetSavePath( const char *pathname ); set the directory of saved images, which gets the directories left and right
+void EnableSaveFrame( bool enable ); save each image
+""",
+        base="Sensor",
+        includes=("Sensor.hh", "Vector.hh", "World.hh"),
+        functions="""
+long StereoCamera_new(void *pointer, World *world)
+GzTwoVectors StereoCamera_GetSize(StereoCamera *self)
+""",
+        public="""\
+  public: StereoCamera( World *owner ) : Sensor( owner )
+    {
+      this->libgz_handle = libgz_bound->StereoCamera_new( this, libgz_handle_of( owner ) );
+      libgz_check();
+    }
+
+  /// Width and height of each image [px].
+  public: void GetSize( int *width, int *height )
+    {
+      double out[6];
+      libgz_bound->StereoCamera_GetSize( this->libgz_handle, out );
+      libgz_check();
+      *width = (int) out[0];
+      *height = (int) out[1];
+    }
+""",
+    ),
+    CxxClass(
         "Model",
         "Base of all models: what a plugin subclasses.",
         """
@@ -879,6 +1011,10 @@ Body *Model_GetBodyAt(Model *self, int index)
 const char *Model_GetId(Model *self)
 void Model_SetId(Model *self, const char *id)
 const char *Model_GetName(Model *self)
+int Model_Load(Model *self, WorldFile *file, WorldFileNode *node)
+int Model_Init(Model *self, WorldFile *file, WorldFileNode *node)
+int Model_Fini(Model *self)
+void Model_Update(Model *self, double step)
 void Model_SetName(Model *self, const char *name)
 """,
         public="""\
@@ -988,6 +1124,10 @@ double GetRealTime(); wall-clock time since the start [s]
 double GetWallTime(); Unix time [s]
 double GetDayTime(); time since midnight [s]
 int GetNumModels() const; how many models there are
+int Load( WorldFile *worldFile ); an error: the server loads worlds
+int Initialize(); an error: the server starts worlds
+int Finalize(); an error: the server ends worlds
+void Step(); an error: the server steps worlds, and a plugin runs in a step
 """,
         includes=("Geom.hh", "Model.hh", "Sensor.hh"),
         forward=("WorldFile", "WorldFileNode"),

@@ -17,6 +17,7 @@ from PIL import Image
 
 from libgz.cxx.camera import CxxCamera
 from libgz.cxx.objects import current, enter, forget, running
+from libgz.cxx.stereo_camera import CxxStereoCamera
 from libgz.errors import GazeboError, NotFoundError, ParameterError, WorldFileError
 from libgz.geometry import GzPose, GzQuatern
 from libgz.legacy.model import Model
@@ -56,15 +57,17 @@ def Object_destroyed(handle: int, pointer: int, made: bool) -> None:
         return
     if isinstance(thing, RayProximity):
         thing.engine.ray_bundles.discard(thing)
-    elif isinstance(thing, JointGroup):
-        thing.Empty()
-    elif isinstance(thing, Body | Geom | Joint | CxxCamera):
+    elif isinstance(thing, Body | Geom | Joint | JointGroup | CxxCamera | CxxStereoCamera):
         thing.close()
 
 
 def Factory_RegisterModel(type: str, classname: str, function: int) -> None:
     if running.registered is not None:
         running.registered.append((classname, function))
+    else:
+        model = current()
+        kind = model.plugin.model_class(classname, function)
+        model.world.extension(LegacyWorld).factory.RegisterModel(type, classname, kind)
 
 
 def Factory_NewModel(world: World, classname: str) -> Model | None:
@@ -211,6 +214,15 @@ def PointSetGeom_new(pointer: int, body: Body, space: int | None, count: int, po
     return enter(surfaces.PointSetGeom(body, current().session.space(space), count, numbers), pointer)
 
 
+def PrismGeom_new(
+    pointer: int, body: Body | None, space: int | None, count: int, corners: int | None, height: float
+) -> int:
+    if body is None:
+        raise ParameterError("a geom needs a Body, not NULL")
+    outline = _floats(corners, 3 * count, np.float64).reshape(-1, 3)[:, :2]
+    return enter(geoms.PrismGeom(body, current().session.space(space), outline, height), pointer)
+
+
 def BaseGeom_new(
     pointer: int, body: Body | None, space: int | None, handle: int | None, mass: int | None, placeable: bool
 ) -> int:
@@ -241,6 +253,12 @@ def BaseGeom_GetBodyMassMatrix(geom: Geom) -> int | None:
         return None
     current().mass = mass
     return ctypes.addressof(mass)
+
+
+def BaseGeom_SetContact(geom: Geom, kp: float, kd: float, bounce: float, mu1: float, mu2: float) -> None:
+    geom.SetHardness(kp, kd)
+    geom.SetFriction(mu1, mu2)
+    geom.SetBounce(bounce)
 
 
 def BaseGeom_SetExtraRotation(geom: Geom, rotation: GzQuatern) -> None:
@@ -309,6 +327,10 @@ def JointGroup_new(pointer: int) -> int:
     return enter(JointGroup(), pointer)
 
 
+def JointGroup_GetGroupId(group: JointGroup) -> int:
+    return group.native
+
+
 def Joint_GetJointId(joint: Joint) -> int:
     return joint.id
 
@@ -357,6 +379,36 @@ def Camera_GetImageSize(camera: CxxCamera) -> tuple[float, ...]:
     return (width, height, 0.0, 0.0, 0.0, 0.0)
 
 
+def StereoCamera_new(pointer: int, world: World | None) -> int:
+    if world is None:
+        raise ParameterError("a StereoCamera needs its model's world, not NULL")
+    return enter(CxxStereoCamera(world), pointer)
+
+
+def StereoCamera_Init(
+    camera: CxxStereoCamera,
+    width: int,
+    height: int,
+    hfov: float,
+    baseline: float,
+    near: float,
+    far: float,
+    method: str | None,
+    depth: int,
+) -> int:
+    try:
+        camera.Init(width, height, hfov, baseline, near, far)
+    except GazeboError as error:
+        log.error("%s", error)
+        return -1
+    return 0
+
+
+def StereoCamera_GetSize(camera: CxxStereoCamera) -> tuple[float, ...]:
+    width, height = camera.GetSize()
+    return (width, height, 0.0, 0.0, 0.0, 0.0)
+
+
 # Models and the world ----------------------------------------------------------------------------------------------
 
 
@@ -381,6 +433,31 @@ def Model_GetBodyAt(model: Model, index: int) -> Body:
 def Model_MasterLoad(model: Model, file: WorldFile, node: WorldFileNode) -> int:
     model.MasterLoad(file, node)
     return 0
+
+
+def Model_Load(model: Model, file: WorldFile, node: WorldFileNode) -> int:
+    return model.Load(file, node) or 0
+
+
+def Model_Init(model: Model, file: WorldFile, node: WorldFileNode) -> int:
+    return model.Init(file, node) or 0
+
+
+def Model_Fini(model: Model) -> int:
+    return model.Fini() or 0
+
+
+def _the_server_s(name: str) -> Callable[..., int]:
+    def refuse(world: World, *arguments: Any) -> int:
+        raise ParameterError(f"World::{name} is for servers: the world of a plugin is loaded, and it runs")
+
+    return refuse
+
+
+World_Load = _the_server_s("Load")
+World_Initialize = _the_server_s("Initialize")
+World_Finalize = _the_server_s("Finalize")
+World_Step = _the_server_s("Step")
 
 
 def World_GetModel(world: World, index: int) -> Any:

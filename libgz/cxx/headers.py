@@ -28,7 +28,6 @@ NUMBERS = {
     "double": "double",
     "float": "double",
 }
-HANDWRITTEN = ("LibgzObject.hh", "LibgzFrame.h", "ModelFactory.hh", "Vector.hh", "Color.hh", "RenderOptions.hh")
 PARTS = {  # of a struct, and the doubles that it is passed as
     "GzVector": ("x", "y", "z"),
     "GzQuatern": ("u", "x", "y", "z"),
@@ -138,7 +137,8 @@ def interface_hash() -> str:
     """A short hash of the table and the headers: plugins with another one do not fit."""
     text = "\n".join(function.prototype for function in functions())
     text += "".join(_class(declared) for declared in CLASSES)
-    text += "".join((INCLUDE / "gazebo" / name).read_text() for name in HANDWRITTEN)
+    own = {f"{declared.name}.hh" for declared in CLASSES} | {"LibgzTable.hh"}
+    text += "".join(path.read_text() for path in sorted((INCLUDE / "gazebo").iterdir()) if path.name not in own)
     return hashlib.blake2b(text.encode(), digest_size=4).hexdigest()
 
 
@@ -163,6 +163,7 @@ def _table() -> str:
         "{",
         "  unsigned long size;",
         "  libgz_frame **( *frames )( void ); // of this thread",
+        "  const int *ended; // whether Python has ended: its objects were deleted",
         *(f"  {function.prototype}" for function in functions()),
         "};",
         "",
@@ -196,9 +197,9 @@ def _method(owner: str, line: str) -> list[str]:
         body = [f"void *found = {call};", "libgz_check();", f"return ({result}) found;"]
     else:
         test = " != 0" if kind == "bool" else ""
-        cast = f"({result}) " if kind in ("float", "GLuint") else ""
+        cast = f"({result}) " if kind in ("float", "GLuint", "address") else ""
         body = [
-            f"{result} result = {cast}{call}{test};".replace("const char * ", "const char *"),
+            f"{result} result = {cast}{call}{test};".replace("* result", "*result"),
             "libgz_check();",
             "return result;",
         ]

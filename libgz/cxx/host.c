@@ -15,6 +15,10 @@
 
 enum { STACK = 65536 };
 
+/* The functions that plugins call, for plugins to find when they are loaded; and whether Python has ended. */
+const void *gz_host_table;
+int gz_host_ended;
+
 static __thread libgz_frame *top;
 static __thread int has_stack;
 
@@ -51,6 +55,27 @@ void gz_host_fail(void)
 {
     if (top != NULL)
         top->failed = 1;
+}
+
+/* Offer the functions to plugins that are loaded later. The copy outlives Python, as objects at file scope do. */
+void gz_host_offer(const void *table, size_t size)
+{
+    void *copy = malloc(size);
+
+    if (copy != NULL)
+        gz_host_table = memcpy(copy, table, size);
+}
+
+/* Mark that a file is being loaded; frame and texts must last until gz_host_loaded. */
+void gz_host_loading(libgz_frame *frame)
+{
+    frame->below = *gz_host_frames();
+    top = frame;
+}
+
+void gz_host_loaded(void)
+{
+    top = top->below;
 }
 
 static void write_text(const char *text)

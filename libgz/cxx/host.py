@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from ctypes import CFUNCTYPE, POINTER, c_char_p, c_int, c_size_t, c_void_p
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 from libgz.cxx import FOLDER
@@ -19,7 +22,7 @@ from libgz.transport.interface import Interface
 from libgz.transport.semaphores import GZ_SEM_KEY
 from libgz.transport.server import Server
 
-__all__ = ["HostedServer", "fail", "frames_address", "install"]
+__all__ = ["HostedServer", "ended_address", "fail", "frames_address", "install", "loading", "offer"]
 
 log = logging.getLogger("libgz.plugin")
 
@@ -44,6 +47,12 @@ class _Iface(ctypes.Structure):
         ("mmap", c_void_p),
         ("filename", c_void_p),
     ]
+
+
+class _Frame(ctypes.Structure):
+    """libgz_frame."""
+
+    _fields_ = [("below", c_void_p), ("method", c_char_p), ("label", c_char_p), ("failed", c_int)]
 
 
 class HostedServer:
@@ -205,6 +214,12 @@ def _library() -> ctypes.CDLL:
     library.gz_host_report.restype = None
     library.gz_host_fail.argtypes = []
     library.gz_host_fail.restype = None
+    library.gz_host_offer.argtypes = [c_void_p, c_size_t]
+    library.gz_host_offer.restype = None
+    library.gz_host_loading.argtypes = [POINTER(_Frame)]
+    library.gz_host_loading.restype = None
+    library.gz_host_loaded.argtypes = []
+    library.gz_host_loaded.restype = None
     return library
 
 
@@ -219,12 +234,34 @@ def install() -> _Host:
     functions = (_create, _set_owner, _destroy, _lock, _unlock, _post)
     host = _Host(*(kind(function) for kind, function in zip(kinds, functions, strict=True)))
     _library().gz_host_install(host)
+    atexit.register(setattr, c_int.in_dll(_library(), "gz_host_ended"), "value", 1)
     return host
+
+
+def offer(table: Any) -> None:
+    """Let plugins find the functions that their methods call."""
+    _library().gz_host_offer(ctypes.addressof(table), ctypes.sizeof(table))
+
+
+@contextmanager
+def loading(path: Path) -> Iterator[None]:
+    """A plugin's file is loaded: its constructors at file scope and its `gazebo_plugin_init` run."""
+    frame = _Frame(None, b"its constructors or gazebo_plugin_init", f"plugin {path}".encode(errors="replace"))
+    _library().gz_host_loading(frame)
+    try:
+        yield
+    finally:
+        _library().gz_host_loaded()
 
 
 def frames_address() -> int:
     """Where the C function is by which plugins mark what runs."""
     return ctypes.cast(_library().gz_host_frames, c_void_p).value or 0
+
+
+def ended_address() -> int:
+    """Where it is noted that Python has ended."""
+    return ctypes.addressof(c_int.in_dll(_library(), "gz_host_ended"))
 
 
 def fail() -> None:

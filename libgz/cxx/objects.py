@@ -33,6 +33,9 @@ class LoadedFile(Protocol):
     fields: Any
     on_heap: Any
 
+    def model_class(self, name: str, function: int) -> Any:
+        """The class of the models that a function of the plugin creates."""
+
     def create(self, function: int, world: int, label: bytes) -> int:
         """Create a model by a function that the plugin registered."""
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import re
 
 from libgz.ode import types
 from libgz.ode.prototypes import PROTOTYPES
-from libgz.ode.types import JointType
+from libgz.ode.types import ContactMode, JointType
 
 __all__ = ["ode_header"]
 
@@ -49,6 +50,38 @@ typedef struct dMass
   dMatrix3 I;
 } dMass;
 """
+FIELDS = {
+    ctypes.c_int: "int {};",
+    ctypes.c_double: "dReal {};",
+    ctypes.c_void_p: "dGeomID {};",
+    types.Vector4: "dVector3 {};",
+    types.SurfaceParameters: "dSurfaceParameters {};",
+    types.ContactGeom: "dContactGeom {};",
+}
+STRUCTS = ("SurfaceParameters", "ContactGeom", "Contact", "JointFeedback")
+MODES = {
+    "FDIR1": "FDir1",
+    "SOFT_ERP": "SoftERP",
+    "SOFT_CFM": "SoftCFM",
+    "MOTION_N": "MotionN",
+    "APPROX1_N": "Approx1_N",
+}
+CALLBACK = "typedef void dNearCallback( void *data, dGeomID o1, dGeomID o2 );"
+# Functions that the engine does not call, and those with more exact types.
+MORE = """\
+void dSpaceCollide( dSpaceID space, void *data, dNearCallback *callback );
+void dSpaceCollide2( dGeomID one, dGeomID two, void *data, dNearCallback *callback );
+int dCollide( dGeomID one, dGeomID two, int flags, dContactGeom *contacts, int skip );
+dJointID dJointCreateContact( dWorldID world, dJointGroupID group, const dContact *contact );
+dWorldID dBodyGetWorld( dBodyID body );
+void dGeomPlaneGetParams( dGeomID plane, dVector4 result );
+dReal dGeomSphereGetRadius( dGeomID sphere );
+void dGeomBoxGetLengths( dGeomID box, dVector3 result );
+dBodyID dJointGetBody( dJointID joint, int index );
+void dBodyVectorToWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyVectorFromWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetRelPointPos( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetPointVel( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );"""
 CTYPES = {
     "void": "void",
     "int": "int",
@@ -89,6 +122,12 @@ def ode_header() -> str:
         "",
         TYPES,
     ]
+    for name in STRUCTS:
+        lines += [*_struct(name), ""]
+    modes = [
+        f"  dContact{MODES.get(name, name.title())} = {int(mode):#x}," for name, mode in ContactMode.__members__.items()
+    ]
+    lines += [CALLBACK, "", "enum", "{", *modes, "};", ""]
     lines += ["#define dInfinity HUGE_VAL", "", "enum", "{", *parameters, "};", "", "enum", "{", *kinds, "};", ""]
     lines += [
         "#ifdef __cplusplus",
@@ -96,6 +135,7 @@ def ode_header() -> str:
         "#endif",
         "",
         *_functions(),
+        MORE,
         "",
         "#ifdef __cplusplus",
         "}",
@@ -105,6 +145,11 @@ def ode_header() -> str:
     return "\n".join([*lines, "#endif", "", "#endif"]) + "\n"
 
 
+def _struct(name: str) -> list[str]:
+    fields = [f"  {FIELDS[kind].format(field)}" for field, kind in getattr(types, name)._fields_]
+    return [f"typedef struct d{name}", "{", *fields, f"}} d{name};"]
+
+
 def _functions() -> list[str]:
     found = []
     for line in PROTOTYPES.splitlines():
@@ -112,6 +157,8 @@ def _functions() -> list[str]:
         if match is None:
             continue
         result, name, arguments = match.groups()
+        if f" {name}(" in MORE:
+            continue
         words = [word.strip() for word in arguments.split(",") if word.strip()]
         if not set(words) | {result} <= set(CTYPES):
             continue

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import gc
 import logging
-import os
 import re
-import shutil
-import tempfile
 from ctypes import c_char_p, c_double, c_int, c_long, c_size_t, c_void_p
 from pathlib import Path
 from typing import Any
 
 from libgz.cxx.headers import mark
-from libgz.cxx.host import install
+from libgz.cxx.host import install, loading
 from libgz.cxx.model import CxxModel
 from libgz.cxx.objects import running
+from libgz.cxx.shared_object import SharedObject
 from libgz.cxx.table import table
 from libgz.errors import PluginError
 from libgz.files import read_limited
@@ -27,8 +26,6 @@ __all__ = ["CxxPlugin", "is_plugin", "load"]
 log = logging.getLogger("libgz.plugin")
 
 MARK = re.compile(rb"libgz C\+\+ plugin: ([^;\0]{1,80});")
-UNDEFINED = re.compile(r"undefined symbol: (\w+)")
-RENDERING = re.compile(r"gl[A-Z]\w*|glu\w+|glut\w+|X[A-Z]\w+")  # functions of OpenGL and X, which models never call
 DONE, RETURNED, FAILED, THREW = range(4)  # as in ModelFactory.hh
 LONGEST = 1024  # of the description of an exception
 
@@ -55,15 +52,16 @@ def is_plugin(path: Path) -> bool:
 
 
 class CxxPlugin:
-    """A loaded file.
+    """A loaded file, in memory as long as this object.
 
     Args:
         path: where it was found.
-        library: the shared object.
+        shared: the shared object.
     """
 
-    def __init__(self, path: Path, library: ctypes.CDLL) -> None:
-        self.path = path
+    def __init__(self, path: Path, shared: SharedObject) -> None:
+        self.path, self.shared = path, shared
+        library = shared.library
         text = [c_char_p, c_size_t]
         kinds: dict[str, list[Any]] = {
             "create": [c_void_p, c_void_p, c_char_p, c_void_p, *text],
@@ -84,6 +82,11 @@ class CxxPlugin:
         self.fields, self.on_heap = functions["fields"], functions["on_heap"]
         self.wire = c_int.in_dll(library, "libgz_plugin_wire").value
         self.text = ctypes.create_string_buffer(LONGEST)
+
+    def model_class(self, name: str, function: int) -> type[CxxModel]:
+        """The class of the models that a function of the plugin creates."""
+        values = {"plugin": self, "create": function, "not_kept": NOT_KEPT.format(self.path), "__module__": "C++"}
+        return type(name, (CxxModel,), values)
 
     def create(self, function: int, world: int, label: bytes) -> int:
         """Create a model by a function that the plugin registered; `world` is the C++ object."""
@@ -155,13 +158,17 @@ def load(path: Path) -> Plugin:
         )
     install()
     ctypes.CDLL(ode().path, mode=ctypes.RTLD_GLOBAL)  # the same library again: plugins may call ODE themselves
-    library = _open(path, again=known is not None)
-    library["libgz_plugin_bind"](table())
-    cxx = CxxPlugin(path, library)
+    if _loaded.pop(path, None) is not None:
+        gc.collect()  # which unloads the old version, unless a world uses it
+    table()
+    with loading(path):
+        shared = SharedObject(path)
+        registered = _registered(path, shared.library)
+    if shared.renders_with is not None:
+        log.info("plugin %s renders with %s: its Render is never called", path, shared.renders_with)
+    cxx = CxxPlugin(path, shared)
     plugin = Plugin(path, edited=edited)
-    for name, function in _registered(path, library):
-        values = {"plugin": cxx, "create": function, "not_kept": NOT_KEPT.format(path), "__module__": "C++"}
-        plugin.registered.append((name, type(name, (CxxModel,), values)))
+    plugin.registered = [(name, cxx.model_class(name, function)) for name, function in registered]
     _loaded[path] = edited, plugin
     return plugin
 
@@ -193,30 +200,3 @@ def _registered(path: Path, library: ctypes.CDLL) -> list[tuple[str, int]]:
             f"plugin {path} registers nothing; its gazebo_plugin_init must call ModelFactory::RegisterModel"
         )
     return found
-
-
-def _open(path: Path, again: bool) -> ctypes.CDLL:
-    """The shared object of a file. The dynamic linker knows files by their names: a changed one is loaded as a copy."""
-    if not again:
-        return _linked(path, path)
-    descriptor, name = tempfile.mkstemp(prefix=f"{path.stem}-", suffix=".so")
-    os.close(descriptor)
-    try:
-        shutil.copyfile(path, name)
-        return _linked(Path(name), path)
-    finally:
-        Path(name).unlink()
-
-
-def _linked(file: Path, path: Path) -> ctypes.CDLL:
-    try:
-        return ctypes.CDLL(str(file), mode=os.RTLD_NOW | os.RTLD_LOCAL)
-    except OSError as error:
-        missing = UNDEFINED.search(str(error))
-        if missing is not None and RENDERING.fullmatch(missing[1]):
-            log.info("plugin %s renders with %s: its Render is never called", path, missing[1])
-            return ctypes.CDLL(str(file), mode=os.RTLD_LAZY | os.RTLD_LOCAL)
-        reason = str(error).replace(f"{file}: ", "")
-        if missing is not None:
-            reason = f"nothing defines {missing[1]}; link the file or library that does"
-        raise PluginError(f"error loading plugin: {path}: {reason}") from None

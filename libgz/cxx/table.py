@@ -9,7 +9,7 @@ from typing import Any
 
 from libgz.cxx import forwards
 from libgz.cxx.headers import PARTS, Function, Parameter, functions
-from libgz.cxx.host import fail, frames_address
+from libgz.cxx.host import ended_address, fail, frames_address, offer
 from libgz.cxx.objects import OBJECTS, current, known, running
 from libgz.errors import ClosedError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
@@ -153,9 +153,12 @@ def _own(function: Function) -> list[str]:
 
 @cache
 def table() -> Any:
-    """The table; one for the process."""
+    """The table, one for the process; plugins that are loaded later find it."""
     thunks = [_thunk(function) for function in functions()]
     addresses = [ctypes.cast(thunk, c_void_p).value for thunk in thunks]
-    result: Any = (c_void_p * (2 + len(addresses)))(8 * (2 + len(addresses)), frames_address(), *addresses)
+    first = (frames_address(), ended_address())
+    count = 1 + len(first) + len(addresses)
+    result: Any = (c_void_p * count)(8 * count, *first, *addresses)
     result.thunks = thunks  # which live as long
+    offer(result)
     return result

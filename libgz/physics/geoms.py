@@ -19,6 +19,7 @@ from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negativ
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
 from libgz.physics.meshes import Mesh, vertex_normals
+from libgz.physics.outlines import extrude
 from libgz.physics.skeletons import SkinPart, turn_matrices
 from libgz.physics.space import Space
 
@@ -31,6 +32,7 @@ __all__ = [
     "HeightfieldGeom",
     "LightGeom",
     "PlaneGeom",
+    "PrismGeom",
     "RayGeom",
     "SkinGeom",
     "SphereGeom",
@@ -278,6 +280,24 @@ class TriMeshGeom(Geom):
         self.normals = self.texture_coordinates = self.colors = None
         self._mesh = self._first_mesh = None
         self._ode_vertices = self._ode_triangles = None
+
+
+class PrismGeom(TriMeshGeom):
+    """An upright prism, such as a piece of wall.
+
+    Args:
+        outline: corners of its base, in order, at z = 0 [m], shape (n, 2).
+        height: along z [m].
+
+    Raises:
+        ParameterError: the outline spans no area or crosses itself, or the height is not positive.
+    """
+
+    def __init__(self, body: Body, space: Space | None, outline: ArrayLike, height: float) -> None:
+        corners = table(outline, 2, "corners")
+        finite_tuple(corners.ravel(), corners.size, "corners [m]", LARGEST)
+        super().__init__(body, space, *extrude([corners], positive(height, "prism height [m]")))
+        self._mass = self.volume_mass = mass_.solid_mass(self.vertices, self.triangles)
 
 
 class SkinGeom(TriMeshGeom):

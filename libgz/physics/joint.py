@@ -60,10 +60,18 @@ class JointGroup:
 
     def __init__(self) -> None:
         self._joints: list[Joint] = []
+        self._native: int | None = None
 
     def GetGroupId(self) -> JointGroup:
         """The group itself."""
         return self
+
+    @property
+    def native(self) -> int:
+        """ODE's own group, for joints that a plugin makes with functions of ODE."""
+        if self._native is None:
+            self._native = int(ode().dJointGroupCreate(0))
+        return self._native
 
     def add(self, joint: Joint) -> None:
         """Add a joint to the group."""
@@ -74,6 +82,15 @@ class JointGroup:
         for joint in self._joints:
             joint.close()
         self._joints.clear()
+        if self._native is not None:
+            ode().dJointGroupEmpty(self._native)
+
+    def close(self) -> None:
+        """Destroy all joints of the group, and ODE's group."""
+        self.Empty()
+        if self._native is not None:
+            ode().dJointGroupDestroy(self._native)
+            self._native = None
 
 
 class Joint:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzHomoFromQuatern, GzPose
@@ -22,6 +24,7 @@ __all__ = [
     "moved",
     "positive_definite",
     "scaled",
+    "solid_mass",
     "sphere_mass",
     "sum_masses",
 ]
@@ -58,6 +61,24 @@ def capsule_mass(radius: float, length: float, density: float = 1.0) -> Mass:
     """A solid capsule along z; `length` is that of its cylinder [m]."""
     mass = Mass()
     ode().dMassSetCapsule(_address(mass), density, _ALONG_Z, radius, length)
+    return mass
+
+
+def solid_mass(vertices: NDArray[np.float64], triangles: NDArray[Any], density: float = 1.0) -> Mass:
+    """A solid whose surface is a closed triangle mesh, seen from the origin of its vertices.
+
+    Sums over the tetrahedra of the triangles with the origin (Blow and Binstock, 2004).
+    """
+    a, b, c = (vertices[triangles[:, i]] for i in range(3))
+    volumes = np.einsum("ni,ni->n", a, np.cross(b, c)) / 6.0
+    total = a + b + c
+    centre = np.einsum("n,ni->i", volumes, total) / 4.0
+    square = sum(np.einsum("n,ni,nj->ij", volumes, p, p) for p in (a, b, c, total)) / 20.0
+    inertia = density * (np.trace(square) * np.eye(3) - square)
+    kilograms = density * float(volumes.sum())
+    mass = Mass()
+    moments = (inertia[0, 0], inertia[1, 1], inertia[2, 2], inertia[0, 1], inertia[0, 2], inertia[1, 2])
+    ode().dMassSetParameters(_address(mass), kilograms, *(density * centre / kilograms), *moments)
     return mass
 
 

@@ -23,9 +23,10 @@ import pickle
 import random
 from collections import deque
 from collections.abc import Callable, Sequence
-from functools import cache
+from functools import wraps
 from operator import attrgetter
 from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -34,6 +35,7 @@ from libgz.errors import ParameterError
 __all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
 
 C = TypeVar("C", bound=Callable[..., Any])
+T = TypeVar("T")
 
 FORMAT = b"libgz state 1\n"  # at the start of encoded states
 
@@ -70,13 +72,27 @@ def plain(kind: C, of: type | None = None) -> C:
     return kind
 
 
-@cache
+def _once_a_class(function: Callable[[Any], T]) -> Callable[[Any], T]:
+    """Keep what a function returns for a class, as long as the class lives: those of plugins come and end."""
+    kept: WeakKeyDictionary[Any, T] = WeakKeyDictionary()
+
+    @wraps(function)
+    def kept_of(kind: Any) -> T:
+        try:
+            return kept[kind]
+        except KeyError:
+            return kept.setdefault(kind, function(kind))
+
+    return kept_of
+
+
+@_once_a_class
 def _names(kind: Any) -> tuple[str, ...]:
     """The attributes that a class and its bases declare, each once."""
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("STATE", ())))
 
 
-@cache
+@_once_a_class
 def _reader(kind: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]], bool]:
     """Those names, a function that reads their values of an object, and whether it has a SaveState."""
     names = _names(kind)
@@ -85,13 +101,13 @@ def _reader(kind: Any) -> tuple[tuple[str, ...], Callable[[Any], tuple[Any, ...]
     return names, (lambda thing: (read(thing),)) if one else read, hasattr(kind, "SaveState")
 
 
-@cache
+@_once_a_class
 def declares(kind: Any) -> bool:
     """Whether a class, or one of its bases, declares state."""
     return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
 
 
-@cache
+@_once_a_class
 def undeclared(kind: Any) -> bool:
     """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
     own = [base for base in kind.__mro__ if base is not object and not base.__module__.startswith("libgz.")]

@@ -24,6 +24,7 @@ from libgz import (
     LightGeom,
     PlaneGeom,
     PointSetGeom,
+    PrismGeom,
     RayGeom,
     RayProximity,
     RoadGeom,
@@ -52,6 +53,7 @@ MORE_HEADERS = "".join(
         "LightGeom",
         "PlaneGeom",
         "PointSetGeom",
+        "PrismGeom",
         "RayGeom",
         "RayProximity",
         "RoadGeom",
@@ -330,6 +332,10 @@ def geom(self, a, b, file, node):
   struct Own : public Geom { Own( Body *o, dSpaceID s, dMass *m ) : Geom( s ) { SetGeom( o, dCreateSphere( s, 0.1 ), m, true ); } };
   Own *own = new Own( b, this->modelSpaceId, &mass ); own->SetRelativePosition( V( 0, 0, 1 ) ); own->SetMass( 2 );
   P( own->GetBodyMassMatrix()->mass ); P( b->GetCoMPose() );
+  GzHomo turn = GzHomoFromQuatern( Q( 0, 0, 0.3 ) ); P( turn.m[1][0] );
+  GzVector outline[4] = { V( 0, 0, 9 ), V( 2, 0, 0 ), V( 1, 0.5, 0 ), V( 0, 2, 0 ) };
+  PrismGeom *prism = new PrismGeom( b, this->modelSpaceId, 4, outline, 0.5 ); prism->SetRelativeRotation( Q( 0.1, 0.2, 0.3 ) );
+  prism->SetMass( 3 ); for ( int i = 0; i < 12; i++ ) P( prism->GetBodyMassMatrix()->I[i] ); P( b->GetCoMPose() );
 """)
 def kinds(self, a, b, file, node):
     P, space = self.P, self.modelSpaceId
@@ -355,6 +361,12 @@ def kinds(self, a, b, file, node):
     own.SetMass(2)
     P(own.GetBodyMassMatrix().mass)
     P(b.GetCoMPose())
+    P(libgz.GzHomoFromQuatern(Q(0, 0, 0.3)).m[1][0])
+    prism = PrismGeom(b, space, [(0, 0), (2, 0), (1, 0.5), (0, 2)], 0.5)
+    prism.SetRelativeRotation(Q(0.1, 0.2, 0.3))
+    prism.SetMass(3)
+    P(tuple(prism.GetBodyMassMatrix().I))
+    P(b.GetCoMPose())
 
 
 @group("""
@@ -377,7 +389,7 @@ def kinds(self, a, b, file, node):
   dVector3 axis; s->GetAxis( axis ); P( axis[0] ); P( s->GetPosition() ); b->SetPosition( V( 0.7, 0.1, 1.2 ) ); P( s->GetPosition() );
   b->SetLinearVel( V( 0.5, 0, 0 ) ); P( s->GetPositionRate() ); s->SetSliderForce( 3 ); P( b->GetForce() );
   s->SetAnchor( V( 0, 0, 0 ) ); P( s->GetAnchor() ); s->SetParam( dParamHiStop, 2 ); P( s->GetParam( dParamHiStop ) );
-  group.Empty(); P( group.GetGroupId() == NULL );
+  group.Empty(); P( group.GetGroupId() != NULL );
 """)
 def joints(self, a, b, file, node):
     P = self.P
@@ -505,7 +517,7 @@ def worldfile(self, a, b, file, node):
   this->SetId( "renamed" ); P( this->GetId() ); this->SetName( "Other" ); P( this->GetName() );
   PRINT_MSG3( 0, "%s %d %g", "three", 2, 1.5 ); PRINT_WARN1( "warned %d", 1 ); GLContext context;
   P( context.Init( 10, 10, 8, 0, 8, "AUTO" ) ); P( context.MakeCurrent() ); GzImage image; P( image.Load( "/no/such.png" ) );
-  uint8_t rgb[3] = { 1, 2, 3 }; P( image.Set( 1, 1, rgb ) ); P( image.size ); P( image.data[2] ); P( image.format == GL_RGB );
+  uint8_t rgb[3] = { 1, 2, 3 }; P( image.Set( 1, 1, rgb ) ); P( image.size ); P( image.components ); P( image.data[2] ); P( image.format == GL_RGB );
   P( ModelFactory::NewModel( this->world, "NoSuchModel" ) == NULL );
 """)
 def model(self, a, b, file, node):
@@ -515,7 +527,7 @@ def model(self, a, b, file, node):
     self.SetPose(GzPose(V(1, 2, 3), Q(0, 0, 1)))
     for value in (self.GetPose(), b.GetPose(), 1, a.GetCoMPose().pos, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 0, 0, 0.25):
         P(value)
-    for value in (V(0, 0, 0), 0, 1, 0, "renamed", "Other", 0, 0, -1, 0, 3, 3, 1, 1):
+    for value in (V(0, 0, 0), 0, 1, 0, "renamed", "Other", 0, 0, -1, 0, 3, 3, 3, 1, 1):
         P(value)
 
 

@@ -1,10 +1,13 @@
 """C++ plugins in worlds: how they are found, loaded, called and ended, and how their errors are reported."""
 
+import gc
 import logging
+import os
 import re
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from cxx_plugins import MODEL, compiled, load, needs_cxx, source, world_text
@@ -32,10 +35,51 @@ GZ_REGISTER_PLUGIN("NAME", NAME)
 """
 
 
+# What the models of one plugin do, by the attribute `case`: method -> code. It is compiled once for all tests.
+CASES = {}
+
+
+def case(name, **code):
+    """Add a case; returns its name."""
+    assert name not in CASES
+    CASES[name] = code
+    return name
+
+
+def code_of(method):
+    """What all cases do in a method."""
+    return "".join(
+        f'if ( this->kind == "{name}" ) {{ {code[method]} }}\n' for name, code in CASES.items() if method in code
+    )
+
+
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory):
-    """A compiled plugin without code of its own."""
-    return compiled(tmp_path_factory.mktemp("plain"))
+    """A compiled plugin, which does nothing without a case."""
+    load_ = f'this->kind = node->GetString( "case", "" ); this->out = node->GetString( "out", "" ); {code_of("load")}'
+    text = source(load=load_, init=code_of("init"), update=code_of("update"), fini=code_of("fini"))
+    text = text.replace("public: int steps;", "public: int steps; std::string kind, out; gz_position_t *iface;")
+    includes = "#include <stdexcept>\n#include <string>\n#include <gazebo/Camera.hh>\n"
+    return compiled(tmp_path_factory.mktemp("plain"), text=includes + text)
+
+
+@pytest.fixture(autouse=True)
+def handles():
+    """The handles before a test, such as those of objects at file scope; it leaves no others."""
+    before = set(OBJECTS)
+    yield before
+    assert set(OBJECTS) <= before
+
+
+@pytest.fixture
+def world_of(tmp_path, plain):
+    """Loads a world of models of that plugin, by their cases."""
+
+    def load_cases(*cases, more="", **options):
+        shutil.copy(plain, tmp_path)
+        return load(tmp_path, *(("Tester", f"<case>{name}</case>{more}") for name in cases), **options)
+
+    return load_cases
 
 
 def test_a_shared_object_comes_before_a_python_file(tmp_path, plain, caplog):
@@ -77,16 +121,6 @@ def test_only_a_source_is_explained(tmp_path):
         load(tmp_path, "Tester")
 
 
-def test_a_rebuilt_file_is_used_by_worlds_loaded_later(tmp_path):
-    compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 1, 0, 0 ), GzQuaternIdent() ) );")
-    with load(tmp_path, "Tester") as first:
-        compiled(tmp_path, update="this->SetPose( GzPoseSet( GzVectorSet( 2, 0, 0 ), GzQuaternIdent() ) );")
-        with load(tmp_path, "Tester") as second:
-            for world in (first, second):
-                world.step()
-            assert (first.models[0].GetPose().pos.x, second.models[0].GetPose().pos.x) == (1.0, 2.0)
-
-
 ERRORS = {
     'throw std::runtime_error( "no battery" );': "Load of model 'm0' threw std::runtime_error: no battery",
     "throw 7;": "Load of model 'm0' threw int",
@@ -100,40 +134,35 @@ ERRORS = {
 }
 
 
-@pytest.fixture(scope="module")
-def failing(tmp_path_factory):
-    """A plugin that fails in the way that the attribute `case` names."""
-    codes = list(enumerate(ERRORS))
-    load_ = "".join(f"case {i}: {{ {code} break; }}\n" for i, code in codes if not code.startswith("INIT"))
-    init = "".join(f"case {i}: {{ {code[5:]} break; }}\n" for i, code in codes if code.startswith("INIT"))
-    switch = 'switch ( node->GetInt( "case", -1 ) ) {{ {} }}'
-    text = source(load=switch.format(load_), init=switch.format(init))
-    return compiled(tmp_path_factory.mktemp("failing"), text="#include <stdexcept>\n" + text)
+for number, (code, _message) in enumerate(ERRORS.items()):
+    case(f"error {number}", **({"init": code[5:]} if code.startswith("INIT") else {"load": code}))
 
 
-@pytest.mark.parametrize("case", range(len(ERRORS)))
-def test_errors_name_plugin_method_and_model(tmp_path, failing, case):
-    shutil.copy(failing, tmp_path)
+@pytest.mark.parametrize("number", range(len(ERRORS)))
+def test_errors_name_plugin_method_and_model(tmp_path, world_of, number):
     with pytest.raises((WorldFileError, PluginError)) as caught:
-        load(tmp_path, ("Tester", f"<case>{case}</case>"))
-    message = list(ERRORS.values())[case]
+        world_of(f"error {number}")
+    message = list(ERRORS.values())[number]
     assert re.search(f"plugin {re.escape(str(tmp_path))}/Tester.so: {message}", str(caught.value))
-    assert not OBJECTS
 
 
-def test_an_error_in_update_stops_the_model(tmp_path, caplog):
-    compiled(tmp_path, update="if ( this->steps == 3 ) this->body->SetLinearVel( GzVectorSet( 0, 0, NAN ) );")
-    with load(tmp_path, "Tester", "Tester") as world:
+NAN = case("NaN", update="if ( this->steps == 3 ) this->body->SetLinearVel( GzVectorSet( 0, 0, NAN ) );")
+
+
+def test_an_error_in_update_stops_the_model(tmp_path, world_of, caplog):
+    with world_of(NAN, NAN) as world:
         world.step(5)
         assert "Update of model 'm0': linear velocity [m/s]" in str(world.models[0].error)
     assert "model 'm0' stopped, its motors off" in caplog.text
     assert f"plugin {tmp_path}/Tester.so: Update of model 'm1'" in caplog.text
 
 
-def test_objects_are_destroyed_when_an_exception_passes(tmp_path):
-    marker = "struct Note { Geom *geom; ~Note() { geom->SetFiducial( 5 ); } } note = { geom };"
-    compiled(tmp_path, update=f"Geom *geom = this->body->GetGeoms()[0]; {marker} geom->SetMass( -1 );")
-    with load(tmp_path, "Tester") as world:
+MARKER = "struct Note { Geom *geom; ~Note() { geom->SetFiducial( 5 ); } } note = { geom };"
+MARKS = case("marks", update=f"Geom *geom = this->body->GetGeoms()[0]; {MARKER} geom->SetMass( -1 );")
+
+
+def test_objects_are_destroyed_when_an_exception_passes(world_of):
+    with world_of(MARKS) as world:
         world.step()
         assert world.models[0].GetBody().geoms[0].GetFiducial() == 5
 
@@ -170,17 +199,18 @@ def test_two_plugins_with_several_instances_and_python_models(tmp_path):
         world.DeleteModel("m0")
         world.step(10)
         assert len(world.models) == 5
-    assert not OBJECTS
 
 
-def test_the_parent_and_children(tmp_path):
-    code = (
-        'if ( this->parent == NULL || this->parentBody == NULL || strcmp( this->parent->GetId(), "base" ) ) return -1;'
-    )
-    compiled(
-        tmp_path, init=f"{code} if ( this->joint == NULL || this->parent->GetBody() != this->parentBody ) return -2;"
-    )
-    text = world_text(("Tester", "<xyz>0 0 1</xyz>")).replace(
+CHILD = case(
+    "child",
+    init='if ( this->parent == NULL || this->parentBody == NULL || strcmp( this->parent->GetId(), "base" ) ) return -1;'
+    "if ( this->joint == NULL || this->parent->GetBody() != this->parentBody ) return -2;",
+)
+
+
+def test_the_parent_and_children(tmp_path, plain):
+    shutil.copy(plain, tmp_path)
+    text = world_text(("Tester", "<case>child</case><xyz>0 0 1</xyz>")).replace(
         "<model:Tester>", "<model:SimpleSolid><id>base</id><shape>box</shape><model:Tester>", 1
     )
     (tmp_path / "w.world").write_text(text.replace("</model:Tester>", "</model:Tester></model:SimpleSolid>"))
@@ -218,7 +248,7 @@ CRASHES = {
     "null": ("*(volatile int *) 0 = 1;", "SIGSEGV", -11),
     "abort": ("abort();", "SIGABRT", -6),
     "recursion": (
-        "this->steps--; volatile char pad[1000]; pad[0] = 1; this->Update( step + 1 ); pad[1] = pad[0];",
+        "this->steps = 3; volatile char pad[1000]; pad[0] = 1; this->Update( step + 1 ); pad[1] = pad[0];",
         "SIGSEGV",
         -11,
     ),
@@ -226,47 +256,67 @@ CRASHES = {
 }
 
 
+for name, (code, _what, _exit) in CRASHES.items():
+    case(name, update=f"if ( this->steps == 4 ) {{ {code} }}")
+
+# One process that forks for each world, as a start of Python takes most of the time.
+CRASHING = """
+import os, sys, libgz
+from libgz.cxx import model, plugin
+for path in sys.argv[1:]:
+    output = os.open(path + ".err", os.O_CREAT | os.O_WRONLY)
+    child = os.fork()
+    if child == 0:
+        os.dup2(output, 2)
+        with libgz.World.from_file(path) as world:
+            world.step(50)
+            if "elsewhere" in path:
+                import ctypes
+                ctypes.string_at(0)
+        os._exit(0)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+
+
 @pytest.fixture(scope="module")
-def crashing(tmp_path_factory):
-    """A plugin that crashes in the way that the attribute `case` names."""
-    cases = "".join(f"case {i}: {{ {code} break; }}\n" for i, (code, _, _) in enumerate(CRASHES.values()))
-    text = source(
-        load='this->steps = 100 * node->GetInt( "case", 0 );', update=f"switch ( this->steps - 4 ) {{ {cases} }}"
-    )
-    return compiled(
-        tmp_path_factory.mktemp("crashing"),
-        text=text.replace("this->steps - 4", "this->steps % 100 < 4 ? -1 : this->steps / 100"),
-    )
+def crashes(tmp_path_factory, plain):
+    """What each case printed, and its exit code; and the plugin's path."""
+    folder = tmp_path_factory.mktemp("crashes")
+    path = shutil.copy(plain, folder)
+    worlds = [folder / f"{name}.world" for name in (*CRASHES, "elsewhere")]
+    for world in worlds:
+        world.write_text(world_text(("Tester", f"<case>{world.stem}</case>")))
+    command = [sys.executable, "-c", CRASHING, *map(str, worlds)]
+    environment = {**os.environ, "TMPDIR": str(folder)}  # where crashes leave files
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False, env=environment)
+    copies = [path.name for path in folder.iterdir() if path.is_dir()]
+    assert len(copies) <= 1, copies  # that of the last one: each one removes what the one before left
+    errors = [world.with_name(f"{world.name}.err").read_text() for world in worlds]
+    codes = [int(line) for line in done.stdout.split()]
+    return dict(zip((*CRASHES, "elsewhere"), zip(errors, codes, strict=True), strict=True)), path
 
 
-@pytest.mark.parametrize("case", range(len(CRASHES)), ids=list(CRASHES))
-def test_the_last_line_after_a_crash_names_plugin_and_method(tmp_path, crashing, case):
-    (tmp_path / "w.world").write_text(world_text(("Tester", f"<case>{case}</case>")))
-    path = shutil.copy(crashing, tmp_path)
-    code = f"import libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world: world.step(50)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
-    _, what, exit_code = list(CRASHES.values())[case]
-    last = done.stderr.strip().splitlines()[-1]
+@pytest.mark.parametrize("name", CRASHES)
+def test_the_last_line_after_a_crash_names_plugin_and_method(crashes, name):
+    (errors, code), path = crashes[0][name], crashes[1]
+    _, what, exit_code = CRASHES[name]
+    last = errors.strip().splitlines()[-1]
     assert last.startswith(f"error   : {what} in Update of model 'm0', plugin {path}")
-    assert done.returncode == exit_code
+    assert code == exit_code
 
 
-def test_a_crash_elsewhere_names_no_plugin(tmp_path, plain):
-    shutil.copy(plain, tmp_path)
-    (tmp_path / "w.world").write_text(world_text("Tester"))
-    code = (
-        f"import ctypes, libgz\nwith libgz.World.from_file({str(tmp_path / 'w.world')!r}) as world:\n"
-        "    world.step(10)\n    ctypes.string_at(0)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
-    assert done.returncode == -11
-    assert "plugin" not in done.stderr
+def test_a_crash_elsewhere_names_no_plugin(crashes):
+    errors, code = crashes[0]["elsewhere"]
+    assert code == -11
+    assert "plugin" not in errors
 
 
-def test_messages_have_the_place_in_the_source(tmp_path, caplog):
+MESSAGES = case("messages", load='PRINT_ERR1( "bad %d", 3 ); PRINT_MSG0( 5, "detail" );')
+
+
+def test_messages_have_the_place_in_the_source(world_of, caplog):
     caplog.set_level(logging.DEBUG)
-    compiled(tmp_path, load='PRINT_ERR1( "bad %d", 3 ); PRINT_MSG0( 5, "detail" );')
-    load(tmp_path, "Tester").close()
+    world_of(MESSAGES).close()
     records = {record.getMessage(): record for record in caplog.records if record.name == "libgz.plugin"}
     assert (records["bad 3"].levelno, records["detail"].levelno) == (logging.ERROR, logging.DEBUG)
     assert records["bad 3"].filename == "Tester.cc"
@@ -278,10 +328,11 @@ CAMERA = """
   Camera camera( this->world );
   if ( camera.Init( 64, 48, 1.0, 0.1, 20, "GLX", 24 ) != 0 ) return;
   camera.SetPose( GzPoseSet( GzVectorSet( -2, 0, 0.5 ), GzQuaternIdent() ) );
-  camera.SetSavePath( "SAVED" ); camera.EnableSaveFrame( true );
+  camera.SetSavePath( ( this->out + "/saved" ).c_str() ); camera.EnableSaveFrame( true );
   camera.Update(); camera.GetImageSize( &width, &height );
   const unsigned char *image = camera.GetImageData();
-  FILE *out = fopen( "OUT", "wb" ); fwrite( image, 3, width * height, out ); fclose( out );
+  FILE *file = fopen( ( this->out + "/image.raw" ).c_str(), "wb" );
+  fwrite( image, 3, width * height, file ); fclose( file );
   double z = camera.GetZValue( 32, 10 );
   GzPose moved = camera.CalcCameraDelta( 0, GzVectorSet( 10, 10, 0.5 ), GzVectorSet( 10, 10, 0.5 ) );
   this->world->simSpeed = z; this->world->fogDensity = GzVectorMag( moved.pos ) + 1;
@@ -289,13 +340,16 @@ CAMERA = """
 """
 
 
-def test_a_camera_s_image_has_its_bottom_row_first(tmp_path):
-    code = CAMERA.replace("SAVED", str(tmp_path / "saved")).replace("OUT", str(tmp_path / "image.raw"))
-    compiled(tmp_path, text="#include <gazebo/Camera.hh>\n" + source(update=code))
+case("camera", update=CAMERA)
+
+
+def test_a_camera_s_image_has_its_bottom_row_first(tmp_path, plain):
+    shutil.copy(plain, tmp_path)
     path = tmp_path / "w.world"
     ground = "<model:GroundPlane><id>g</id><color>0 1 0</color></model:GroundPlane>"
+    more = f"<case>camera</case><out>{tmp_path}</out><xyz>5 5 5</xyz>"
     light = "<model:LightSource><id>l</id><xyz>0 0 5</xyz></model:LightSource>"
-    path.write_text(world_text(("Tester", "<xyz>5 5 5</xyz>")).replace("</gz:world>", f"{ground}{light}</gz:world>"))
+    path.write_text(world_text(("Tester", more)).replace("</gz:world>", f"{ground}{light}</gz:world>"))
     with libgz.World.from_file(path) as world:
         world.step(3)
         assert 0.9 < world.simSpeed <= 1.0
@@ -324,19 +378,11 @@ INTERFACE_UPDATE = """
 INTERFACE_FINI = "gz_position_destroy( this->iface ); gz_position_free( this->iface );"
 
 
-@pytest.fixture(scope="module")
-def serving(tmp_path_factory):
-    """A plugin that serves a position interface."""
-    text = source(init=INTERFACE_INIT, update=INTERFACE_UPDATE, fini=INTERFACE_FINI)
-    return compiled(
-        tmp_path_factory.mktemp("serving"),
-        text=text.replace("public: int steps;", "public: int steps; gz_position_t *iface;"),
-    )
+SERVES = case("serves", init=INTERFACE_INIT, update=INTERFACE_UPDATE, fini=INTERFACE_FINI)
 
 
-def test_interfaces_are_those_of_the_world(tmp_path, serving, capfd):
-    shutil.copy(serving, tmp_path)
-    with load(tmp_path, "Tester") as world:
+def test_interfaces_are_those_of_the_world(world_of, capfd):
+    with world_of(SERVES) as world:
         robot = world.interface("position", "m0")
         assert robot.data.head.model_id == world.models[0].GetIntId()
         assert robot.data.head.model_type == b"Tester"
@@ -348,9 +394,8 @@ def test_interfaces_are_those_of_the_world(tmp_path, serving, capfd):
     assert "invalid id [a.b]" in capfd.readouterr().err
 
 
-def test_clients_reach_them(tmp_path, serving, wire):
-    shutil.copy(serving, tmp_path)
-    with load(tmp_path, "Tester", server_id=wire) as world, libgz.Client(wire) as client:
+def test_clients_reach_them(world_of, wire):
+    with world_of(SERVES, server_id=wire) as world, libgz.Client(wire) as client:
         robot = client.position("m0")
         robot.command(vx=0.25)
         world.step(4)
@@ -359,9 +404,8 @@ def test_clients_reach_them(tmp_path, serving, wire):
 
 
 @pytest.mark.parametrize("abi", ["x86_64", "i386"])
-def test_plugins_serve_32_bit_clients(tmp_path, serving, abi):
-    shutil.copy(serving, tmp_path)
-    with load(tmp_path, "Tester", abi=abi) as world:
+def test_plugins_serve_32_bit_clients(world_of, abi):
+    with world_of(SERVES, abi=abi) as world:
         robot = world.interface("position", "m0")
         assert robot.size == {"x86_64": 312, "i386": 304}[abi]
         robot.command(vx=0.5)
@@ -372,20 +416,85 @@ def test_plugins_serve_32_bit_clients(tmp_path, serving, abi):
         assert robot.pose[0] == 3.0
 
 
-def test_another_version_of_the_structs_is_refused(tmp_path, capfd):
+@pytest.fixture(scope="module")
+def older(tmp_path_factory):
+    """A plugin of the same name, compiled for interfaces of version 0x050."""
     text = source(init=INTERFACE_INIT.replace("position", "truth").partition("if ( gz_truth_create( gz_truth")[0])
     text = text.replace("public: int steps;", "public: int steps; gz_truth_t *iface;")
-    compiled(tmp_path, text=text)
-    load(tmp_path, "Tester", wire_version=0x060).close()
+    return compiled(tmp_path_factory.mktemp("older"), text="#define LIBGAZEBO_VERSION 0x050\n" + text)
+
+
+def test_another_version_of_the_structs_is_refused(tmp_path, older, capfd):
+    shutil.copy(older, tmp_path)
     with pytest.raises(PluginError, match="Init of model 'm0' returned -1"):
-        load(tmp_path, "Tester", wire_version=0x050)
+        load(tmp_path, "Tester")
     assert (
-        "truth of version 0x060, and the server's interfaces are of 0x050; compile it with -DLIBGAZEBO_VERSION=0x050"
+        "truth of version 0x050, and the server's interfaces are of 0x060; compile it with -DLIBGAZEBO_VERSION=0x060"
         in (capfd.readouterr().err)
     )
-    compiled(tmp_path, text="#define LIBGAZEBO_VERSION 0x050\n" + text)
     with load(tmp_path, "Tester", wire_version=0x050) as world:
         assert world.interface("truth", "m0").size == 264
+
+
+def loaded_files():
+    """The files of plugins in this process's memory."""
+    return {line.split()[5] for line in Path("/proc/self/maps").read_text().splitlines() if "libgz-plugin" in line}
+
+
+@pytest.mark.parametrize("way", ["new file", "in place"])
+def test_a_rebuilt_file_is_used_by_worlds_loaded_later(tmp_path, plain, older, way):
+    shutil.copy(plain, tmp_path)
+    before = loaded_files()
+    with load(tmp_path, ("Tester", "<case>serves</case>")) as first:
+        # The worlds of the old version run on.
+        if way == "new file":
+            Path(shutil.copy(older, tmp_path / "next.so")).replace(tmp_path / "Tester.so")
+        else:
+            shutil.copy(older, tmp_path)
+        with load(tmp_path, "Tester", wire_version=0x050) as second:
+            for world in (first, second):
+                world.step(4)
+            assert ("position", "m0") in first.gz_server.interfaces
+            assert ("truth", "m0") in second.gz_server.interfaces
+        assert len(loaded_files() - before) == 2
+    del first, second, world
+    shutil.copy(plain, tmp_path)
+    load(tmp_path, "Tester").close()
+    gc.collect()
+    assert len(loaded_files() - before) == 1  # what no world uses was unloaded
+
+
+STATIC = """
+struct Note { Note() : left( NULL ) {} ~Note() { if ( left ) fputs( left, stderr ); } const char *left; };
+static Note note; // destroyed when the file is unloaded, or at the end
+static WorldFile own; // made before there is any model
+inline int counted() { static int count = 0; return ++count; } // one for each file, not for the process
+"""
+
+
+def test_objects_at_file_scope(tmp_path):
+    text = (
+        "#include <gazebo.h>\n#include <gazebo/WorldFile.hh>\n"
+        + STATIC
+        + source(
+            load='note.left = "end"; own.LoadString( "<a><b>3</b></a>" );'
+            'this->steps = own.GetRootNode()->GetInt( "b", 0 );',
+            update="this->world->fogDensity = this->steps + counted();",
+        )
+    )
+    first = compiled(tmp_path, text=text)
+    (tmp_path / "other").mkdir()
+    shutil.copy(first, tmp_path / "other")
+    code = (
+        f"import sys\nsys.path.insert(0, {str(Path(__file__).parents[1])!r})\n"
+        "from pathlib import Path\nfrom cxx_plugins import load\n"
+        f"for folder in ({str(tmp_path)!r}, {str(tmp_path / 'other')!r}):\n"
+        "    with load(Path(folder), 'Tester') as world:\n"
+        "        world.step()\n        print(world.fogDensity)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=300, check=False)
+    assert (done.returncode, done.stdout) == (0, "5.0\n5.0\n"), done.stderr
+    assert done.stderr.endswith("endend")
 
 
 def test_the_model_template_has_no_leftovers():
@@ -394,14 +503,18 @@ def test_the_model_template_has_no_leftovers():
 
 
 @pytest.mark.trial
-def test_a_thousand_loads_leave_nothing(tmp_path, serving):
+@pytest.mark.parametrize(("way", "count"), [("the same file", 1000), ("rebuilt files", 300)])
+def test_a_thousand_loads_leave_nothing(tmp_path, plain, way, count, handles):
     resource = pytest.importorskip("resource")
-    shutil.copy(serving, tmp_path)
+    shutil.copy(plain, tmp_path)
     sizes = []
-    for i in range(1000):
-        with load(tmp_path, "Tester", "Tester") as world:
+    for i in range(count):
+        if way == "rebuilt files":
+            os.utime(tmp_path / "Tester.so", ns=(i, i))
+        with load(tmp_path, ("Tester", "<case>serves</case>"), "Tester") as world:
             world.step(2)
-        assert not OBJECTS
-        if i in (200, 999):
+        assert set(OBJECTS) <= handles
+        if i in (count // 5, count - 1):
             sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
     assert sizes[1] - sizes[0] < 4096  # [kB]
+    assert len(loaded_files()) < 10

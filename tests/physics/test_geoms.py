@@ -1,5 +1,7 @@
 """Geoms: the masses they make, how they touch, and where rays find them."""
 
+import math
+
 import numpy as np
 import pytest
 from engine_parts import box, cylinder, ground, solid
@@ -163,3 +165,23 @@ def test_a_space_closes_with_its_parts():
     engine.step()
     assert engine.contact_count == 0
     engine.close()
+
+
+def test_a_prism_has_the_mass_of_its_volume():
+    with libgz.World() as world:
+        body = Body(world)
+        corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 0.5), (-1.0, 0.5)]
+        prism = libgz.PrismGeom(body, None, corners, 3.0)
+        box = libgz.BoxGeom(body, None, 2.0, 0.5, 3.0)
+        box.SetRelativePosition((0.0, 0.25, 1.5))
+        for geom in (prism, box):
+            geom.SetMass(6.0)
+        one, other = prism.GetBodyMassMatrix(), box.GetBodyMassMatrix()
+        assert [one.mass, *one.c, *one.I] == pytest.approx([other.mass, *other.c, *other.I])
+        # An L, whose notch has no mass; its corners may go either way round.
+        notched = [(0.0, 0.0), (0.0, 2.0), (1.0, 2.0), (1.0, 1.0), (2.0, 1.0), (2.0, 0.0)]
+        assert libgz.PrismGeom(body, None, notched, 2.0).volume_mass.mass == pytest.approx(6.0)
+        crossing, without_number = [(0, 0), (1, 1), (1, 0), (0, 1)], [(0, 0), (math.nan, 0), (0, 1)]
+        for outline, height in (([(0, 0), (1, 0)], 1), (crossing, 1), (without_number, 1), (corners, 0)):
+            with pytest.raises(libgz.ParameterError):
+                libgz.PrismGeom(body, None, outline, height)

@@ -39,6 +39,68 @@ typedef struct dMass
   dMatrix3 I;
 } dMass;
 
+typedef struct dSurfaceParameters
+{
+  int mode;
+  dReal mu;
+  dReal mu2;
+  dReal rho;
+  dReal rho2;
+  dReal rhoN;
+  dReal bounce;
+  dReal bounce_vel;
+  dReal soft_erp;
+  dReal soft_cfm;
+  dReal motion1;
+  dReal motion2;
+  dReal motionN;
+  dReal slip1;
+  dReal slip2;
+} dSurfaceParameters;
+
+typedef struct dContactGeom
+{
+  dVector3 pos;
+  dVector3 normal;
+  dReal depth;
+  dGeomID g1;
+  dGeomID g2;
+  int side1;
+  int side2;
+} dContactGeom;
+
+typedef struct dContact
+{
+  dSurfaceParameters surface;
+  dContactGeom geom;
+  dVector3 fdir1;
+} dContact;
+
+typedef struct dJointFeedback
+{
+  dVector3 f1;
+  dVector3 t1;
+  dVector3 f2;
+  dVector3 t2;
+} dJointFeedback;
+
+typedef void dNearCallback( void *data, dGeomID o1, dGeomID o2 );
+
+enum
+{
+  dContactMu2 = 0x1,
+  dContactFDir1 = 0x2,
+  dContactBounce = 0x4,
+  dContactSoftERP = 0x8,
+  dContactSoftCFM = 0x10,
+  dContactMotionN = 0x80,
+  dContactSlip1 = 0x100,
+  dContactSlip2 = 0x200,
+  dContactRolling = 0x400,
+  dContactApprox1_N = 0x4000,
+  dContactApprox1 = 0x3000,
+};
+
 #define dInfinity HUGE_VAL
 
 enum
@@ -199,9 +261,6 @@ dGeomID dSpaceGetGeom( void *, int );
 void dSpaceAdd( void *, void * );
 void dSpaceRemove( void *, void * );
 void dSpaceClean( void * );
-void dSpaceCollide( void *, void *, void * );
-void dSpaceCollide2( void *, void *, void *, void * );
-int dCollide( void *, void *, int, void *, int );
 void dGeomDestroy( void * );
 void dGeomSetData( void *, void * );
 void *dGeomGetData( void * );
@@ -259,7 +318,6 @@ void dGeomTransformSetGeom( void *, void * );
 dJointGroupID dJointGroupCreate( int );
 void dJointGroupDestroy( void * );
 void dJointGroupEmpty( void * );
-dJointID dJointCreateContact( void *, void *, void * );
 dJointID dJointCreateBall( void *, void * );
 dJointID dJointCreateHinge( void *, void * );
 dJointID dJointCreateHinge2( void *, void * );
@@ -274,7 +332,6 @@ void dJointAttach( void *, void *, void * );
 void dJointEnable( void * );
 void dJointDisable( void * );
 int dJointGetType( void * );
-dBodyID dJointGetBody( void *, int );
 void dJointSetFeedback( void *, void * );
 int dAreConnected( void *, void * );
 int dAreConnectedExcluding( void *, void *, int );
@@ -348,6 +405,19 @@ void dJointSetAMotorAngle( void *, int, dReal );
 void dJointSetAMotorParam( void *, int, dReal );
 dReal dJointGetAMotorParam( void *, int );
 void dJointSetAMotorMode( void *, int );
+void dSpaceCollide( dSpaceID space, void *data, dNearCallback *callback );
+void dSpaceCollide2( dGeomID one, dGeomID two, void *data, dNearCallback *callback );
+int dCollide( dGeomID one, dGeomID two, int flags, dContactGeom *contacts, int skip );
+dJointID dJointCreateContact( dWorldID world, dJointGroupID group, const dContact *contact );
+dWorldID dBodyGetWorld( dBodyID body );
+void dGeomPlaneGetParams( dGeomID plane, dVector4 result );
+dReal dGeomSphereGetRadius( dGeomID sphere );
+void dGeomBoxGetLengths( dGeomID box, dVector3 result );
+dBodyID dJointGetBody( dJointID joint, int index );
+void dBodyVectorToWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyVectorFromWorld( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetRelPointPos( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
+void dBodyGetPointVel( dBodyID body, dReal x, dReal y, dReal z, dVector3 result );
 
 #ifdef __cplusplus
 }

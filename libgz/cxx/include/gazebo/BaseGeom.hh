@@ -43,6 +43,48 @@ class BaseGeom : public LibgzObject
       return result;
     }
 
+  /// Spring [N/m] and damper [N s/m] of contacts.
+  public: void SetHardness( double kp, double kd )
+    {
+      libgz_bound->BaseGeom_SetHardness( this->libgz_handle, kp, kd );
+      libgz_check();
+      this->contact->kp.value = kp;
+      this->contact->kd.value = kd;
+    }
+
+  /// Coulomb coefficients; the smaller one of two geoms applies.
+  public: void SetFriction( double mu1, double mu2 )
+    {
+      libgz_bound->BaseGeom_SetFriction( this->libgz_handle, mu1, mu2 );
+      libgz_check();
+      this->contact->mu1.value = mu1;
+      this->contact->mu2.value = mu2;
+    }
+
+  /// Coefficient of restitution, 0 to 1.
+  public: void SetBounce( double bounce )
+    {
+      libgz_bound->BaseGeom_SetBounce( this->libgz_handle, bounce );
+      libgz_check();
+      this->contact->bounce.value = bounce;
+    }
+
+  /// Stored without effect.
+  public: void SetSlip1( double slip )
+    {
+      libgz_bound->BaseGeom_SetSlip1( this->libgz_handle, slip );
+      libgz_check();
+      this->contact->slip1.value = slip;
+    }
+
+  /// Stored without effect.
+  public: void SetSlip2( double slip )
+    {
+      libgz_bound->BaseGeom_SetSlip2( this->libgz_handle, slip );
+      libgz_check();
+      this->contact->slip2.value = slip;
+    }
+
   /// ODE's geom; NULL if it is only rendered.
   public: dGeomID GetGeomId() const
     {
@@ -100,41 +142,6 @@ class BaseGeom : public LibgzObject
       return result;
     }
 
-  /// Spring [N/m] and damper [N s/m] of contacts.
-  public: void SetHardness( double kp, double kd )
-    {
-      libgz_bound->BaseGeom_SetHardness( this->libgz_handle, kp, kd );
-      libgz_check();
-    }
-
-  /// Coulomb coefficients; the smaller one of two geoms applies.
-  public: void SetFriction( double mu1, double mu2 )
-    {
-      libgz_bound->BaseGeom_SetFriction( this->libgz_handle, mu1, mu2 );
-      libgz_check();
-    }
-
-  /// Coefficient of restitution, 0 to 1.
-  public: void SetBounce( double bounce )
-    {
-      libgz_bound->BaseGeom_SetBounce( this->libgz_handle, bounce );
-      libgz_check();
-    }
-
-  /// Stored without effect.
-  public: void SetSlip1( double slip )
-    {
-      libgz_bound->BaseGeom_SetSlip1( this->libgz_handle, slip );
-      libgz_check();
-    }
-
-  /// Stored without effect.
-  public: void SetSlip2( double slip )
-    {
-      libgz_bound->BaseGeom_SetSlip2( this->libgz_handle, slip );
-      libgz_check();
-    }
-
   /// The bounce in force.
   public: double GetBounce() const
     {
@@ -179,11 +186,14 @@ class BaseGeom : public LibgzObject
       libgz_check();
       this->geomId = this->transId = (dGeomID) libgz_bound->BaseGeom_GetGeomId( this->libgz_handle );
       this->placeableGeom = libgz_bound->BaseGeom_GetPlaceable( this->libgz_handle ) != 0;
+      libgz_check();
+      if ( !this->libgz_wraps )
+        this->contact->libgz_attach( this->libgz_handle );
     }
 
   protected: dSpaceID spaceId;
   protected: dGeomID transId, geomId;
-  protected: ContactParams *contact; // not read: SetFriction and others set contact parameters
+  protected: ContactParams *contact;
 };
 
 #endif

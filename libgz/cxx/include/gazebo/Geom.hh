@@ -7,12 +7,15 @@
 #include "Color.hh"
 #include "RenderOptions.hh"
 
+class GzImage;
+
 /// The appearance of a geom, and how sensors see it.
 class Geom : public BaseGeom
 {
-  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ), dirty( true ) {}
-  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL ), dirty( true )
+  public: explicit Geom( dSpaceID space ) : BaseGeom( space ), renderOrder( GZ_RENDER_OPAQUE ) { this->libgz_look(); }
+  public: Geom( libgz_wrapping, long handle ) : BaseGeom( (dSpaceID) NULL )
     {
+      this->libgz_look();
       this->libgz_wrap( handle );
       this->body = (Body *) libgz_bound->BaseGeom_GetBody( handle );
       this->renderOrder = libgz_bound->Geom_GetRenderOrder( handle );
@@ -263,7 +266,37 @@ class Geom : public BaseGeom
 
   protected: void SetList( int, GLuint, RenderOptions ) {}
   protected: void GetList( int, GLuint *list, RenderOptions * ) { *list = 0; }
+
+  // For Render functions, which are never called: the look of a new geom. The getters have the present one.
+  protected: bool transparency;
+  protected: float laser, retro;
+  protected: int fiducial;
+  protected: GLfloat colorDiffuse[4], colorAmbient[4], colorSpecular[4], colorEmission[4];
+  protected: GLfloat shininess;
+  protected: GzImage *textureImage;
+  protected: GzVector textureSize;
+  protected: int pick;
   protected: bool dirty;
+
+  private: void libgz_look()
+    {
+      int i;
+      this->transparency = false;
+      this->laser = 1;
+      this->retro = 0;
+      this->fiducial = -1;
+      for ( i = 0; i < 4; i++ )
+      {
+        this->colorDiffuse[i] = i < 3 ? 0.8f : 1.0f;
+        this->colorAmbient[i] = this->colorSpecular[i] = i < 3 ? 0.2f : 1.0f;
+        this->colorEmission[i] = i < 3 ? 0.0f : 1.0f;
+      }
+      this->shininess = 0;
+      this->textureImage = NULL;
+      this->textureSize = GzVectorSet( 2, 2, 0 );
+      this->pick = 0;
+      this->dirty = true;
+    }
 };
 
 #endif

@@ -9,14 +9,19 @@
 /// Joints that are destroyed together.
 class JointGroup : public LibgzObject
 {
-  public: JointGroup() : groupId( NULL )
+  public: JointGroup()
     {
       this->libgz_handle = libgz_bound->JointGroup_new( this );
       libgz_check();
     }
 
-  /// NULL: ODE's own groups are not used.
-  public: dJointGroupID GetGroupId() const { return this->groupId; }
+  /// ODE's own group, for joints that are made with functions of ODE.
+  public: dJointGroupID GetGroupId() const
+    {
+      dJointGroupID result = (dJointGroupID) libgz_bound->JointGroup_GetGroupId( this->libgz_handle );
+      libgz_check();
+      return result;
+    }
 
   /// Destroy all joints of the group.
   public: void Empty()
@@ -24,8 +29,6 @@ class JointGroup : public LibgzObject
       libgz_bound->JointGroup_Empty( this->libgz_handle );
       libgz_check();
     }
-
-  protected: dJointGroupID groupId;
 };
 
 #endif

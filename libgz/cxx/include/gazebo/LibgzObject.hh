@@ -24,16 +24,30 @@ LIBGZ_EXPORT const char libgz_plugin_mark[] = LIBGZ_MARK;
 /// The version of the structs of interfaces that it was compiled with.
 LIBGZ_EXPORT const int libgz_plugin_wire = LIBGAZEBO_VERSION;
 
-/// The functions of libgz; each plugin has a table of its own, so that several can be loaded.
+/// The functions of libgz.
 LIBGZ_OWN const libgz_table *libgz_bound = NULL;
+extern "C" { extern __attribute__( ( weak ) ) const libgz_table *gz_host_table; }
+
+/// Objects at file scope are constructed after this.
+LIBGZ_OWN __attribute__( ( constructor( 101 ) ) ) void libgz_bind()
+{
+  if ( &gz_host_table != NULL )
+    libgz_bound = gz_host_table;
+}
 
 /// The block of the object that is being created with `new`.
 LIBGZ_OWN void *libgz_block = NULL;
 
-#ifdef __cplusplus
-/* With -nostartfiles, as old Makefiles link, nothing else defines what objects with destructors at file scope need. */
-extern "C" { LIBGZ_OWN void *__dso_handle = NULL; }
-#endif
+/* With -nostartfiles, as old Makefiles link, nothing else destroys objects at file scope when the file is unloaded. */
+extern "C"
+{
+  LIBGZ_OWN void *__dso_handle = &__dso_handle;
+  void __cxa_finalize( void * );
+}
+LIBGZ_OWN __attribute__( ( destructor ) ) void libgz_unload()
+{
+  __cxa_finalize( __dso_handle );
+}
 
 /// The first argument of constructors of objects that stand for one of libgz.
 enum libgz_wrapping
@@ -75,7 +89,7 @@ class LibgzObject
     }
   public: virtual ~LibgzObject()
     {
-      if ( this->libgz_handle != 0 )
+      if ( this->libgz_handle != 0 && !*libgz_bound->ended )
         libgz_bound->Object_destroyed( this->libgz_handle, this, !this->libgz_wraps );
     }
 

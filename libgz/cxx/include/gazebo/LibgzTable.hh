@@ -3,7 +3,7 @@
 #ifndef LIBGZ_TABLE_HH
 #define LIBGZ_TABLE_HH
 
-#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 6bcfec1e;"
+#define LIBGZ_MARK "libgz C++ plugin: libgz 0.1.0, interface 958b593f;"
 
 #include "LibgzFrame.h"
 
@@ -12,6 +12,7 @@ struct libgz_table
 {
   unsigned long size;
   libgz_frame **( *frames )( void ); // of this thread
+  const int *ended; // whether Python has ended: its objects were deleted
   void *( *WorldFileNode_GetChild )( long self, const char *name );
   const char *( *WorldFileNode_GetString )( long self, const char *key, int require );
   const char *( *WorldFileNode_GetFilename )( long self, const char *key, int require );
@@ -88,6 +89,12 @@ struct libgz_table
   int ( *BaseGeom_GetPlaceable )( long self );
   void *( *BaseGeom_GetBody )( long self );
   void ( *BaseGeom_SetExtraRotation )( long self, double rotation_u, double rotation_x, double rotation_y, double rotation_z );
+  void ( *BaseGeom_SetContact )( long self, double kp, double kd, double bounce, double mu1, double mu2 );
+  void ( *BaseGeom_SetHardness )( long self, double kp, double kd );
+  void ( *BaseGeom_SetFriction )( long self, double mu1, double mu2 );
+  void ( *BaseGeom_SetBounce )( long self, double bounce );
+  void ( *BaseGeom_SetSlip1 )( long self, double slip );
+  void ( *BaseGeom_SetSlip2 )( long self, double slip );
   void ( *BaseGeom_SetRelativePose )( long self, double pose_pos_x, double pose_pos_y, double pose_pos_z, double pose_rot_u, double pose_rot_x, double pose_rot_y, double pose_rot_z, int updateCoM );
   void ( *BaseGeom_GetRelativePose )( long self, double *out );
   void ( *BaseGeom_SetCategoryBits )( long self, unsigned int bits );
@@ -95,11 +102,6 @@ struct libgz_table
   void ( *BaseGeom_SetRelativePosition )( long self, double position_x, double position_y, double position_z );
   void ( *BaseGeom_SetRelativeRotation )( long self, double rotation_u, double rotation_x, double rotation_y, double rotation_z );
   void ( *BaseGeom_GetPose )( long self, double *out );
-  void ( *BaseGeom_SetHardness )( long self, double kp, double kd );
-  void ( *BaseGeom_SetFriction )( long self, double mu1, double mu2 );
-  void ( *BaseGeom_SetBounce )( long self, double bounce );
-  void ( *BaseGeom_SetSlip1 )( long self, double slip );
-  void ( *BaseGeom_SetSlip2 )( long self, double slip );
   double ( *BaseGeom_GetBounce )( long self );
   double ( *BaseGeom_GetSlip1 )( long self );
   double ( *BaseGeom_GetSlip2 )( long self );
@@ -162,8 +164,10 @@ struct libgz_table
   void ( *RoadGeom_AddProfilePoint )( long self, int index, double pz );
   void ( *RoadGeom_AddSign )( long self, double point_x, double point_y, double point_z, const char *text );
   void ( *RoadGeom_UpdateMesh )( long self, double point_x, double point_y, double point_z );
+  long ( *PrismGeom_new )( const void *pointer, long body, const void *space, int count, const void *corners, double height );
   long ( *PointSetGeom_new )( const void *pointer, long body, const void *space, int count, const void *points );
   long ( *JointGroup_new )( const void *pointer );
+  void *( *JointGroup_GetGroupId )( long self );
   void ( *JointGroup_Empty )( long self );
   void *( *Joint_GetJointId )( long self );
   int ( *Joint_GetType )( long self );
@@ -231,6 +235,20 @@ struct libgz_table
   void ( *Camera_CalcCameraDelta )( long self, int mode, double a_x, double a_y, double a_z, double b_x, double b_y, double b_z, double *out );
   void ( *Camera_SetSavePath )( long self, const char *pathname );
   void ( *Camera_EnableSaveFrame )( long self, int enable );
+  long ( *StereoCamera_new )( const void *pointer, long world );
+  void ( *StereoCamera_GetSize )( long self, double *out );
+  int ( *StereoCamera_Init )( long self, int width, int height, double hfov, double baseline, double minDepth, double maxDepth, const char *method, int zBufferDepth );
+  int ( *StereoCamera_Fini )( long self );
+  void ( *StereoCamera_Update )( long self );
+  void ( *StereoCamera_SetPose )( long self, double pose_pos_x, double pose_pos_y, double pose_pos_z, double pose_rot_u, double pose_rot_x, double pose_rot_y, double pose_rot_z );
+  void ( *StereoCamera_GetPose )( long self, double *out );
+  double ( *StereoCamera_GetFOV )( long self );
+  void ( *StereoCamera_EnableImage )( long self, int camera, int enable );
+  void ( *StereoCamera_EnableDisparity )( long self, int camera, int enable );
+  void *( *StereoCamera_GetImageData )( long self, int camera );
+  void *( *StereoCamera_GetDisparityData )( long self, int camera );
+  void ( *StereoCamera_SetSavePath )( long self, const char *pathname );
+  void ( *StereoCamera_EnableSaveFrame )( long self, int enable );
   long ( *Model_new )( const void *pointer, const void *fields, long world );
   void ( *Model_SetParent )( long self, long parent, long body );
   void ( *Model_AddBody )( long self, long body, int canonical );
@@ -239,6 +257,10 @@ struct libgz_table
   const char *( *Model_GetId )( long self );
   void ( *Model_SetId )( long self, const char *id );
   const char *( *Model_GetName )( long self );
+  int ( *Model_Load )( long self, long file, long node );
+  int ( *Model_Init )( long self, long file, long node );
+  int ( *Model_Fini )( long self );
+  void ( *Model_Update )( long self, double step );
   void ( *Model_SetName )( long self, const char *name );
   void ( *Model_GetPose )( long self, double *out );
   void ( *Model_SetPose )( long self, double pose_pos_x, double pose_pos_y, double pose_pos_z, double pose_rot_u, double pose_rot_x, double pose_rot_y, double pose_rot_z );
@@ -264,6 +286,10 @@ struct libgz_table
   double ( *World_GetWallTime )( long self );
   double ( *World_GetDayTime )( long self );
   int ( *World_GetNumModels )( long self );
+  int ( *World_Load )( long self, long worldFile );
+  int ( *World_Initialize )( long self );
+  int ( *World_Finalize )( long self );
+  void ( *World_Step )( long self );
   void ( *Object_destroyed )( long self, const void *pointer, int made );
   void ( *Factory_RegisterModel )( const char *type, const char *classname, const void *function );
   void *( *Factory_NewModel )( long world, const char *classname );

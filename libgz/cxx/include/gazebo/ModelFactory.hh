@@ -65,10 +65,31 @@ class ModelFactory
 class LibgzModel : public Model
 {
   public: LibgzModel( World *owner, long handle ) : Model( owner, handle ) {}
-  public: virtual int Load( WorldFile *, WorldFileNode * ) { return -1; }
-  public: virtual int Init( WorldFile *, WorldFileNode * ) { return -1; }
-  public: virtual int Fini() { return -1; }
-  public: virtual void Update( double ) {}
+  public: virtual int Load( WorldFile *file, WorldFileNode *element )
+    {
+      int result
+        = libgz_bound->Model_Load( this->libgz_handle, libgz_handle_of( file ), libgz_handle_of( element ) );
+      libgz_check();
+      return result;
+    }
+  public: virtual int Init( WorldFile *file, WorldFileNode *element )
+    {
+      int result
+        = libgz_bound->Model_Init( this->libgz_handle, libgz_handle_of( file ), libgz_handle_of( element ) );
+      libgz_check();
+      return result;
+    }
+  public: virtual int Fini()
+    {
+      int result = libgz_bound->Model_Fini( this->libgz_handle );
+      libgz_check();
+      return result;
+    }
+  public: virtual void Update( double step )
+    {
+      libgz_bound->Model_Update( this->libgz_handle, step );
+      libgz_check();
+    }
 };
 
 /// Marks what runs on this thread, for the message after a crash.
@@ -130,11 +151,6 @@ inline int libgz_describe( char *text, size_t size, const char *what )
 #define LIBGZ_TRY
 #define LIBGZ_CATCH
 #endif
-
-LIBGZ_EXPORT void libgz_plugin_bind( const libgz_table *table )
-{
-  libgz_bound = table;
-}
 
 LIBGZ_EXPORT int libgz_plugin_create( ModelFactoryFn create, World *world, const char *label, void **model, char *text,
                                       size_t size )

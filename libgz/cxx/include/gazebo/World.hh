@@ -127,6 +127,37 @@ class World : public LibgzObject
       return result;
     }
 
+  /// An error: the server loads worlds.
+  public: int Load( WorldFile *worldFile )
+    {
+      int result = libgz_bound->World_Load( this->libgz_handle, libgz_handle_of( worldFile ) );
+      libgz_check();
+      return result;
+    }
+
+  /// An error: the server starts worlds.
+  public: int Initialize()
+    {
+      int result = libgz_bound->World_Initialize( this->libgz_handle );
+      libgz_check();
+      return result;
+    }
+
+  /// An error: the server ends worlds.
+  public: int Finalize()
+    {
+      int result = libgz_bound->World_Finalize( this->libgz_handle );
+      libgz_check();
+      return result;
+    }
+
+  /// An error: the server steps worlds, and a plugin runs in a step.
+  public: void Step()
+    {
+      libgz_bound->World_Step( this->libgz_handle );
+      libgz_check();
+    }
+
   private: mutable Model **libgz_models;
 };
 

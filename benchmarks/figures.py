@@ -24,7 +24,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import libgz
 import robots
 from laser_robots import world_text as laser_text
 from legged import legged_text
@@ -32,6 +31,8 @@ from peers import Peer
 from reference import Reference, Spent, scene_of
 from rounds import ROUNDS, Run, ServerRun, Times, of_calls, spend, take_turns
 from scale import text as pioneers_text
+
+import libgz
 
 WIDTH = 64
 
@@ -141,9 +142,17 @@ def robot_models() -> Iterator[Figure]:
     for name in robots.HEIGHTS:
         whole, engine = robots.measure(name)
         pairs = list(zip(whole, engine, strict=True))
-        value, wall = (statistics.median(getattr(a, kind) / getattr(b, kind) for a, b in pairs) for kind in ("cpu", "wall"))
+        value, wall = (
+            statistics.median(getattr(a, kind) / getattr(b, kind) for a, b in pairs) for kind in ("cpu", "wall")
+        )
         one, two = (statistics.median(spent.cpu for spent in side) * 1e6 for side in (whole, engine))
-        yield Figure(f"{name}: whole step / engine step", value, wall, robots.AIMS.get(name, 1.3), note=f"{one:.4g} us; {two:.4g} us")
+        yield Figure(
+            f"{name}: whole step / engine step",
+            value,
+            wall,
+            robots.AIMS.get(name, 1.3),
+            note=f"{one:.4g} us; {two:.4g} us",
+        )
 
 
 def legs() -> Iterator[Figure]:
@@ -198,7 +207,7 @@ def scale() -> Iterator[Figure]:
         times = take_turns(runs)
     for count in counts[1:]:
         for kind, aim in (("", 1.1), ("C ", 0.0)):
-            per = [getattr(times, "ratio")(f"{kind}{count}", f"{kind}10", clock) * 10 / count for clock in ("cpu", "wall")]
+            per = [times.ratio(f"{kind}{count}", f"{kind}10", clock) * 10 / count for clock in ("cpu", "wall")]
             one, ten = (times.median(f"{kind}{n}") / n * 1e6 for n in (count, 10))
             what = "the same in the C loop" if kind else f"cost per robot at {count} / at 10"
             yield Figure(what, *per, aim, note=f"{one:.4g} us; {ten:.4g} us")
@@ -267,7 +276,8 @@ def learning() -> Iterator[Figure]:
     with ExitStack() as stack, _driven(text, 1) as world:
         loop = stack.enter_context(Reference(scene_of(world)))
         batch = world.batch(
-            [("position.r0", "cmd_vel_pos[0]", "cmd_vel_rot[2]")], [("laser.l0", "ranges"), ("position.r0", "pos", "rot[2]")]
+            [("position.r0", "cmd_vel_pos[0]", "cmd_vel_rot[2]")],
+            [("laser.l0", "ranges"), ("position.r0", "pos", "rot[2]")],
         )
         command = batch.commands.copy()
         runs = {

@@ -74,7 +74,5 @@ libgz.GZ_REGISTER_STATIC("Quadruped", Quadruped)
 
 def legged_text(count: int) -> str:
     """A worldfile with robots in a row, 2 m apart."""
-    robots = "".join(
-        f"<model:Quadruped><id>q{i}</id><xyz>{2 * i} 0 0.01</xyz></model:Quadruped>" for i in range(count)
-    )
+    robots = "".join(f"<model:Quadruped><id>q{i}</id><xyz>{2 * i} 0 0.01</xyz></model:Quadruped>" for i in range(count))
     return f"<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>{robots}</gz:world>"

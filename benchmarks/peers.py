@@ -15,7 +15,7 @@ import time
 from collections.abc import Callable
 from typing import Any, NamedTuple, Self
 
-__all__ = ["Peer", "STEP"]
+__all__ = ["STEP", "Peer"]
 
 STEP = 0.02  # [s], of all scenes
 RAYS, FAR = 181, 8.0  # of the laser; [m]
@@ -48,9 +48,7 @@ class Robot(NamedTuple):
 def pioneer() -> Robot:
     """Four wheels on a box."""
     wheel = ("cylinder", (0.1, 0.07))
-    wheels = [
-        Link((x, y, -0.1), (0, 1, 0), 1.0, wheel, (0, 0, 0)) for x in (0.133, -0.133) for y in (0.19, -0.19)
-    ]
+    wheels = [Link((x, y, -0.1), (0, 1, 0), 1.0, wheel, (0, 0, 0)) for x in (0.133, -0.133) for y in (0.19, -0.19)]
     return Robot(10.0, (0.48, 0.34, 0.19), 0.2, tuple(wheels), 0.0, 10.0, (3.0, 3.2) * 2)
 
 
@@ -145,13 +143,19 @@ def mujoco(scene: str, count: int) -> Callable[[int], object]:
 def _urdf_shape(kind: str, numbers: tuple[float, ...]) -> str:
     if kind == "box":
         return f'<box size="{_text(numbers)}"/>'
-    return f'<sphere radius="{numbers[0]}"/>' if kind == "sphere" else f'<cylinder radius="{numbers[0]}" length="{numbers[1]}"/>'
+    return (
+        f'<sphere radius="{numbers[0]}"/>'
+        if kind == "sphere"
+        else f'<cylinder radius="{numbers[0]}" length="{numbers[1]}"/>'
+    )
 
 
 def _urdf_link(name: str, mass: float, shape: tuple[str, tuple[float, ...]], centre: Any, foot: float = 0.0) -> str:
     turned = ' rpy="1.5708 0 0"' if shape[0] == "cylinder" else ""
     inertia = max(mass, 0.1) * 0.01
-    end = f'<collision><origin xyz="0 0 -.2"/><geometry><sphere radius="{foot}"/></geometry></collision>' if foot else ""
+    end = (
+        f'<collision><origin xyz="0 0 -.2"/><geometry><sphere radius="{foot}"/></geometry></collision>' if foot else ""
+    )
     return (
         f'<link name="{name}"><inertial><origin xyz="{_text(centre)}"/><mass value="{mass}"/>'
         f'<inertia ixx="{inertia}" iyy="{inertia}" izz="{inertia}" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -190,7 +194,9 @@ def pybullet(scene: str, count: int) -> Callable[[int], object]:
         for i in range(count):
             one = engine.loadURDF(file.name, (2 * (i % 10), 2 * (i // 10), robot.height))
             for joint in range(engine.getNumJoints(one)):
-                mode = {"targetPosition": robot.targets[joint]} if robot.gain else {"targetVelocity": robot.targets[joint]}
+                mode = (
+                    {"targetPosition": robot.targets[joint]} if robot.gain else {"targetVelocity": robot.targets[joint]}
+                )
                 kind = engine.POSITION_CONTROL if robot.gain else engine.VELOCITY_CONTROL
                 engine.setJointMotorControl2(one, joint, kind, force=robot.effort, **mode)
     if scene != "learning":
@@ -208,7 +214,10 @@ def pybullet(scene: str, count: int) -> Callable[[int], object]:
                 engine.stepSimulation()
             (x, y, z), rotation = engine.getBasePositionAndOrientation(1)
             yaw = engine.getEulerFromQuaternion(rotation)[2] - math.pi / 2
-            ways = [(math.cos(yaw + k * math.pi / (RAYS - 1)), math.sin(yaw + k * math.pi / (RAYS - 1))) for k in range(RAYS)]
+            ways = [
+                (math.cos(yaw + k * math.pi / (RAYS - 1)), math.sin(yaw + k * math.pi / (RAYS - 1)))
+                for k in range(RAYS)
+            ]
             ends = [(x + FAR * a, y + FAR * b, z) for a, b in ways]
             found = engine.rayTestBatch([(x, y, z)] * RAYS, ends)
         return found

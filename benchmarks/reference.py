@@ -18,8 +18,17 @@ import libgz
 from libgz.ode.lib import ode
 from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
-from libgz.records import CastRecord, Kind, LinkRecord, RateRecord, ScannerRecord, ServoRecord, ShareRecord
-from libgz.records import TransferRecord, What
+from libgz.records import (
+    CastRecord,
+    Kind,
+    LinkRecord,
+    RateRecord,
+    ScannerRecord,
+    ServoRecord,
+    ShareRecord,
+    TransferRecord,
+    What,
+)
 
 __all__ = ["Reference", "Spent", "scene_of"]
 

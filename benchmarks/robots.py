@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import statistics
 
-import libgz
-from rounds import ROUNDS
 from reference import Spent
-from rounds import spend
+from rounds import ROUNDS, spend
+
+import libgz
 
 HEAD = "<gz:world xmlns:gz='g' xmlns:model='m'><model:GroundPlane/>"
 HEIGHTS = {

@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol, Self
 
-import libgz
 from reference import Spent
+
+import libgz
 
 __all__ = ["ROUNDS", "Run", "ServerRun", "Times", "of_calls", "spend", "take_turns"]
 

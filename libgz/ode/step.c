@@ -849,6 +849,10 @@ static void rotate(const double *q, const double *v, double *out)
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
 
+void gz_rotate(const double *q, const double *v, double *out) { rotate(q, v, out); }
+
+int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
+
 /* Whether a number diverged: it is NaN, or beyond twice what may be set (check.py). */
 static int is_beyond(double value, double most)
 {

@@ -436,6 +436,16 @@ class Body:
         """Add a torque about the body's own axes [N m]."""
         self._force(ode().dBodyAddRelTorque, (x, y, z))
 
+    @property
+    def force_adder(self) -> int:
+        """The address of ODE's function that adds a force along the body's axes, for native updates."""
+        return ode().address("dBodyAddRelForce")
+
+    @property
+    def torque_adder(self) -> int:
+        """The address of ODE's function that adds a torque about the body's axes, likewise."""
+        return ode().address("dBodyAddRelTorque")
+
     def AddForceAtPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
         """Add a global force [N] at a global point [m]."""
         self._force(ode().dBodyAddForceAtPos, (fx, fy, fz, px, py, pz))

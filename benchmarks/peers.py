@@ -22,7 +22,7 @@ RAYS, FAR = 181, 8.0  # of the laser; [m]
 
 
 class Link(NamedTuple):
-    """A part of a robot on a hinge: where the hinge is on the part before it, its axis, mass, shape and place of that."""
+    """A part of a robot on a hinge: where that is on the part before it, its axis, mass, shape and place of the shape."""
 
     place: tuple[float, float, float]
     axis: tuple[float, float, float]

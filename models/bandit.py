@@ -88,7 +88,6 @@ class JointServo:
         first = self._servos[0].axis
         data.angle, data.angular_velocity = first.angle(), first.rate()
 
-
     def share(self, exchange: Exchange, place: str) -> None:
         """Describe `publish` as numbers of an exchange."""
         kind = "Universal" if isinstance(self.joint, UniversalJoint) else "Hinge"

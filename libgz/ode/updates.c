@@ -19,9 +19,10 @@
 int gz_step(void *context);
 void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
              int64_t *rows);
-void gz_publish(const void *context, const void *publication);
+void gz_publish(const void *context, void *publication);
 void gz_rotate(const double *quaternion, const double *vector, double *out);
 int gz_may_sleep(void *body);
+void gz_disturb(void *context);
 
 /* Where states are. The arrays are those of the step; a byte of `fresh` is 1 where a row is up to date. */
 typedef struct {
@@ -377,9 +378,11 @@ static int compute(const tables *t, const formula *f)
             *result = *a;
             break;
         case EFFORT:
+            gz_disturb(t->context);
             (*(add_effort **)&o->two)(o->result, *a);
             break;
         case EFFORTS:
+            gz_disturb(t->context);
             (*(add_efforts **)&o->two)(o->result, a[0], a[1], a[2]);
             break;
         }
@@ -425,6 +428,7 @@ static int push_back(const tables *t, const spring *s)
     if (!isfinite(effort))
         return 0;
     s->add(s->axis.handle, effort);
+    gz_disturb(t->context);
     return 1;
 }
 
@@ -640,7 +644,7 @@ typedef struct {
 
 /* States for other processes; Python looks first if something else than states may have changed. */
 typedef struct {
-    const void *publication;
+    void *publication;
     char *numbers;     /* in the header: revision, steps, paused; sim, pause and real time */
     int64_t revision;
     int64_t ready;     /* 0: Python looks */

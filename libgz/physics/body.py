@@ -333,6 +333,7 @@ class Body:
     def Enable(self, enable: bool) -> None:
         """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
         if self.row >= 0:
+            self.engine.tables.disturb()
             if enable:
                 ode().dBodyEnable(self.id)
             else:
@@ -459,6 +460,7 @@ class Body:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
             function(self.id, *numbers)
+            self.engine.tables.disturb()
             if self.auto_disable:
                 self.Enable(True)
 

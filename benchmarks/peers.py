@@ -22,7 +22,7 @@ RAYS, FAR = 181, 8.0  # of the laser; [m]
 
 
 class Link(NamedTuple):
-    """A part of a robot on a hinge: where that is on the part before it, its axis, mass, shape and place of the shape."""
+    """A part of a robot: where its hinge is on the part before it, its axis, mass, shape and place of the shape."""
 
     place: tuple[float, float, float]
     axis: tuple[float, float, float]
@@ -104,7 +104,8 @@ def _mujoco_text(robot: Robot, count: int) -> tuple[str, list[str]]:
     return (
         f'<mujoco><option timestep="{STEP}" gravity="0 0 -9.8" integrator="implicitfast"/>'
         '<default><joint armature="0.02" damping="0.5"/><geom contype="1" conaffinity="2"/></default><worldbody>'
-        f'<geom type="plane" size="100 100 1" contype="2" conaffinity="1"/>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>',
+        f'<geom type="plane" size="100 100 1" contype="2" conaffinity="1"/>{bodies}</worldbody>'
+        f"<actuator>{motors}</actuator></mujoco>",
         names,
     )
 

@@ -56,7 +56,7 @@ register_compiled(_is_cxx_plugin, _load_cxx_plugin)
 
 @contextmanager
 def _without_collector() -> Iterator[None]:
-    """Load without Python's garbage collector: what is built stays, and looking through it takes a quarter of the time."""
+    """Load without Python's garbage collector: what is built stays, and it would look through it again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:

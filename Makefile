@@ -1,5 +1,5 @@
 # make demo: install everything and run a demonstration.  make test: install everything, check and test.
-.PHONY: demo test lint types trials fuzz bench docs wheel setup clean
+.PHONY: demo test lint types trials fuzz bench bench-more docs wheel setup clean
 
 BIN := .venv/bin
 
@@ -27,8 +27,13 @@ fuzz: setup
 	@$(BIN)/python -c "import atheris" 2>/dev/null || $(BIN)/pip install --quiet -r tests/fuzz/requirements.txt
 	@PYTHONPATH=tests $(BIN)/python -m fuzz $(if $(MINUTES),--minutes $(MINUTES)) $(if $(READER),--reader $(READER)) $(if $(FILE),--file $(FILE))
 
+# One table with aims; FIGURES="gazebo legs" for some of it.
 bench: setup
-	@for figures in step robots ground wire observer record camera plugins cxx sdf view gym scale; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+	@$(BIN)/python benchmarks/figures.py $(FIGURES)
+
+# All other benchmarks.
+bench-more: setup
+	@for part in step ground wire observer record camera plugins cxx sdf view state gym scale; do $(BIN)/python benchmarks/$$part.py || exit 1; done
 
 # The documents as a site, offline: build/site/index.html
 docs: setup

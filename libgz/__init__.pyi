@@ -401,6 +401,7 @@ from libgz.physics.two_axes import (
     UniversalJoint as UniversalJoint,
 )
 from libgz.simulation.batch import Batch as Batch
+from libgz.simulation.formula import Formula as Formula
 from libgz.simulation.rate import UpdateRate as UpdateRate
 from libgz.simulation.updates import (
     Exchange as Exchange,

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
@@ -50,6 +52,18 @@ def _load_cxx_plugin(path: Path) -> Plugin:
 
 
 register_compiled(_is_cxx_plugin, _load_cxx_plugin)
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Load without Python's garbage collector: what is built stays, and it would look through it again and again."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 class WorldOptions(TypedDict, total=False):
@@ -124,6 +138,7 @@ class World(world.World):
         return cls._ready(lambda world: world.Load(file), options)
 
     @classmethod
+    @_without_collector()
     def _ready(cls: type[W], load: Callable[[W], object], options: WorldOptions) -> W:
         world = cls(**options)
         try:
@@ -134,6 +149,7 @@ class World(world.World):
             raise
         return world
 
+    @_without_collector()
     def LoadFile(self, filename: str | os.PathLike[str]) -> int:
         """Build all models of a legacy worldfile or an SDF file, distinguished by the root element; 0.
 

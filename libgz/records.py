@@ -22,9 +22,12 @@ __all__ = [
     "CastRecord",
     "ClockRecord",
     "DifferentialRecord",
+    "FormulaRecord",
     "Kind",
     "LinkRecord",
+    "MotionRecord",
     "OdometryRecord",
+    "OperationRecord",
     "PostRecord",
     "PublishRecord",
     "RateRecord",
@@ -37,6 +40,7 @@ __all__ = [
     "TableRecord",
     "TransferRecord",
     "UpdatesRecord",
+    "VectorRecord",
     "What",
     "check_sizes",
     "numbers",
@@ -61,6 +65,8 @@ class Kind(IntEnum):
     SETTLE = 10
     PUBLISH = 11
     POST = 12
+    MOTION = 13
+    FORMULA = 14
 
 
 class What(IntEnum):
@@ -78,6 +84,9 @@ class What(IntEnum):
     READINGS = 9
     STORE = 10
     FETCH = 11
+    ANGLE = 12
+    RATE = 13
+    VECTOR = 14
 
 
 @cache
@@ -210,6 +219,7 @@ class DifferentialRecord(ctypes.Structure):
         ("normalise", c_int64),
         ("counts", c_void_p),
         ("counts_per_turn", c_double),
+        ("lean", c_void_p),
     ]
 
 
@@ -224,6 +234,43 @@ class BicycleRecord(ctypes.Structure):
         ("radius", c_double),
         ("base", c_double),
     ]
+
+
+class MotionRecord(ctypes.Structure):
+    """How a body moves: position [m] and rotation of its frame, roll, pitch and yaw [rad], velocity [m/s] and rate
+    [rad/s] in its own axes, and which way up is, its z axis.
+    """
+
+    _fields_ = [
+        ("body", c_int64),
+        ("handle", c_void_p),
+        ("steep", c_double),
+        ("position", numbers(3)),
+        ("rotation", numbers(4)),
+        ("attitude", numbers(3)),
+        ("velocity", numbers(3)),
+        ("rate", numbers(3)),
+        ("up", numbers(3)),
+    ]
+
+    position: Any
+    rotation: Any
+    attitude: Any
+    velocity: Any
+    rate: Any
+    up: Any
+
+
+class OperationRecord(ctypes.Structure):
+    """An operation of a formula: what it is, its two operands, and its result."""
+
+    _fields_ = [("operation", c_int64), ("one", c_void_p), ("two", c_void_p), ("result", c_void_p)]
+
+
+class FormulaRecord(ctypes.Structure):
+    """The operations of a formula: conditions, arithmetic, effects."""
+
+    _fields_ = [("operations", c_void_p), ("count", c_int64)]
 
 
 class ServoRecord(ctypes.Structure):
@@ -260,6 +307,12 @@ class CastRecord(ctypes.Structure):
         ("ranges", c_void_p),
         ("rows", c_void_p),
     ]
+
+
+class VectorRecord(ctypes.Structure):
+    """A vector of a joint, such as its anchor: ODE's function that writes it, and what it is multiplied by."""
+
+    _fields_ = [("joint", c_int64), ("handle", c_void_p), ("get", c_void_p), ("scale", c_double)]
 
 
 class ScannerRecord(ctypes.Structure):
@@ -332,7 +385,8 @@ class UpdatesRecord(ctypes.Structure):
 _MIRRORS: tuple[Any, ...] = (
     *(TableRecord, ClockRecord, SpanRecord, LinkRecord, Row, RateRecord, AxisRecord, OdometryRecord, BatteryRecord),
     *(DifferentialRecord, BicycleRecord, ServoRecord, SpringRecord, CastRecord, ScannerRecord, TransferRecord),
-    *(ShareRecord, BeginRecord, PublishRecord, PostRecord, UpdatesRecord),
+    *(ShareRecord, BeginRecord, PublishRecord, PostRecord, UpdatesRecord, MotionRecord, OperationRecord),
+    *(FormulaRecord, VectorRecord),
 )
 
 

@@ -21,7 +21,7 @@ from libgz.physics.joint import FixedJoint, HingeJoint
 from libgz.physics.two_axes import UniversalJoint
 from libgz.records import numbers
 from libgz.simulation.rate import UpdateRate
-from libgz.simulation.updates import UpdateRows, is_plain, replaced
+from libgz.simulation.updates import Exchange, UpdateRows, is_plain, replaced
 from libgz.transport.guard import Guard
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -87,6 +87,19 @@ class JointServo:
             data.axis[:] = tuple(joint.GetAxis())
         first = self._servos[0].axis
         data.angle, data.angular_velocity = first.angle(), first.rate()
+
+    def share(self, exchange: Exchange, place: str) -> None:
+        """Describe `publish` as numbers of an exchange."""
+        kind = "Universal" if isinstance(self.joint, UniversalJoint) else "Hinge"
+        exchange.integer(f"{place}.type", self.joint.GetType())
+        exchange.vector(f"{place}.anchor", self.joint, f"dJointGet{kind}Anchor")
+        axes = (("axis", "Axis1"), ("axis2", "Axis2")) if kind == "Universal" else (("axis", "Axis"),)
+        for field, name in axes:
+            exchange.vector(f"{place}.{field}", self.joint, f"dJointGet{kind}{name}", -1.0 if len(axes) > 1 else 1.0)
+        for number, servo in enumerate(self._servos):
+            suffix = "2" if number else ""
+            exchange.angle(f"{place}.angle{suffix}", servo.axis.joint_axis)
+            exchange.rate(f"{place}.angular_velocity{suffix}", servo.axis.joint_axis)
 
 
 class Bandit(Model):
@@ -180,14 +193,26 @@ class Bandit(Model):
 
     def MasterRowsOfUpdate(self, rows: UpdateRows) -> bool:
         """Describe `Update` as rows: the servos natively."""
-        plain = rows.knows(self.rate) and all(is_plain(servo, JointServo, "turn") for servo in self.servos)
-        if replaced(self, Bandit, "Update") or not plain:
+        plain = rows.knows(self.rate) and all(is_plain(servo, JointServo, "turn", "publish") for servo in self.servos)
+        if replaced(self, Bandit, "Update", "_exchange") or not plain:
             return False
         with rows.due(self.rate):
-            rows.python(lambda _: self._exchange(self.world.GetSimTime()))
+            rows.share(lambda _: self._exchange(self.world.GetSimTime()), self._unchanged())
         for servo in self.servos:
             servo.add_rows(rows)
         return True
+
+    def _unchanged(self) -> Exchange:
+        """What `_exchange` does as long as no command changes."""
+        exchange = Exchange(self.interface)
+        for i, servo in enumerate(self.servos):
+            for name, axis in (("cmd_angle", 0), ("cmd_angle2", 1)):
+                exchange.expect(f"joints[{i}].{name}", (servo.command, axis))
+        exchange.now()
+        exchange.integer("joint_count", len(self.servos))
+        for i, servo in enumerate(self.servos):
+            servo.share(exchange, f"joints[{i}]")
+        return exchange
 
     def _exchange(self, now: float) -> None:
         """Publish the joints and take the commands; numbers that are not finite are ignored."""

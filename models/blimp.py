@@ -7,23 +7,18 @@ libgz.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from libgz.geometry import (
-    GzColor,
-    GzCoordPoseSub,
-    GzPose,
-    GzQuaternFromAxis,
-    GzQuaternInverse,
-    GzQuaternToEuler,
-    GzVector,
-    rotate,
-)
+from libgz.geometry import GzColor, GzCoordPoseSub, GzPose, GzQuaternFromAxis, GzQuaternToEuler
 from libgz.interfaces.position import PositionData
+from libgz.models.motion import Motion
 from libgz.models.parts import GREY, add_body, fit
-from libgz.models.robot import MobileRobot, RobotAttributes, clamp
+from libgz.models.robot import MobileRobot, RobotAttributes
 from libgz.physics.geoms import BoxGeom, CylinderGeom, SphereGeom
+from libgz.simulation.formula import Formula, Number, clamp
+from libgz.simulation.updates import UpdateRows, replaced
 from libgz.worldfile.attributes import boolean
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -50,7 +45,8 @@ class Blimp(MobileRobot):
     cmd_vel_pos[0], forward, cmd_vel_pos[2], up, and cmd_vel_rot[2]. Dimensions and layout chosen for libgz.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("start", "globalPose", "hullVelocity", "hullRate")
+    STATE: ClassVar[tuple[str, ...]] = ("start", "motion")
+    ROW_PARTS = MobileRobot.ROW_PARTS | {"motion"}
 
     behaviour = "thrust, drag, and the torque that keeps it upright (it drifts and turns freely); odometry"
     example = """
@@ -73,6 +69,10 @@ class Blimp(MobileRobot):
         fit(BoxGeom(hull, space, 0.8, 0.4, 0.3), (0.0, 0.0, -1.3), GONDOLA_MASS, GREY)
         hull.SetGravityMode(False)
 
+    def Load(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
+        self.motion = Motion()
+        super().Load(file, node)
+
     def Init(self, file: WorldFile, node: WorldFileNode) -> None:  # noqa: D102
         super().Init(file, node)
         self.start = self.GetPose()
@@ -80,32 +80,63 @@ class Blimp(MobileRobot):
 
     def measure(self, step: float) -> None:
         """Update the true pose, and the velocities in the hull's frame."""
-        hull = self.GetBody()
-        self.globalPose = hull.GetPose()
-        into_hull = GzQuaternInverse(self.globalPose.rot)
-        self.hullVelocity = rotate(into_hull, hull.GetLinearVel())  # [m/s]
-        self.hullRate = rotate(into_hull, hull.GetAngularRate())  # [rad/s]
+        self.motion.measure(self.GetBody())
 
     def publish(self, data: PositionData) -> None:
         """The true pose relative to the start, and the velocities."""
-        relative: GzPose = GzCoordPoseSub(self.globalPose, self.start)
+        relative: GzPose = GzCoordPoseSub(self.motion.pose, self.start)
         data.pos[:] = tuple(relative.pos)
         data.rot[:] = tuple(GzQuaternToEuler(relative.rot))
-        data.vel_pos[:] = tuple(self.hullVelocity)
-        data.vel_rot[:] = tuple(self.hullRate)
+        data.vel_pos[:] = self.motion.velocity[:]
+        data.vel_rot[:] = self.motion.rate[:]
 
     def act(self, step: float) -> None:
         """Apply thrust, drag and the righting torque of the gondola."""
-        forward, turn, up = self.position.wanted
-        hull, velocity, rate = self.GetBody(), self.hullVelocity, self.hullRate
-        attitude: GzVector = GzQuaternToEuler(self.globalPose.rot)
-        hull.AddRelForce(
-            clamp(DRAG * (forward - velocity.x), MAX_THRUST),
-            -DRAG * velocity.y,
-            clamp(DRAG * (up - velocity.z), MAX_THRUST),
+        motion, hull = self.motion, self.GetBody()
+        force, torque = _efforts(self.position.wanted, motion.velocity, motion.rate, motion.attitude)
+        hull.AddRelForce(*force)
+        hull.AddRelTorque(*torque)
+
+    # As rows ------------------------------------------------------------------------------------------------------
+
+    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:  # noqa: D102
+        if replaced(self, Blimp, "measure"):
+            super().MasterRowsOfMeasure(rows)
+        else:
+            self.motion.add_row(rows, self.GetBody())
+
+    def MasterRowsOfAct(self, rows: UpdateRows) -> None:  # noqa: D102
+        hull = self.GetBody()
+        if replaced(self, Blimp, "act") or hull.dummy:
+            super().MasterRowsOfAct(rows)
+            return
+        formula = Formula()
+        wanted = self.position.read_wanted(formula)
+        measured = (
+            [formula.read((self.motion, name, i)) for i in range(3)] for name in ("velocity", "rate", "attitude")
         )
-        hull.AddRelTorque(
-            -RIGHTING * attitude.x - DAMPING * rate.x,
-            -RIGHTING * attitude.y - DAMPING * rate.y,
-            clamp(YAW_GAIN * (turn - rate.z), MAX_YAW_TORQUE),
-        )
+        force, torque = _efforts(wanted, *measured)
+        formula.force(hull, *force)
+        formula.body_torque(hull, *torque)
+        rows.formula(self.act, formula)
+
+
+def _efforts(
+    wanted: Sequence[Number],
+    velocity: Sequence[Number],
+    rate: Sequence[Number],
+    attitude: Sequence[Number],
+) -> tuple[tuple[Number, ...], tuple[Number, ...]]:
+    """Force [N] and torque [N m] along the hull's axes."""
+    forward, turn, up = wanted
+    force = (
+        clamp(DRAG * (forward - velocity[0]), MAX_THRUST),
+        -DRAG * velocity[1],
+        clamp(DRAG * (up - velocity[2]), MAX_THRUST),
+    )
+    torque = (
+        -RIGHTING * attitude[0] - DAMPING * rate[0],
+        -RIGHTING * attitude[1] - DAMPING * rate[1],
+        clamp(YAW_GAIN * (turn - rate[2]), MAX_YAW_TORQUE),
+    )
+    return force, torque

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -142,15 +143,23 @@ class DifferentialRobot(MobileRobot):
         else:
             self.add_measuring(rows)
 
-    def add_measuring(self, rows: UpdateRows, encoders: tuple[Any, float] | None = None) -> None:
-        """Add a row for `measure`, and for encoders; see `UpdateRows.differential`."""
+    def add_measuring(
+        self,
+        rows: UpdateRows,
+        encoders: tuple[Any, float] | None = None,
+        *,
+        twin: Callable[[float], object] | None = None,
+        lean: Any = None,
+    ) -> None:
+        """Add a row for `measure`, or for another twin, and for encoders; see `UpdateRows.differential`."""
+        twin = twin or self.measure
         sides = self.wheels.sides() if is_plain(self.wheels, DifferentialDrive, "rates") else None
         drained = self.battery is None or is_plain(self.battery, Battery, "drain")
         if sides is None or not drained or not is_plain(self.odometry, Odometry, "advance"):
-            rows.python(self.measure)
+            rows.python(twin)
             return
         rows.differential(
-            self.measure,
+            twin,
             self.odometry,
             self.battery,
             sides,
@@ -158,6 +167,7 @@ class DifferentialRobot(MobileRobot):
             separation=self.wheelSep,
             normalise=self.normaliseYaw,
             encoders=encoders,
+            lean=lean,
         )
 
     def MasterPublished(self, exchange: Exchange) -> bool:

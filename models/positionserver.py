@@ -9,6 +9,7 @@ from typing import ClassVar
 from libgz.interfaces.position import Position, PositionData
 from libgz.legacy.model import Model
 from libgz.models.serving import serve
+from libgz.simulation.formula import Formula, Term
 from libgz.simulation.updates import Exchange
 from libgz.transport.guard import Guard
 
@@ -27,6 +28,7 @@ class _Expected(ctypes.Structure):
         ("command", ctypes.c_double * MOST_FIELDS),
         ("enabled", ctypes.c_int64),
         ("settled", ctypes.c_int64),  # whether `wanted` follows from both
+        ("wanted", ctypes.c_double * MOST_FIELDS),
     ]
 
 
@@ -78,7 +80,16 @@ class PositionServer:
     @wanted.setter
     def wanted(self, value: tuple[float, ...]) -> None:
         self._wanted = value
+        self._expected.wanted[: len(value)] = value
         self._expected.settled = 0
+
+    def read_wanted(self, formula: Formula) -> list[Term]:
+        """`wanted` as terms of a formula, for native updates."""
+        return [formula.read((self._expected, "wanted", i)) for i in range(len(self.fields))]
+
+    def require_enabled(self, formula: Formula) -> None:
+        """Make it a condition of a formula that the motors are on."""
+        formula.require((self._expected, "enabled"))
 
     def Init(self) -> None:
         """Create the interface under the model's id."""

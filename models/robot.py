@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Protocol
 from libgz.interfaces.position import PositionData
 from libgz.legacy.model import Model
 from libgz.models.positionserver import PositionServer
+from libgz.simulation.formula import clamp
 from libgz.simulation.rate import UpdateRate
 from libgz.simulation.state import declares
 from libgz.simulation.updates import Exchange, UpdateRows, replaced
@@ -172,8 +173,3 @@ class MobileRobot(Model):
 
     def _update_device(self, device: Device, _step: float) -> None:
         device.Update(self.world.GetSimTime())
-
-
-def clamp(value: float, limit: float) -> float:
-    """`value` within +-limit."""
-    return min(max(value, -limit), limit)

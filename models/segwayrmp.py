@@ -7,17 +7,22 @@ real RMP 200 (64 x 61 cm, 48 cm, 54 cm); the layout of bodies and the controller
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import ClassVar, Generic, NamedTuple
 
-from libgz.geometry import GzColor, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
+from libgz.geometry import GzColor, GzVector
 from libgz.interfaces.position import PositionData
 from libgz.models.drive import DifferentialRobot
+from libgz.models.motion import Motion
+from libgz.models.odometry import Odometry
 from libgz.models.parts import DARK, GREY, add_body, fit
-from libgz.models.robot import RobotAttributes, clamp
+from libgz.models.robot import RobotAttributes
 from libgz.models.wheels import HARD, Tire
 from libgz.ode.types import dParamHiStop, dParamLoStop
 from libgz.physics.geoms import BoxGeom
 from libgz.physics.joint import SliderJoint
+from libgz.records import numbers
+from libgz.simulation.formula import Formula, Number, clamp
+from libgz.simulation.updates import Exchange, UpdateRows, replaced
 
 TIRE = Tire(0.24, 0.05, 5.0, DARK, hard=True)
 TOP_PLATE = (0.0, 0.0, 0.70)  # [m]
@@ -32,7 +37,7 @@ MAX_LAG = 1.0  # [m]; a longer lag does not increase the torque
 # For worlds of Gazebo 0.4, which drop their robots: damper of the tires, and the gains while it falls freely.
 LANDING_DAMPER = 1000.0  # [N s/m]
 FLIGHT_PITCH_GAIN, FLIGHT_PITCH_RATE_GAIN = 14.0, 9.0
-FALLEN = math.radians(60.0)  # beyond this tilt it stops balancing
+UPRIGHT = math.cos(math.radians(60.0))  # z of its upward axis, below which it stops balancing
 
 
 class SegwayRMP(DifferentialRobot):
@@ -45,7 +50,8 @@ class SegwayRMP(DifferentialRobot):
     cm: the tires damp the impact, and while it falls the wheels only counteract its pitching.
     """
 
-    STATE: ClassVar[tuple[str, ...]] = ("pitch", "pitchRate", "_velocity", "_lag", "_turn_error", "_turn_error_sum")
+    STATE: ClassVar[tuple[str, ...]] = ("motion", "_velocity", "_balance")
+    ROW_PARTS = DifferentialRobot.ROW_PARTS | {"motion", "_balance"}
 
     behaviour = "balancing (it falls over); driving; odometry"
     attributes: ClassVar[type[RobotAttributes]] = RobotAttributes
@@ -72,9 +78,18 @@ class SegwayRMP(DifferentialRobot):
                 wheel = hinge.GetJointBody(0)
                 for geom in wheel.GetGeoms() if wheel is not None else ():
                     geom.SetHardness(HARD[0], LANDING_DAMPER)
-        self.pitch = self.pitchRate = 0.0  # of the base [rad], [rad/s]; leaning forward positive
-        self._lag = 0.0  # how far it is ahead of the commanded travel [m]
-        self._turn_error = self._turn_error_sum = 0.0
+        self.motion = Motion()  # of the base; leaning forward is a positive pitch
+        self._balance = numbers(3)()  # see `_Balance`
+
+    @property
+    def pitch(self) -> float:
+        """Of the base [rad], leaning forward positive."""
+        return float(self.motion.attitude[1])
+
+    @property
+    def pitchRate(self) -> float:
+        """Of the base [rad/s], likewise."""
+        return float(self.motion.rate[1])
 
     def wheel_rates(self) -> tuple[float, float]:
         """Rates at which the wheels roll on the ground [rad/s]: their hinge rates plus the pitch rate of the base."""
@@ -83,10 +98,7 @@ class SegwayRMP(DifferentialRobot):
 
     def measure(self, step: float) -> None:
         """Attitude, then odometry."""
-        base = self.GetBody()
-        rotation = base.GetRotation()
-        self.pitch = GzQuaternToEuler(rotation).y
-        self.pitchRate = rotate(GzQuaternInverse(rotation), base.GetAngularRate()).y
+        self.motion.measure(self.GetBody())
         super().measure(step)
 
     def publish(self, data: PositionData) -> None:
@@ -100,18 +112,20 @@ class SegwayRMP(DifferentialRobot):
     def act(self, step: float) -> None:
         """Balance."""
         falling = self._velocity is not None and self._falls(step)
-        up = rotate(self.GetBody().GetRotation(), (0.0, 0.0, 1.0)).z
-        if not self.position.enabled or up < math.cos(FALLEN):
-            self._lag = self._turn_error = self._turn_error_sum = 0.0
+        if not self.position.enabled or not self.motion.up[2] >= UPRIGHT:
+            self._balance[:] = (0.0, 0.0, 0.0)
             return
         if falling:
-            self._lag = 0.0
-            forward, turn = FLIGHT_PITCH_GAIN * self.pitch + FLIGHT_PITCH_RATE_GAIN * self.pitchRate, 0.0
+            self._balance[0] = 0.0
+            torque = FLIGHT_PITCH_GAIN * self.pitch + FLIGHT_PITCH_RATE_GAIN * self.pitchRate
+            torques = torque / 2.0, torque / 2.0
         else:
-            forward, turn = self._torques(step)
-        left, right = self._hinges
-        left.SetTorque((forward - turn) / 2.0)
-        right.SetTorque((forward + turn) / 2.0)
+            speed, turn = self.position.wanted
+            motion = *self.odometry.velocity, self.pitch, self.pitchRate
+            kept, torques = _balance(step, speed, turn, motion, _Balance(*self._balance))
+            self._balance[:] = kept
+        for hinge, torque in zip(self._hinges, torques, strict=True):
+            hinge.SetTorque(torque)
 
     def _falls(self, step: float) -> bool:
         """Whether the base gained more than half of what gravity gives it in a step [s]."""
@@ -120,21 +134,70 @@ class SegwayRMP(DifferentialRobot):
         gained = sum((v - b) * g for v, b, g in zip(velocity, before, gravity, strict=True))
         return gained > 0.5 * step * sum(g * g for g in gravity)
 
-    def _torques(self, step: float) -> tuple[float, float]:
-        """Torques [N m]: of both wheels together, and the difference of the two."""
-        speed, turn = self.position.wanted
-        speed, turn = clamp(speed, MAX_SPEED), clamp(turn, MAX_TURN)
-        excess = self.odometry.velocity[0] - speed
-        self._lag = clamp(self._lag + excess * step, MAX_LAG)
-        forward = (
-            PLACE_GAIN * self._lag + SPEED_GAIN * excess + PITCH_GAIN * self.pitch + PITCH_RATE_GAIN * self.pitchRate
-        )
-        error = turn - self.odometry.velocity[1]
-        self._turn_error_sum = clamp(self._turn_error_sum + error * step, 1.0 / TURN_INTEGRAL_GAIN)
-        sideways = (
-            TURN_GAIN * error
-            + TURN_INTEGRAL_GAIN * self._turn_error_sum
-            + TURN_DERIVATIVE_GAIN * (error - self._turn_error) / step
-        )
-        self._turn_error = error
-        return clamp(forward, MAX_TORQUE), clamp(sideways, MAX_TORQUE)
+    # As rows ------------------------------------------------------------------------------------------------------
+
+    def MasterRowsOfMeasure(self, rows: UpdateRows) -> None:  # noqa: D102
+        if replaced(self, SegwayRMP, "measure", "wheel_rates"):
+            rows.python(self.measure)
+            return
+        self.motion.add_row(rows, self.GetBody())
+        self.add_measuring(rows, twin=super().measure, lean=(self.motion, "rate", 1))
+
+    def MasterPublished(self, exchange: Exchange) -> bool:  # noqa: D102
+        if replaced(self, SegwayRMP, "publish") or replaced(self.odometry, Odometry, "publish"):
+            return False
+        self.odometry.share(exchange)
+        exchange.doubles("rot", (self.motion, "attitude", 1), index=1)
+        exchange.doubles("vel_rot", (self.motion, "rate", 1), index=1)
+        return True
+
+    def MasterRowsOfAct(self, rows: UpdateRows) -> None:  # noqa: D102
+        if replaced(self, SegwayRMP, "act") or self._velocity is not None:
+            rows.python(self.act)
+            return
+        formula = Formula()
+        self.position.require_enabled(formula)
+        formula.at_least((self.motion, "up", 2), UPRIGHT)
+        read, motion, odometry = formula.read, self.motion, self.odometry
+        speed, turn = self.position.read_wanted(formula)
+        measured = read((odometry, "velocity")), read((odometry, "velocity", 1)), read((motion, "attitude", 1))
+        before = _Balance(*(read((self._balance, i)) for i in range(3)))
+        kept, torques = _balance(rows.step_of(formula), speed, turn, (*measured, read((motion, "rate", 1))), before)
+        for i, value in enumerate(kept):
+            formula.set((self._balance, i), value)
+        for hinge, torque in zip(self._hinges, torques, strict=True):
+            formula.torque(hinge, torque)
+        rows.formula(self.act, formula)
+
+
+class _Balance(NamedTuple, Generic[Number]):
+    """What the controller keeps: how far the robot is ahead of the commanded travel [m], the error of its turn [rad/s],
+    and the integral of that.
+    """
+
+    lag: Number
+    error: Number
+    integral: Number
+
+
+def _balance(
+    step: Number, speed: Number, turn: Number, measured: tuple[Number, ...], kept: _Balance[Number]
+) -> tuple[_Balance[Number], tuple[Number, Number]]:
+    """What is kept, and the torques of the left and the right wheel [N m].
+
+    Args:
+        step: its length [s].
+        speed, turn: wanted [m/s], [rad/s].
+        measured: speed, turn, pitch and its rate.
+        kept: of the step before.
+    """
+    present, turning, pitch, pitch_rate = measured
+    speed, turn = clamp(speed, MAX_SPEED), clamp(turn, MAX_TURN)
+    excess = present - speed
+    lag = clamp(kept.lag + excess * step, MAX_LAG)
+    forward = PLACE_GAIN * lag + SPEED_GAIN * excess + PITCH_GAIN * pitch + PITCH_RATE_GAIN * pitch_rate
+    error = turn - turning
+    integral = clamp(kept.integral + error * step, 1.0 / TURN_INTEGRAL_GAIN)
+    sideways = TURN_GAIN * error + TURN_INTEGRAL_GAIN * integral + TURN_DERIVATIVE_GAIN * (error - kept.error) / step
+    forward, sideways = clamp(forward, MAX_TORQUE), clamp(sideways, MAX_TORQUE)
+    return _Balance(lag, error, integral), ((forward - sideways) / 2.0, (forward + sideways) / 2.0)

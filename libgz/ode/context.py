@@ -99,6 +99,8 @@ class StepContext(ctypes.Structure):
         ("touches", c_void_p),
         ("parted", c_int64),
         ("surface_layer", c_double),
+        ("resting", c_int64),
+        ("next_checked", c_int64),
     ]
 
 
@@ -116,6 +118,7 @@ class Publication(ctypes.Structure):
         ("fixed", c_void_p),
         ("fixed_size", c_int64),
         ("stale", c_int64),
+        ("copied", c_int64),
     ]
 
 

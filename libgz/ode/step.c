@@ -250,6 +250,8 @@ typedef struct {
     touch_record *touches;    /* of this step, where the quick solver needs them */
     int64_t parted;           /* 1: some bodies are set aside, while others are solved */
     double surface_layer;     /* [m] of depth that is not corrected under the classic rule */
+    int64_t resting;          /* steps in a row, at most 2, after which no body was awake; 0 after any change from outside */
+    int64_t next_checked;     /* body that is looked at next while all rest */
 } context;
 
 enum { LEGACY_RULE = 0, CLASSIC_RULE = 1 };
@@ -849,6 +851,10 @@ static void rotate(const double *q, const double *v, double *out)
     out[2] = v[2] + q[0] * tz + (q[1] * ty - q[2] * tx);
 }
 
+void gz_rotate(const double *q, const double *v, double *out) { rotate(q, v, out); }
+
+int gz_may_sleep(void *body) { return dBodyGetAutoDisableFlag(body); }
+
 /* Whether a number diverged: it is NaN, or beyond twice what may be set (check.py). */
 static int is_beyond(double value, double most)
 {
@@ -1261,6 +1267,53 @@ static int move(context *c)
     return done;
 }
 
+/* Whether some bodies are asleep, from one on; of so many of them if there are more. */
+static int are_asleep(const context *c, int64_t first, int64_t most)
+{
+    int64_t i, count = c->body_count < most ? c->body_count : most;
+    for (i = 0; i < count; i++) {
+        void *body = c->bodies[(first + i) % c->body_count];
+        if (body && dBodyIsEnabled(body))
+            return 0;
+    }
+    return 1;
+}
+
+static int have_springs(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i] && (c->springs[3 * i] != 0.0 || c->springs[3 * i + 1] != 0.0))
+            return 1;
+    return 0;
+}
+
+/* After a step that began and ended without a body awake, the next one changes nothing; springs act on sleeping bodies. */
+enum { RESTING = 2, CHECKED = 64 };
+
+static void note_rest(context *c)
+{
+    if (!c->body_count || !are_asleep(c, 0, c->body_count) || have_springs(c))
+        c->resting = 0;
+    else if (c->resting < RESTING)
+        c->resting++;
+}
+
+/* Whether a step can be left out. A look at some bodies finds those that were woken past the tables. */
+static int rests(context *c)
+{
+    if (c->resting < RESTING || c->record_contacts || !c->body_count)
+        return 0;
+    if (!are_asleep(c, c->next_checked, CHECKED)) {
+        c->resting = 0;
+        return 0;
+    }
+    c->next_checked = (c->next_checked + CHECKED) % c->body_count;
+    return 1;
+}
+
+void gz_disturb(context *c) { c->resting = 0; }
+
 enum { STEP_NEEDS_RECOVERY = 2 };
 
 /* The second half: move everything, drop the contacts, copy the states out. Returns 1, 0 when ODE ran out of memory, or
@@ -1292,6 +1345,7 @@ static int solve(context *c)
     c->steps++;
     c->diverged = read_bodies(c, c->body_state, 1);
     read_joints(c, c->joint_state);
+    note_rest(c);
     if (done && (c->reset_row || c->abandoned || c->diverged || c->collision_failed))
         return STEP_NEEDS_RECOVERY;
     return done != 0;
@@ -1334,6 +1388,10 @@ int gz_solve(context *c)
 int gz_step(context *c)
 {
     int done;
+    if (rests(c)) {
+        c->steps++;
+        return 1;
+    }
     enter_ode();
     find_contacts(c);
     done = solve(c);
@@ -1372,10 +1430,11 @@ typedef struct {
     const double *fixed;      /* rows of bodies that ODE does not move, which follow the others */
     int64_t fixed_size;       /* [byte] */
     int64_t stale;            /* 1: some rows of the own tables are stale, so ODE is asked for all */
+    int64_t copied;           /* 1: the tables there are those of a world at rest */
 } publication;
 
 /* Copy header and tables out. The counter is odd meanwhile. Own tables stay as they are, and nothing is read back. */
-void gz_publish(const context *c, const publication *p)
+void gz_publish(const context *c, publication *p)
 {
     uint64_t *own = (uint64_t *)(p->header + p->sequence_offset);
     _Atomic uint64_t *shared = (_Atomic uint64_t *)(p->target + p->sequence_offset);
@@ -1386,9 +1445,11 @@ void gz_publish(const context *c, const publication *p)
     if (p->stale) {
         read_bodies(c, bodies, 0);
         read_joints(c, joints);
-    } else {
+        p->copied = 0;
+    } else if (c->resting < RESTING || !p->copied) {
         memcpy(bodies, c->body_state, (size_t)c->body_count * 16 * sizeof(double));
         memcpy(joints, c->joint_state, (size_t)c->joint_count * 4 * sizeof(double));
+        p->copied = c->resting == RESTING;
     }
     memcpy(p->target + p->fixed_offset, p->fixed, (size_t)p->fixed_size);
     atomic_store_explicit(shared, ++*own, memory_order_release);

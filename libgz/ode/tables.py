@@ -373,6 +373,12 @@ class Tables:
     @touched.setter
     def touched(self, value: bool) -> None:
         self.record.touched = value
+        if value:
+            self.disturb()
+
+    def disturb(self) -> None:
+        """Have the next step compute all, even if no body was awake in the last one."""
+        self._context.resting = 0
 
     @property
     def changes(self) -> tuple[int, int, int]:
@@ -403,6 +409,11 @@ class Tables:
         row = self.geoms.add(geom, owner)
         self.publish()
         return row
+
+    def set_spring(self, row: int, spring: tuple[float, ...]) -> None:
+        """Stiffness, damping and reference of a joint."""
+        self.joints.set_spring(row, spring)
+        self.disturb()
 
     def attach_joint(self, row: int, handle: int) -> None:
         """Read a joint from now on; with handle 0 no more."""

@@ -19,7 +19,10 @@
 int gz_step(void *context);
 void gz_scan(void *context, const double *frame, const double *rays, int64_t count, int64_t owner, double *ranges,
              int64_t *rows);
-void gz_publish(const void *context, const void *publication);
+void gz_publish(const void *context, void *publication);
+void gz_rotate(const double *quaternion, const double *vector, double *out);
+int gz_may_sleep(void *body);
+void gz_disturb(void *context);
 
 /* Where states are. The arrays are those of the step; a byte of `fresh` is 1 where a row is up to date. */
 typedef struct {
@@ -147,7 +150,7 @@ static void give_back(link_record *l)
 /* Rows -------------------------------------------------------------------------------------------------------- */
 
 /* Kind in records.py. */
-enum { PYTHON, BEGIN, DUE, DIFFERENTIAL, BICYCLE, SERVO, SPRING, CAST, SHARE, ADVANCE, SETTLE, PUBLISH, POST };
+enum { PYTHON, BEGIN, DUE, DIFFERENTIAL, BICYCLE, SERVO, SPRING, CAST, SHARE, ADVANCE, SETTLE, PUBLISH, POST, MOTION, FORMULA };
 
 typedef struct {
     int64_t kind;
@@ -229,6 +232,7 @@ typedef struct {
     int64_t normalise;
     double *counts; /* of two encoders, or NULL */
     double counts_per_turn;
+    const double *lean; /* [rad/s], added to the rates of the wheels; or NULL */
 } differential;
 
 static int measure_differential(const tables *t, const differential *d)
@@ -239,6 +243,8 @@ static int measure_differential(const tables *t, const differential *d)
         return 0;
     rates[0] = sum_of(rate_of, t, d->axes, d->left) / (double)d->left;
     rates[1] = sum_of(rate_of, t, d->axes + d->left, d->right) / (double)d->right;
+    for (k = 0; d->lean && k < 2; k++)
+        rates[k] += *d->lean;
     left = travel * rates[0];
     right = travel * rates[1];
     move_on(d->odometry, (left + right) / 2.0, (right - left) / d->separation, step);
@@ -270,6 +276,117 @@ static int measure_bicycle(const tables *t, const bicycle *b)
     speed = b->radius * sum_of(rate_of, t, b->axes, b->driven) / (double)b->driven;
     angle = sum_of(angle_of, t, b->axes + b->driven, b->steered) / (double)b->steered;
     move_on(b->odometry, speed * step, speed * step * tan(angle) / b->base, step);
+    return 1;
+}
+
+/* How a body moves. */
+typedef struct {
+    int64_t body; /* row */
+    void *handle;
+    double steep; /* sine of the pitch from which Python computes the attitude */
+    double position[3], rotation[4], attitude[3], velocity[3], rate[3], up[3];
+} motion;
+
+static int find_motion(const tables *t, motion *m)
+{
+    static const double z_axis[3] = {0.0, 0.0, 1.0};
+    const double *state = t->body_state + 16 * m->body;
+    double u = state[3], x = state[4], y = state[5], z = state[6], sine = -2.0 * (x * z - u * y);
+    double inverse[4] = {u, -x, -y, -z};
+    if (t->bodies[m->body] != m->handle || !t->body_fresh[m->body] || !(fabs(sine) <= m->steep))
+        return 0;
+    memcpy(m->position, state, sizeof m->position);
+    memcpy(m->rotation, state + 3, sizeof m->rotation);
+    m->attitude[0] = atan2(2.0 * (y * z + u * x), u * u - x * x - y * y + z * z);
+    m->attitude[1] = asin(sine);
+    m->attitude[2] = atan2(2.0 * (x * y + u * z), u * u + x * x - y * y - z * z);
+    gz_rotate(inverse, state + 10, m->velocity);
+    gz_rotate(inverse, state + 13, m->rate);
+    gz_rotate(m->rotation, z_axis, m->up);
+    return 1;
+}
+
+/* A formula: conditions, then arithmetic, then what has effects. */
+/* Operation in formula.py. */
+enum {
+    NEED, AT_LEAST, FINITE, BODY, JOINT, ADD, SUBTRACT, MULTIPLY, DIVIDE, NEGATE, LEAST, MOST, COPY, EFFORT, EFFORTS
+};
+
+typedef struct {
+    int64_t operation;
+    void *one, *two, *result;
+} operation;
+
+typedef struct {
+    const operation *operations;
+    int64_t count;
+} formula;
+
+typedef void add_effort(void *joint, double);
+typedef void add_efforts(void *body, double, double, double);
+
+static int compute(const tables *t, const formula *f)
+{
+    int64_t i;
+    for (i = 0; i < f->count; i++) {
+        const operation *o = f->operations + i;
+        const double *a = o->one, *b = o->two;
+        double *result = o->result;
+        switch (o->operation) {
+        case NEED:
+            if (!*(const int64_t *)o->one)
+                return 0;
+            break;
+        case AT_LEAST:
+            if (!(*a >= *b))
+                return 0;
+            break;
+        case FINITE:
+            if (!isfinite(*a))
+                return 0;
+            break;
+        case BODY: /* one that may sleep has to be woken, too */
+            if (!o->one || t->bodies[(intptr_t)o->two] != o->one || gz_may_sleep(o->one))
+                return 0;
+            break;
+        case JOINT:
+            if (!o->one || t->joints[(intptr_t)o->two] != o->one)
+                return 0;
+            break;
+        case ADD:
+            *result = *a + *b;
+            break;
+        case SUBTRACT:
+            *result = *a - *b;
+            break;
+        case MULTIPLY:
+            *result = *a * *b;
+            break;
+        case DIVIDE:
+            *result = *a / *b;
+            break;
+        case NEGATE:
+            *result = -*a;
+            break;
+        case LEAST:
+            *result = *b < *a ? *b : *a;
+            break;
+        case MOST:
+            *result = *b > *a ? *b : *a;
+            break;
+        case COPY:
+            *result = *a;
+            break;
+        case EFFORT:
+            gz_disturb(t->context);
+            (*(add_effort **)&o->two)(o->result, *a);
+            break;
+        case EFFORTS:
+            gz_disturb(t->context);
+            (*(add_efforts **)&o->two)(o->result, a[0], a[1], a[2]);
+            break;
+        }
+    }
     return 1;
 }
 
@@ -311,6 +428,7 @@ static int push_back(const tables *t, const spring *s)
     if (!isfinite(effort))
         return 0;
     s->add(s->axis.handle, effort);
+    gz_disturb(t->context);
     return 1;
 }
 
@@ -366,7 +484,7 @@ static int hits_marked(const tables *t, const cast *c)
 
 /* What is exchanged with an interface. First come the conditions: where one is not met, Python does the row. */
 /* What in records.py. */
-enum { REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH };
+enum { REQUIRE, EXPECT_INT, EXPECT_DOUBLE, UNMARKED, NOW, REAL_TIME, INTS, DOUBLES, NEAREST, READINGS, STORE, FETCH, ANGLE, RATE, VECTOR };
 
 typedef struct {
     int64_t what;
@@ -377,6 +495,24 @@ typedef struct {
     double limit;
     int64_t type; /* of what is stored or fetched, as numpy's letters: d f i I H B */
 } transfer;
+
+/* A vector of a joint. */
+typedef struct {
+    int64_t joint; /* row */
+    void *handle;
+    void (*get)(void *joint, double *vector);
+    double scale;
+} vector;
+
+static void write_vector(const vector *v, char *to)
+{
+    double found[4];
+    int k;
+    v->get(v->handle, found);
+    for (k = 0; k < 3; k++)
+        found[k] = v->scale * found[k];
+    memcpy(to, found, 3 * sizeof(double));
+}
 
 typedef struct {
     link_record *link;
@@ -419,13 +555,19 @@ static int is_met(const tables *t, const transfer *x, const char *memory)
         return value == *(const double *)x->source;
     case UNMARKED:
         return !hits_marked(t, x->source);
+    case ANGLE:
+    case RATE:
+        return is_fresh(t, x->source);
+    case VECTOR:
+        return t->joints[((const vector *)x->source)->joint] == ((const vector *)x->source)->handle;
     }
     return 1;
 }
 
-static void move(const clock_record *clock, const transfer *x, char *memory)
+static void move(const tables *t, const clock_record *clock, const transfer *x, char *memory)
 {
     char *to = memory + x->offset;
+    double value;
     int64_t i;
     switch (x->what) {
     case NOW:
@@ -459,6 +601,14 @@ static void move(const clock_record *clock, const transfer *x, char *memory)
         for (i = 0; i < x->count; i++)
             ((double *)x->source)[i] = fetch(x->type, to + x->stride * i);
         break;
+    case ANGLE:
+    case RATE:
+        value = x->what == ANGLE ? angle_of(t, x->source) : rate_of(t, x->source);
+        memcpy(to, &value, sizeof value);
+        break;
+    case VECTOR:
+        write_vector(x->source, to);
+        break;
     case READINGS:
         for (i = 0; i < x->count; i++) {
             double range = reading(x->source, i);
@@ -479,7 +629,7 @@ static int exchange(const tables *t, const clock_record *clock, const share *s)
             return 0;
         }
     for (i = 0; i < s->count; i++)
-        move(clock, s->transfers + i, s->link->memory);
+        move(t, clock, s->transfers + i, s->link->memory);
     give_back(s->link);
     return 1;
 }
@@ -494,7 +644,7 @@ typedef struct {
 
 /* States for other processes; Python looks first if something else than states may have changed. */
 typedef struct {
-    const void *publication;
+    void *publication;
     char *numbers;     /* in the header: revision, steps, paused; sim, pause and real time */
     int64_t revision;
     int64_t ready;     /* 0: Python looks */
@@ -588,6 +738,12 @@ int64_t gz_updates_run(const updates *u, int64_t i, int64_t end)
         case SPRING:
             done = push_back(t, r->part);
             break;
+        case MOTION:
+            done = find_motion(t, r->part);
+            break;
+        case FORMULA:
+            done = compute(t, r->part);
+            break;
         case CAST:
             done = cast_rays(t, r->part);
             break;
@@ -624,6 +780,7 @@ const int64_t *gz_updates_sizes(void)
         sizeof(rate_record),  sizeof(axis),         sizeof(odometry_record), sizeof(battery_record),
         sizeof(differential), sizeof(bicycle),      sizeof(servo),    sizeof(spring),      sizeof(cast),
         sizeof(scanner),      sizeof(transfer),     sizeof(share),    sizeof(beginning),   sizeof(publishing),  sizeof(posting),
-        sizeof(updates),      0};
+        sizeof(updates),      sizeof(motion),       sizeof(operation), sizeof(formula),
+        sizeof(vector),       0};
     return sizes;
 }

@@ -333,6 +333,7 @@ class Body:
     def Enable(self, enable: bool) -> None:
         """Switch the body's motion on or off; a disabled body wakes when an enabled one touches it."""
         if self.row >= 0:
+            self.engine.tables.disturb()
             if enable:
                 ode().dBodyEnable(self.id)
             else:
@@ -436,6 +437,16 @@ class Body:
         """Add a torque about the body's own axes [N m]."""
         self._force(ode().dBodyAddRelTorque, (x, y, z))
 
+    @property
+    def force_adder(self) -> int:
+        """The address of ODE's function that adds a force along the body's axes, for native updates."""
+        return ode().address("dBodyAddRelForce")
+
+    @property
+    def torque_adder(self) -> int:
+        """The address of ODE's function that adds a torque about the body's axes, likewise."""
+        return ode().address("dBodyAddRelTorque")
+
     def AddForceAtPos(self, fx: float, fy: float, fz: float, px: float, py: float, pz: float) -> None:
         """Add a global force [N] at a global point [m]."""
         self._force(ode().dBodyAddForceAtPos, (fx, fy, fz, px, py, pz))
@@ -449,6 +460,7 @@ class Body:
         numbers = finite_tuple(values, len(values), "force [N], torque [N m] or point [m]")
         if self.row >= 0:
             function(self.id, *numbers)
+            self.engine.tables.disturb()
             if self.auto_disable:
                 self.Enable(True)
 

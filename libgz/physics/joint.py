@@ -300,7 +300,7 @@ class Joint:
         """
         if self.kind not in (JointType.HINGE, JointType.SLIDER):
             raise ParameterError(f"{self.label} has no spring; hinges and sliders have")
-        self._table.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
+        self.engine.tables.set_spring(self.row, finite_tuple((stiffness, damping, reference), 3, "spring"))
 
     # Parameters --------------------------------------------------------------------------------------------------
 

@@ -237,6 +237,7 @@ class EngineState:
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
+        engine.tables.disturb()
 
     def _restore_settings(self, state: dict[str, Any]) -> None:
         engine, context = self._engine, self._context

@@ -111,6 +111,7 @@ class Publication:
             clock.real_time,
         )
         self._target.stale = tables.touched or not tables.fresh_after_step
+        self._target.copied = 0
         shared.restore_length()
         engine.step_form.publish(self._target)
         if new_file:

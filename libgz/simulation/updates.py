@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple, Protocol
@@ -18,7 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import USER_ERRORS, ParameterError, nearest, pass_interrupt
+from libgz.geometry import STEEP
+from libgz.ode.lib import ode
 from libgz.ode.native_step import NativeStep
+from libgz.physics.body import Body
 from libgz.physics.check import LARGEST
 from libgz.physics.engine import Engine
 from libgz.physics.joint import HingeJoint, Joint
@@ -31,6 +35,7 @@ from libgz.records import (
     CastRecord,
     DifferentialRecord,
     Kind,
+    MotionRecord,
     OdometryRecord,
     PublishRecord,
     Row,
@@ -40,13 +45,16 @@ from libgz.records import (
     SpringRecord,
     TransferRecord,
     UpdatesRecord,
+    VectorRecord,
     What,
 )
 from libgz.simulation.clock import Clock
+from libgz.simulation.formula import Formula, Term
 from libgz.simulation.rate import OldRate, UpdateRate
 from libgz.simulation.running_code import names
+from libgz.simulation.sources import address_of, check_size
 from libgz.transport.interface import Interface
-from libgz.transport.layout import Field, fields_of
+from libgz.transport.layout import Element, Field, fields_of
 from libgz.transport.server import LocalServer
 
 __all__ = ["Exchange", "JointAxis", "UpdateRows", "is_plain", "replaced", "run_shares", "set_part"]
@@ -79,10 +87,12 @@ class HasUpdates(Protocol):
     entities: list[Any]
 
 
+_ELEMENT = re.compile(r"(\w+)\[(\d+)\]\.(\w+)")
+
 Twin = Callable[[float], object]  # does a row in Python; its argument is the length of the step [s]
 
 
-_NO_HANDLE = (1 << 64) - 1  # which no joint has: Python does the row, and raises ClosedError
+NO_HANDLE = (1 << 64) - 1  # which no joint has: Python does the row, and raises ClosedError
 
 
 class JointAxis(NamedTuple):
@@ -90,6 +100,10 @@ class JointAxis(NamedTuple):
 
     joint: Joint
     number: int = 1
+
+    def record(self) -> AxisRecord:
+        """For native code."""
+        return AxisRecord(self.joint.row, NO_HANDLE if self.joint.closed else self.joint.id, self.number - 1)
 
 
 def replaced(thing: object, kind: type, *names: str) -> bool:
@@ -171,18 +185,39 @@ class Exchange:
 
     def doubles(self, name: str, source: Any, count: int = 1, index: int = 0, stride: int = 1) -> None:
         """Write doubles, from `index` on, at every `stride`-th place."""
-        _check_size(source, count)
+        check_size(source, count)
         self._add(What.DOUBLES, self._place(name, index, count, stride), source, count, 8 * stride)
 
     def nearest(self, name: str, ranges: NDArray[np.float64], limit: float) -> None:
         """Write ranges, none larger than a limit [m]."""
-        _check_size(ranges, len(ranges))
+        check_size(ranges, len(ranges))
         self._add(What.NEAREST, self._place(name, 0, len(ranges)), ranges, len(ranges), 8, limit)
 
     def readings(self, name: str, scanner: ScannerRecord, count: int, *kept: object) -> None:
         """Write the readings of a scanner, which points into what is `kept`."""
         self.kept.append(kept)
         self._add(What.READINGS, self._place(name, 0, count), scanner, count, 8)
+
+    def angle(self, name: str, axis: JointAxis) -> None:
+        """Write the angle of an axis [rad]."""
+        self._add(What.ANGLE, self._place(name), axis.record())
+
+    def rate(self, name: str, axis: JointAxis) -> None:
+        """Write the rate of an axis [rad/s]."""
+        self._add(What.RATE, self._place(name), axis.record())
+
+    def vector(self, name: str, joint: Joint, function: str, scale: float = 1.0) -> None:
+        """Write a vector of a joint, such as its anchor, times a number.
+
+        Args:
+            name: of the field.
+            joint: whose it is.
+            function: of ODE, such as ``dJointGetHingeAnchor``.
+            scale: the number.
+        """
+        handle = NO_HANDLE if joint.closed else joint.id
+        vector = VectorRecord(joint.row, handle, ode().address(function), scale)
+        self._add(What.VECTOR, self._place(name, 0, 3), vector)
 
     def store(self, target: NDArray[Any], source: Any) -> None:
         """Write doubles to a view of the interface's memory, as numbers of its type."""
@@ -194,25 +229,34 @@ class Exchange:
 
     def _view(self, what: What, view: NDArray[Any], numbers: Any) -> None:
         """Transfer the numbers of a view of one dimension."""
-        _check_size(numbers, len(view))
+        check_size(numbers, len(view))
         offset = view.ctypes.data - int(self.interface.link.memory)
         self._add(what, offset, numbers, len(view), view.strides[0])
         self.transfers[-1].type = ord(view.dtype.char)
 
     def _is_double(self, name: str) -> bool:
-        return bool(self._field(name).ctype is ctypes.c_double)
+        return bool(self._number(name)[0].ctype is ctypes.c_double)
 
-    def _field(self, name: str) -> Field:
-        """The declaration of a field.
+    def _number(self, name: str) -> tuple[Field, Any, int]:
+        """The declaration of a field, its struct, and where that begins; ``joints[2].angle`` is a field of an element.
 
         Raises:
-            ParameterError: the interface has none of this name.
+            ParameterError: the interface has none of this name, or not so many elements.
         """
-        known = fields_of(self.interface.layout)
+        layout: Any = self.interface.layout
+        begin, known = 0, fields_of(layout)
+        match = _ELEMENT.fullmatch(name)
+        if match and match[1] in known and issubclass(known[match[1]].ctype, Element):
+            array: Any = dict(layout._fields_)[match[1]]
+            index = int(match[2])
+            if index >= array._length_:
+                raise ParameterError(f"{match[1]} has {array._length_} elements, so no {name}")
+            begin = getattr(layout, match[1]).offset + index * ctypes.sizeof(array._type_)
+            layout, known, name = array._type_, known[match[1]].ctype.declared, match[3]
         if name not in known:
             what = f"{self.interface.type}.{self.interface.id}"
             raise ParameterError(f"{what} has no field {name!r}; it has {', '.join(known)}{nearest(name, known)}")
-        return known[name]
+        return known[name], layout, begin
 
     def _place(self, name: str, index: int = 0, count: int = 1, stride: int = 1) -> int:
         """Where numbers of a field begin.
@@ -220,44 +264,15 @@ class Exchange:
         Raises:
             ParameterError: there is no such field, or it has not so many numbers.
         """
-        field, layout = self._field(name), self.interface.layout
-        size = ctypes.sizeof(field.ctype)
-        if index < 0 or (index + (count - 1) * stride + 1) * size > getattr(layout, name).size:
+        field, layout, begin = self._number(name)
+        size, place = ctypes.sizeof(field.ctype), getattr(layout, name.rpartition(".")[2])
+        if index < 0 or (index + (count - 1) * stride + 1) * size > place.size:
             raise ParameterError(f"{name} has the shape {field.shape}: {count} numbers from {index} on do not fit")
-        return int(getattr(layout, name).offset) + index * size
+        return int(begin + place.offset) + index * size
 
     def _add(self, what: What, offset: int, source: Any, count: int = 1, stride: int = 0, limit: float = 0.0) -> None:
         self.kept.append(source)
-        self.transfers.append(TransferRecord(what, offset, count, stride, _address(source), limit))
-
-
-def _check_size(source: Any, count: int) -> None:
-    """Check that a source holds so many doubles.
-
-    Raises:
-        ParameterError: it does not.
-    """
-    if isinstance(source, np.ndarray):
-        fits = source.dtype == np.float64 and source.flags.c_contiguous and source.size >= count
-    else:
-        record = source[0] if isinstance(source, tuple) else source
-        first = _address(source) or 0
-        fits = first + 8 * count <= ctypes.addressof(record) + ctypes.sizeof(record)
-    if not fits:
-        raise ParameterError(f"{count} doubles, one after the other, are needed; the source has fewer or others")
-
-
-def _address(source: Any) -> int | None:
-    """Where a ctypes object, a field of one, or a numpy array is."""
-    if source is None:
-        return None
-    if isinstance(source, np.ndarray):
-        return int(source.ctypes.data)
-    if isinstance(source, tuple):
-        record, *path = source
-        offset = int(getattr(type(record), path.pop(0)).offset) if isinstance(path[0], str) else 0
-        return ctypes.addressof(record) + offset + 8 * sum(path)
-    return ctypes.addressof(source)
+        self.transfers.append(TransferRecord(what, offset, count, stride, address_of(source), limit))
 
 
 class UpdateRows:
@@ -345,6 +360,7 @@ class UpdateRows:
         separation: float,
         normalise: bool,
         encoders: tuple[Any, float] | None = None,
+        lean: Any = None,
     ) -> None:
         """Odometry, battery and encoders from the rates of wheels on the left and the right side.
 
@@ -357,6 +373,7 @@ class UpdateRows:
             separation: of the sides [m].
             normalise: whether the yaw stays within +-pi.
             encoders: an array of two counts, and the counts per turn of a wheel.
+            lean: a rate that is added to those of the wheels [rad/s], a double; None: there is none.
         """
         left, right = sides
         if not left or not right:
@@ -365,18 +382,19 @@ class UpdateRows:
         counts, per_turn = encoders if encoders is not None else (None, 0.0)
         axes = self._axes((*left, *right))
         part = DifferentialRecord(
-            odometry=_address(odometry),
-            battery=_address(battery),
-            axes=_address(axes),
+            odometry=address_of(odometry),
+            battery=address_of(battery),
+            axes=address_of(axes),
             left=len(left),
             right=len(right),
             diameter=diameter,
             separation=separation,
             normalise=normalise,
-            counts=_address(counts),
+            counts=address_of(counts),
             counts_per_turn=per_turn,
+            lean=address_of(lean),
         )
-        self._add(Kind.DIFFERENTIAL, part, twin, odometry, battery, axes, counts)
+        self._add(Kind.DIFFERENTIAL, part, twin, odometry, battery, axes, counts, lean)
 
     def bicycle(
         self,
@@ -389,7 +407,7 @@ class UpdateRows:
     ) -> None:
         """Odometry from the rates of driven wheels of a radius [m] and the angles of others, a base [m] before them."""
         axes = self._axes((*driven, *steered))
-        part = BicycleRecord(_address(odometry), _address(axes), len(driven), len(steered), radius, base)
+        part = BicycleRecord(address_of(odometry), address_of(axes), len(driven), len(steered), radius, base)
         self._add(Kind.BICYCLE, part, twin, odometry, axes)
 
     def servo(
@@ -407,10 +425,10 @@ class UpdateRows:
             damping: share of the rate.
         """
         part = ServoRecord(
-            axis=self._axis(axis),
+            axis=axis.record(),
             set=axis.joint.setter,
             parameter=parameter,
-            target=_address(target),
+            target=address_of(target),
             sign=sign,
             gain=gain,
             damping=damping,
@@ -420,8 +438,25 @@ class UpdateRows:
 
     def spring(self, twin: Twin, hinge: HingeJoint, stiffness: float) -> None:
         """Apply a torque of minus `stiffness` [N m/rad] times the angle of a hinge."""
-        part = SpringRecord(self._axis(JointAxis(hinge)), hinge.torque_adder, -stiffness)
+        part = SpringRecord(JointAxis(hinge).record(), hinge.torque_adder, -stiffness)
         self._add(Kind.SPRING, part, twin)
+
+    def motion(self, twin: Twin, body: Body, record: MotionRecord) -> None:
+        """Pose, attitude and velocities of a body; where it is a dummy, Python finds them."""
+        if body.dummy or body.closed:
+            self.python(twin)
+            return
+        record.body, record.handle, record.steep = body.row, body.id, STEEP
+        self._add(Kind.MOTION, record, twin)
+
+    def step_of(self, formula: Formula) -> Term:
+        """The length of a step [s], as a term of a formula."""
+        return formula.read((self.world.engine.tables.record, "step"))
+
+    def formula(self, twin: Twin, formula: Formula) -> None:
+        """Arithmetic, with what it sets and applies."""
+        part, kept = formula.record()
+        self._add(Kind.FORMULA, part, twin, kept)
 
     def cast(self, twin: Twin, bundle: RayProximity) -> CastRecord | None:
         """Cast rays from where their body is; None, and Python does it, where the body is a dummy."""
@@ -436,20 +471,16 @@ class UpdateRows:
         """Exchange numbers with an interface under its lock."""
         transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
         link = exchange.interface.link
-        part = ShareRecord(_address(link), _address(transfers), len(transfers))
+        part = ShareRecord(address_of(link), address_of(transfers), len(transfers))
         memory = exchange.interface.memory if link.memory else None  # stays mapped as long as the row is used
         self._add(Kind.SHARE, part, twin, link, memory, transfers, exchange.kept)
 
-    def _axis(self, axis: JointAxis) -> AxisRecord:
-        joint = axis.joint
-        handle = _NO_HANDLE if joint.closed else joint.id
-        return AxisRecord(joint.row, handle, axis.number - 1)
-
-    def _axes(self, axes: Sequence[JointAxis]) -> Any:
-        return (AxisRecord * len(axes))(*map(self._axis, axes))
+    @staticmethod
+    def _axes(axes: Sequence[JointAxis]) -> Any:
+        return (AxisRecord * len(axes))(*(axis.record() for axis in axes))
 
     def _add(self, kind: Kind, part: Any, twin: Twin, *kept: object) -> None:
-        self._rows.append(Row(kind, 0, _address(part)))
+        self._rows.append(Row(kind, 0, address_of(part)))
         self._lines.append(_Line(self._entity, twin))
         self._kept.append((part, kept))
 
@@ -464,7 +495,7 @@ class UpdateRows:
         self.count = len(self._rows)
         rows = (Row * self.count)(*self._rows)
         tables, clock = self.world.engine.tables.record, self.world.clock
-        record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
+        record = UpdatesRecord(address_of(tables), address_of(clock), address_of(rows))
         self._kept.append((rows, record, tables, clock))
         self._record = ctypes.byref(record)
         if self._prepare is not None:
@@ -563,11 +594,11 @@ def run_shares(world: HasRows, shares: Sequence[tuple[Exchange, Callable[[], obj
     for exchange, _ in shares:
         transfers = (TransferRecord * len(exchange.transfers))(*exchange.transfers)
         link = exchange.interface.link
-        records.append(ShareRecord(_address(link), _address(transfers), len(transfers)))
+        records.append(ShareRecord(address_of(link), address_of(transfers), len(transfers)))
         kept.append((transfers, link, exchange.interface.memory))
-    rows = (Row * len(records))(*(Row(Kind.SHARE, 0, _address(record)) for record in records))
+    rows = (Row * len(records))(*(Row(Kind.SHARE, 0, address_of(record)) for record in records))
     tables, clock, count = world.engine.tables.record, world.clock, len(records)
-    record = UpdatesRecord(_address(tables), _address(clock), _address(rows))
+    record = UpdatesRecord(address_of(tables), address_of(clock), address_of(rows))
     form = world.engine.step_form
     function = form.updates()[0] if isinstance(form, NativeStep) else None
 

@@ -13,9 +13,11 @@ import pytest
 import libgz
 from libgz.interfaces.power import Power
 from libgz.legacy.model import Model
+from libgz.models.motion import Motion
 from libgz.models.pioneer2at import Pioneer2AT
 from libgz.ode.native_step import native_path
 from libgz.records import Kind, numbers
+from libgz.simulation.formula import clamp
 from libgz.simulation.updates import Exchange
 
 pytestmark = pytest.mark.skipif(native_path() is None, reason="the native step was not built")
@@ -166,6 +168,23 @@ def test_the_rows_of_a_robot_are_native():
     with libgz.World.from_string(f"{HEAD}<model:GroundPlane/>{ROBOTS[9]}</gz:world>") as world:
         found = kinds(world)
         assert (found[Kind.SERVO], found[Kind.SPRING], found[Kind.PYTHON]) == (2, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("name", "height", "in_python"),
+    [("SegwayRMP", 0, 0), ("Bandit", 0.8, 0), ("Blimp", 10, 1)],  # the Blimp publishes in Python, at its rate
+)
+def test_controllers_and_joints_need_no_python_in_a_step(name, height, in_python):
+    text = f"{HEAD}<model:GroundPlane/><model:{name}><id>r</id><xyz>0 0 {height}</xyz></model:{name}></gz:world>"
+    with libgz.World.from_string(text) as world:
+        assert kinds(world)[Kind.PYTHON] == in_python
+        world.step(10)  # in which the first command is taken
+        lines, called = world.rows._lines, []
+        for number in range(world.rows.begin, world.rows.end):
+            if world.rows._rows[number].kind != Kind.PYTHON:
+                lines[number] = lines[number]._replace(twin=called.append)
+        world.step(20)
+        assert called == []
 
 
 def test_models_come_and_go_while_the_worlds_run():
@@ -412,9 +431,66 @@ def test_a_plugin_can_use_the_rows():
         assert world.interface("power", "own").level == 3.5
 
 
+def test_a_plugin_can_have_a_control_law_of_its_own():
+    """The law is one function; computed in Python and natively it gives the same bits, also where it cannot act."""
+
+    def law(wanted, height, speed, gain):
+        effort = clamp(gain * (wanted - height) / 0.5 - 3.0 * speed, 40.0)
+        return effort, 1.0 - -effort * 2.0
+
+    class Hover(Model):
+        STATE = ("motion",)
+
+        def Load(self, file, node):
+            body = libgz.Body(self.world)
+            self.AddBody(body, True)
+            libgz.BoxGeom(body, self.modelSpaceId, 0.2, 0.3, 0.1).SetMass(2.0)
+            self.motion, self.numbers = Motion(), numbers(3)(1.0, 20.0, 0.0)
+
+        def Update(self, step):
+            if step:
+                self.motion.measure(self.GetBody())
+                self.control(step)
+
+        def control(self, step):
+            wanted, gain, _ = self.numbers
+            effort, self.numbers[2] = law(wanted, self.motion.position[2], self.motion.velocity[2], gain)
+            self.GetBody().AddRelForce(0.0 * effort, 0.0 * effort, effort)
+
+        def MasterRowsOfUpdate(self, rows):
+            self.motion.add_row(rows, self.GetBody())
+            formula = libgz.Formula()
+            height, speed = formula.read((self.motion, "position", 2)), formula.read((self.motion, "velocity", 2))
+            effort, noted = law(formula.read((self.numbers, 0)), height, speed, formula.read((self.numbers, 1)))
+            formula.set((self.numbers, 2), noted)
+            formula.force(self.GetBody(), 0.0 * effort, 0.0 * effort, effort)
+            formula.at_least((self.numbers, 1), 0.5)
+            rows.formula(self.control, formula)
+            return True
+
+    worlds = [made("<model:Hover><id>h</id><xyz>0 0 1</xyz></model:Hover>", Hover=Hover) for _ in range(2)]
+    native, twin = worlds
+    twin.rows.enabled = False
+    for world in worlds:
+        world.Initialize()
+    with native, twin:
+        for number in range(90):
+            if number == 30:
+                together(worlds, lambda world: world.model("h").numbers.__setitem__(1, 0.1))  # below what is native
+            if number == 45:
+                together(worlds, lambda world: world.model("h").numbers.__setitem__(1, 30.0))
+            if number == 60:
+                together(worlds, lambda world: world.model("h").GetBody().set_auto_disable(True))
+            together(worlds, lambda world: world.step())
+            compare(worlds)
+            assert list(native.model("h").numbers) == list(twin.model("h").numbers)
+        assert native.model("h").numbers[2] != 0.0
+
+
 @pytest.mark.parametrize(
     ("add", "message"),
     [
+        (lambda exchange: exchange.doubles("levels[3].angle", numbers(1)()), r"power.p has no field 'levels\[3\]"),
         (
             lambda exchange: exchange.doubles("level", numbers(1)()),
             "power.p has no field 'level'.*did you mean 'levels'",

@@ -1,0 +1,49 @@
+"""Motion: how a robot's body moves, as its controllers see it."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from libgz.geometry import GzPose, GzQuatern, GzQuaternInverse, GzQuaternToEuler, GzVector, rotate
+from libgz.physics.body import Body
+from libgz.records import MotionRecord
+from libgz.simulation.updates import UpdateRows, is_plain
+
+__all__ = ["Motion"]
+
+
+class Motion(MotionRecord):
+    """How a body moved when it was last measured.
+
+    Attributes:
+        position: of the body frame [m].
+        rotation: of the body frame, a quaternion.
+        attitude: roll, pitch and yaw [rad].
+        velocity: of the centre of mass, in the body's own axes [m/s].
+        rate: angular velocity, in the body's own axes [rad/s].
+        up: the body's z axis.
+    """
+
+    STATE: ClassVar[tuple[str, ...]] = ("position", "rotation", "attitude", "velocity", "rate", "up")
+
+    @property
+    def pose(self) -> GzPose:
+        """Of the body frame [m]."""
+        return GzPose(GzVector(*self.position), GzQuatern(*self.rotation))
+
+    def measure(self, body: Body) -> None:
+        """Find how a body moves now."""
+        pose = body.GetPose()
+        inverse = GzQuaternInverse(pose.rot)
+        self.position, self.rotation = tuple(pose.pos), tuple(pose.rot)
+        self.attitude = tuple(GzQuaternToEuler(pose.rot))
+        self.velocity = tuple(rotate(inverse, body.GetLinearVel()))
+        self.rate = tuple(rotate(inverse, body.GetAngularRate()))
+        self.up = tuple(rotate(pose.rot, (0.0, 0.0, 1.0)))
+
+    def add_row(self, rows: UpdateRows, body: Body) -> None:
+        """Describe `measure` as a row."""
+        if is_plain(self, Motion, "measure"):
+            rows.motion(lambda _: self.measure(body), body, self)
+        else:
+            rows.python(lambda _: self.measure(body))

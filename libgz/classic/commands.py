@@ -20,9 +20,10 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.reloading import reload
 from libgz.simulation.world import World as CoreWorld
 
-__all__ = ["Commands", "PausedSteps"]
+__all__ = ["Commands", "PausedSteps", "reload_response"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -338,6 +339,14 @@ class Commands:
             response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
         self._respond(response)
 
+    def plugin_reload(self, message: Any) -> None:
+        """~/plugin/reload: load the edited file of a plugin again; answered on ~/response."""
+        self._between_steps("~/plugin/reload", self._reload, message)
+
+    def _reload(self, message: Any) -> None:
+        core = self._world.core
+        self._respond(reload_response(message, functools.partial(reload, core)))
+
     def _delete(self, name: str) -> Any:
         if not isinstance(self._world.EntityByName(name), Model | Light):
             return None
@@ -350,6 +359,25 @@ class Commands:
     def _sdf(self) -> str:
         """The world as SDF, with all entities that were inserted."""
         return world_text(self._world)
+
+
+def reload_response(message: Any, replace: Callable[[str], list[str]]) -> Any:
+    """The response to a request to load a plugin again.
+
+    Args:
+        message: the request; its data are the name.
+        replace: loads plugins of a name again; returns what was replaced.
+    """
+    response = msgs.Response(id=message.id, request=message.request, response="success")
+    try:
+        text = "\n".join(replace(message.data))
+    except NotFoundError as error:
+        response.response, text = "nonexistent", str(error)
+    except GazeboError as error:
+        response.response, text = "error", str(error)
+    answer = msgs.GzString(data=text)
+    response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
+    return response
 
 
 def _with_gains(pid: PID, message: Any) -> PID:

@@ -79,6 +79,7 @@ class WorldTopics:
             "~/light/modify": commands.light_modify,
             "~/model/modify": commands.model_modify,
             "~/physics": commands.physics,
+            "~/plugin/reload": commands.plugin_reload,
             "~/request": commands.request,
             "~/wind": commands.wind,
             "~/world_control": commands.world_control,

@@ -293,6 +293,11 @@ class Network:
         self._loop.call(look)
         return done.wait(ANSWER_PATIENCE) and found[0]
 
+    def receivers(self, topic: str) -> int:
+        """Return how many other processes are connected to this one's publishers of a topic."""
+        with self._lock:
+            return len(self._receivers.get(topic, ()))
+
     # Sending -----------------------------------------------------------------------------------------------------
 
     def _accept(self, connection: Connection) -> None:

@@ -35,22 +35,23 @@ class Replacement:
             PluginError: the new one fails; the former one runs on.
         """
         old, world, doing = self._old, self._world, "Load"
-        new: Model | None = None
         interfaces = [one for one in world.gz_server.interfaces.values() if one.model_id == old.GetIntId()]
         holders = [(child, child.parentBody) for child in old.children]
         try:
             state = old.MasterSaveState()
             new = self._loader.load_again(old)
-            self._place(new)
             with world.gz_server.hand_over(interfaces):
                 try:
+                    self._place(new)
                     doing = "Init"
                     new.MasterStart()
                     doing = "the return of its state"
                     self._carry(new, state)
                     doing = "the attachment of other models"
                     for child, body in holders:
+                        kept = child.relPose
                         child.MasterAttach(new, new.GetBody(body.bodyName if body is not None else None))
+                        child.relPose = kept  # where one without a weld follows
                 except BaseException:
                     self._undo(new, holders)
                     raise
@@ -80,7 +81,7 @@ class Replacement:
         body.SetPose(before.GetPose())
         if not (body.dummy or before.dummy):
             body.SetLinearVel(before.GetLinearVel())
-            body.SetAngularVel(before.GetAngularVel())
+            body.SetAngularVel(before.GetAngularRate())
 
     @staticmethod
     def _carry(new: Model, state: Any) -> None:
@@ -94,7 +95,9 @@ class Replacement:
         """Let the former model continue."""
         for child, body in holders:
             if child.parent is not self._old:
+                kept = child.relPose
                 child.MasterAttach(self._old, body)
+                child.relPose = kept
         self._world.remove([new])
 
     def _exchange(self, new: Model) -> None:

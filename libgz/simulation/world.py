@@ -1110,12 +1110,13 @@ class World(Closing):
         """
         if self._start is None:
             raise ClosedError("Initialize comes before the first reset")
-        if self._start_is_old:
+        anew = self._start_is_old  # then the order of entities differs, too
+        if anew:
             self._start, self._start_is_old = self._first_state(), False
         if isinstance(self._start, GazeboError):
             raise self._start
         self._warn_of_models()
-        snapshot.restore(self, self._start)
+        snapshot.restore(self, self._start, anew=anew)
 
     def _first_state(self) -> bytes | GazeboError | None:
         """The state at the start of a world of the same file, with models as their classes are now."""

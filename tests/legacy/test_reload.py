@@ -13,8 +13,8 @@ import libgz
 class Cart(libgz.Model):
     STATE = ("driven",)
     def Load(self, file, node):
-        body = libgz.Body(self.world, "canonical")
-        libgz.BoxGeom(body, {size}, 0.2, 0.2).SetMass(2.0)
+        body = libgz.Body(self.world)
+        libgz.BoxGeom(body, self.modelSpaceId, {size}, 0.2, 0.2).SetMass(2.0)
         self.AddBody(body, True)
         self.driven = 0.0
         {load}
@@ -35,7 +35,9 @@ libgz.GZ_REGISTER_PLUGIN("Cart", Cart)
 WORLD = """<gz:world xmlns:gz='g' xmlns:model='m'>
 <model:GroundPlane><id>ground</id></model:GroundPlane>
 <model:Cart><id>cart1</id><xyz>0 0 0.1</xyz><plugin>cart.py</plugin>
-  <model:TruthWidget><id>truth1</id><xyz>0 0 0.2</xyz></model:TruthWidget></model:Cart>
+  <model:TruthWidget><id>truth1</id><xyz>0 0 0.2</xyz></model:TruthWidget>
+  <model:SimpleSolid><id>box1</id><xyz>0 0 0.2</xyz><shape>box</shape><size>0.1 0.1 0.1</size></model:SimpleSolid>
+</model:Cart>
 <model:Cart><id>cart2</id><xyz>3 0 0.1</xyz></model:Cart>
 </gz:world>"""
 
@@ -50,7 +52,7 @@ def world(tmp_path):
     (tmp_path / "w.world").write_text(WORLD)
     with libgz.World.from_file(tmp_path / "w.world") as made:
         made.step(10)
-        made.model("cart1").SetPose(libgz.GzPose(libgz.GzVector(7.0, 1.0, 0.1)))
+        made.SetModelPose(made.model("cart1"), libgz.GzPose(libgz.GzVector(7.0, 1.0, 0.1)))
         made.model("cart1").GetBody().SetLinearVel((0.5, 0.0, 0.0))
         yield made
 
@@ -72,14 +74,18 @@ def test_models_are_built_again_in_place(world, tmp_path, name):
     assert new.driven == pytest.approx(10 * step + 100 * step)
     assert data.pos[0] == new.driven  # the memory that clients have mapped
     assert world.interface("position", "cart1").data.head.model_id == new.GetIntId()
-    assert len(world.model("truth1").GetBody().joints) == 1
+    assert len(world.model("box1").GetBody().joints) == 1
+    world.step(20)
+    for name in ("truth1", "box1"):
+        at, cart = world.model(name).GetPose().pos, new.GetPose().pos
+        assert (at.x - cart.x, at.y - cart.y, at.z - cart.z) == pytest.approx((0.0, 0.0, 0.2), abs=0.01)
 
 
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        ({"load": "1 / 0"}, ["cart.py\", line 12, in Load", "ZeroDivisionError", "w.world:3: <model:Cart>"]),
-        ({"init": "1 / 0"}, ["line 16, in Init", "ZeroDivisionError"]),
+        ({"load": "1 / 0"}, ["cart.py\", line 11, in Load", "ZeroDivisionError", "w.world:3: <model:Cart>"]),
+        ({"init": "1 / 0"}, ["line 15, in Init", "ZeroDivisionError"]),
         ({"load": "return -1"}, ["returned -1"]),
         ({"speed": "("}, ["cart.py", "SyntaxError"]),
     ],

@@ -123,6 +123,7 @@ class WorldServer:
             for element in self._plugins_of(self.element):
                 self.load_world_plugin(*_names(element), element)
             self._load_model_plugins(added)
+            self._open_topics(added, announce=False)
 
     def start_late(self) -> None:
         """Start beside a world that runs: the world's state at its start has no part of this."""
@@ -139,9 +140,15 @@ class WorldServer:
             added, self._new = self._new, []
             self._add_sensors(added)
             self._load_model_plugins(added)
-            if self.topics is not None:
-                for model in self._models(added):
-                    self.topics.model_added(model)
+            self._open_topics(added, announce=True)
+
+    def _open_topics(self, added: list[CoreModel], announce: bool) -> None:
+        """Open the topics of new models and lights."""
+        if self.topics is not None:
+            for core in added:
+                entity = self.world.view_of(core)
+                if entity is not None:
+                    self.topics.added(entity, announce)
 
     def _add_sensors(self, added: list[CoreModel]) -> None:
         for core in added:
@@ -364,6 +371,9 @@ class WorldServer:
         self._new = [new for new in self._new if new is not model]
         self.activity.models_changed()
         self.core.events["DeleteEntity"](model.GetId())
+        entity = self.world.view_of(model)
+        if self.topics is not None and entity is not None:
+            self.topics.removed(entity)
         if not model.is_model:
             return
         view = self.world.view(model)

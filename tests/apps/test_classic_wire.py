@@ -166,6 +166,82 @@ def test_a_client_is_given_the_scene(master):
     requests.close()
 
 
+SHOWN = {  # what a client of classic subscribes to when its window opens
+    "pose/info": "PosesStamped", "pose/local/info": "PosesStamped", "model/info": "Model", "joint": "Joint",
+    "visual": "Visual", "light": "Light", "light/modify": "Light", "factory/light": "Light", "scene": "Scene",
+    "request": "Request", "response": "Response", "world_stats": "WorldStatistics", "diagnostics": "Diagnostics",
+    "user_cmd_stats": "UserCmdStats", "log/status": "LogStatus", "physics/contacts": "Contacts", "sensor": "Sensor",
+    "skeleton_pose/info": "PoseAnimation", "sky": "Sky", "gui": "GUI", "selection": "Selection", "roads": "Road",
+}  # fmt: skip
+ASKED = {
+    "scene_info": "Scene", "physics_info": "Physics", "wind_info": "Wind", "atmosphere_info": "Atmosphere",
+    "spherical_coordinates_info": "SphericalCoordinates", "entity_list": "Model_V", "world_sdf": "GzString",
+}  # fmt: skip
+
+
+def test_a_client_s_window_opens(server):
+    """The start of gzclient: all topics of its window, all its requests, and what a user does first."""
+    master = Connection(server[0])
+    eventually(lambda: "/gazebo/w/world_stats" in master.ask("get_topics", "topic_list", "GzString_V").data)
+    assert list(master.ask("get_topic_namespaces", "get_topic_namespaces_response", "GzString_V").data) == ["w"]
+    published = {one.topic: one.msg_type for one in
+                 master.ask("get_publishers", "publisher_list", "Publishers").publisher}  # fmt: skip
+    shown = {}
+    for topic, kind in SHOWN.items():
+        name = f"/gazebo/w/{topic}"
+        if name in published:
+            assert published[name] == f"gazebo.msgs.{kind}"
+            shown[topic] = Subscription(master, name, kind)
+        else:
+            master.send("subscribe", new("Subscribe", topic=name, host="127.0.0.1", port=1, msg_type="", latching=False))
+    assert shown.keys() >= {"pose/info", "model/info", "joint", "visual", "light", "factory/light", "scene", "request",
+                            "response", "world_stats", "diagnostics", "user_cmd_stats", "log/status"}  # fmt: skip
+    used = {
+        topic: Publication(master, f"/gazebo/w/{topic}", kind)
+        for topic, kind in (("request", "Request"), ("user_cmd", "UserCmd"), ("undo_redo", "UndoRedo"),
+                            ("light/modify", "Light"), ("factory/light", "Light"), ("scene", "Scene"),
+                            ("visual", "Visual"), ("factory", "Factory"), ("world_control", "WorldControl"))
+    }  # fmt: skip
+    for number, (request, kind) in enumerate(ASKED.items(), 100):
+        used["request"].publish(new("Request", id=number, request=request))
+        answer = shown["response"].until(lambda message, number=number: message.id == number)
+        assert (answer.request, answer.response, answer.type) == (request, "success", f"gazebo.msgs.{kind}")
+        found = types()[kind].FromString(answer.serialized_data)
+        if request == "entity_list":
+            assert {model.name for model in found.models} >= {"wall", "robot"}
+        elif request == "scene_info":
+            robot = next(model for model in found.model if model.name == "robot")
+            [sensor] = robot.link[0].sensor
+            assert (sensor.name, sensor.type, sensor.update_rate, sensor.parent) == ("laser", "ray", 20.0, "robot::link")
+    used["request"].publish(new("Request", id=120, request="entity_info", data="nobody"))
+    assert shown["response"].until(lambda message: message.id == 120).response == "nonexistent"
+    assert shown["diagnostics"].next().sim_time.nsec > 0
+    lamp = new("Light", name="lamp", type="POINT", range=4.0)
+    used["factory/light"].publish(lamp)
+    assert shown["light"].next().name == "lamp"
+    made = new("Factory", sdf=BALL.replace("ball", "toy"))
+    used["factory"].publish(made)
+    assert shown["model/info"].until(lambda message: message.name == "toy").link[0].name == "toy::l"
+    command = new("UserCmd", description="Translate [toy]", type="MOVING")
+    moved = command.model.add(name="toy")
+    moved.pose.position.x, moved.pose.position.y, moved.pose.position.z = 0.0, 9.0, 1.0
+    moved.pose.orientation.x = moved.pose.orientation.y = moved.pose.orientation.z = 0.0
+    moved.pose.orientation.w = 1.0
+    used["user_cmd"].publish(command)
+    assert [one.description for one in shown["user_cmd_stats"].next().undo_cmd] == ["Translate [toy]"]
+    assert shown["model/info"].until(lambda message: message.name == "toy").pose.position.y == 9.0
+    used["undo_redo"].publish(new("UndoRedo", undo=True))
+    assert shown["user_cmd_stats"].next().redo_cmd_count == 1
+    at = shown["pose/info"].until(lambda message: any(p.name == "toy" and p.position.y == 0.0 for p in message.pose))
+    used["request"].publish(new("Request", id=121, request="entity_delete", data="toy"))
+    gone = shown["request"].until(lambda message: message.request == "entity_delete")
+    assert (gone.data, len(at.pose)) == ("toy", len({pose.name for pose in at.pose}))
+    used["request"].publish(new("Request", id=122, request="entity_delete", data="lamp"))
+    shown["request"].until(lambda message: message.data == "lamp")
+    for one in (*shown.values(), *used.values(), master):
+        one.close()
+
+
 def test_the_physics_are_set_and_asked_for(master):
     responses = Subscription(master, "/gazebo/w/response", "Response")
     physics = Publication(master, "/gazebo/w/physics", "Physics")

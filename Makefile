@@ -28,7 +28,7 @@ fuzz: setup
 	@PYTHONPATH=tests $(BIN)/python -m fuzz $(if $(MINUTES),--minutes $(MINUTES)) $(if $(READER),--reader $(READER)) $(if $(FILE),--file $(FILE))
 
 bench: setup
-	@for figures in step robots ground wire observer record camera plugins cxx sdf view gym scale; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
+	@for figures in step robots ground wire hostile observer record camera plugins cxx sdf view gym scale; do $(BIN)/python benchmarks/$$figures.py || exit 1; done
 
 # The documents as a site, offline: build/site/index.html
 docs: setup

@@ -1,5 +1,6 @@
 """gzserver by the protocol of Gazebo classic: an independent client, and hostile ones."""
 
+import contextlib
 import os
 import socket
 import subprocess
@@ -8,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from classic_wire import PATIENCE, Connection, Publication, Subscription, frame, new, packet, receive, types
+from classic_wire import PATIENCE, Connection, Publication, Subscription, close_all, frame, new, packet, receive, types
 from gzserver_process import new_environment
 
 WORLD = """
@@ -46,10 +47,16 @@ def server(tmp_path_factory):
         assert process.wait(20) == 0
 
 
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    close_all()
+
+
 @pytest.fixture
 def master(server):
-    found = Connection(server[0])
-    eventually(lambda: "/gazebo/w/world_stats" in found.ask("get_topics", "topic_list", "GzString_V").data)
+    found = Connection(server[0])  # and wait for the last topic of the server's start
+    eventually(lambda: "/gazebo/w/log/status" in found.ask("get_topics", "topic_list", "GzString_V").data)
     yield found
     found.close()
 
@@ -182,7 +189,7 @@ ASKED = {
 def test_a_client_s_window_opens(server):
     """The start of gzclient: all topics of its window, all its requests, and what a user does first."""
     master = Connection(server[0])
-    eventually(lambda: "/gazebo/w/world_stats" in master.ask("get_topics", "topic_list", "GzString_V").data)
+    eventually(lambda: "/gazebo/w/log/status" in master.ask("get_topics", "topic_list", "GzString_V").data)
     assert list(master.ask("get_topic_namespaces", "get_topic_namespaces_response", "GzString_V").data) == ["w"]
     published = {one.topic: one.msg_type for one in
                  master.ask("get_publishers", "publisher_list", "Publishers").publisher}  # fmt: skip
@@ -331,30 +338,25 @@ def test_what_is_no_message_ends_the_connection(master, server, data, topic):
 
 def test_half_a_packet_and_silence_hold_up_nobody(master, server):
     whole = packet("request", new("Request", id=1, request="get_topics"))
-    halves = [socket.create_connection(("127.0.0.1", server[0])) for _ in range(5)]
-    for number, half in enumerate(halves):
-        half.sendall(whole[: 3 + 5 * number])
-    test_poses_and_statistics_are_published(master)
-    halves[0].sendall(whole[3:])  # slow, but valid
-    kinds = []
-    halves[0].settimeout(PATIENCE)
-    while "topic_list" not in kinds:
-        kinds.append(types()["Packet"].FromString(receive(halves[0])).type)
-    for half in halves:
-        half.close()
+    with contextlib.ExitStack() as stack:
+        halves = [stack.enter_context(socket.create_connection(("127.0.0.1", server[0]))) for _ in range(5)]
+        for number, half in enumerate(halves):
+            half.sendall(whole[: 3 + 5 * number])
+        test_poses_and_statistics_are_published(master)
+        halves[0].sendall(whole[3:])  # slow, but valid
+        kinds = []
+        halves[0].settimeout(PATIENCE)
+        while "topic_list" not in kinds:
+            kinds.append(types()["Packet"].FromString(receive(halves[0])).type)
 
 
-def test_a_thousand_connections(server):
-    kept = []
-    try:
-        for _ in range(1000):
-            kept.append(socket.create_connection(("127.0.0.1", server[0]), timeout=PATIENCE))
+@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.trial)])
+def test_many_connections(server, count):
+    with contextlib.ExitStack() as stack:
+        for _ in range(count):
+            stack.enter_context(socket.create_connection(("127.0.0.1", server[0]), timeout=PATIENCE))
         master = Connection(server[0])
         test_poses_and_statistics_are_published(master)
-        master.close()
-    finally:
-        for one in kept:
-            one.close()
 
 
 def test_a_subscriber_that_never_reads(master, server):

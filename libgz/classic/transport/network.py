@@ -332,6 +332,8 @@ class Network:
 
     def _resume(self, connection: Connection, topic: Topic) -> None:
         """Send to a subscriber again that had received nothing for a while."""
+        if topic.remote:
+            return
         with self._lock:
             topic.remote = topic.remote or connection in self._receivers.get(topic.name, ())
 

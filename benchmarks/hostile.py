@@ -2,11 +2,11 @@
 
     python benchmarks/hostile.py [PAIRS]
 
-A world of 20 boxes publishes its poses to one client that reads them. Another process attacks, and rests, in turn; each block is measured
-after half a second in which the attack settles. The figures are the median ratio of blocks side by side, and the 95 %
-interval of that median: CPU times of the whole server process, for what its thread of topics does, the step waits for; and
-wall-clock times, which say the same on an idle machine. The exit code is 1 if an interval of CPU times is wholly above
-the limit.
+A world of 20 boxes publishes its poses to one client that reads them. Another process attacks, and rests, in turn; each
+block is measured after half a second in which the attack settles. The figures are the median ratio of blocks side by
+side, and the 95 % interval of that median: CPU times of the whole server process, for what its thread of topics does,
+the step waits for; and wall-clock times, which say the same on an idle machine. The exit code is 1 if an interval of CPU
+times is wholly above the limit.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ ATTACKS = {
     "thousand": "1000 connections, opened and closed again and again",
 }
 
-ATTACKER = r'''
+ATTACKER = r"""
 import resource, select, socket, sys, time
 
 master, topics = int(sys.argv[1]), int(sys.argv[2])
@@ -116,7 +116,7 @@ while True:
             release()
     else:
         time.sleep(0.01)
-'''
+"""
 
 
 def block(world: libgz.World, seconds: float) -> tuple[float, float]:

@@ -19,7 +19,7 @@ TOPIC = "~/plugin/reload"
 
 
 class _Answer(NamedTuple):
-    """What a process answers: success, error or nonexistent, and a text with a line for each plugin that it replaced."""
+    """What a process answers: success, error or nonexistent; and what it replaced, a line each, or why it did not."""
 
     result: str
     text: str

@@ -108,4 +108,3 @@ class Replacement:
             kept[kept.index(old)] = new
             kept.append(old)
         world.remove([old])
-

@@ -1108,15 +1108,15 @@ class World(Closing):
             ClosedError: `Initialize` was not called.
             GazeboError: that state could not be saved.
         """
-        if self._start is None:
+        start = self._first_state() if self._start_is_old else self._start
+        if start is None:
             raise ClosedError("Initialize comes before the first reset")
-        anew = self._start_is_old  # then the order of entities differs, too
-        if anew:
-            self._start, self._start_is_old = self._first_state(), False
-        if isinstance(self._start, GazeboError):
-            raise self._start
+        if isinstance(start, GazeboError):
+            raise start
         self._warn_of_models()
-        snapshot.restore(self, self._start, anew=anew)
+        # After a class was edited, the order of the engine's objects is another one.
+        snapshot.restore(self, start, anew=self._start_is_old)
+        self._start, self._start_is_old = start, False
 
     def _first_state(self) -> bytes | GazeboError | None:
         """The state at the start of a world of the same file, with models as their classes are now."""

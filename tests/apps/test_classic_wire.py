@@ -200,7 +200,9 @@ def test_a_client_s_window_opens(server):
             assert published[name] == f"gazebo.msgs.{kind}"
             shown[topic] = Subscription(master, name, kind)
         else:
-            master.send("subscribe", new("Subscribe", topic=name, host="127.0.0.1", port=1, msg_type="", latching=False))
+            master.send(
+                "subscribe", new("Subscribe", topic=name, host="127.0.0.1", port=1, msg_type="", latching=False)
+            )
     assert shown.keys() >= {"pose/info", "model/info", "joint", "visual", "light", "factory/light", "scene", "request",
                             "response", "world_stats", "diagnostics", "user_cmd_stats", "log/status"}  # fmt: skip
     used = {
@@ -219,7 +221,12 @@ def test_a_client_s_window_opens(server):
         elif request == "scene_info":
             robot = next(model for model in found.model if model.name == "robot")
             [sensor] = robot.link[0].sensor
-            assert (sensor.name, sensor.type, sensor.update_rate, sensor.parent) == ("laser", "ray", 20.0, "robot::link")
+            assert (sensor.name, sensor.type, sensor.update_rate, sensor.parent) == (
+                "laser",
+                "ray",
+                20.0,
+                "robot::link",
+            )
     used["request"].publish(new("Request", id=120, request="entity_info", data="nobody"))
     assert shown["response"].until(lambda message: message.id == 120).response == "nonexistent"
     assert shown["diagnostics"].next().sim_time.nsec > 0

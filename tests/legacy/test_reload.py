@@ -84,7 +84,7 @@ def test_models_are_built_again_in_place(world, tmp_path, name):
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        ({"load": "1 / 0"}, ["cart.py\", line 11, in Load", "ZeroDivisionError", "w.world:3: <model:Cart>"]),
+        ({"load": "1 / 0"}, ['cart.py", line 11, in Load', "ZeroDivisionError", "w.world:3: <model:Cart>"]),
         ({"init": "1 / 0"}, ["line 15, in Init", "ZeroDivisionError"]),
         ({"load": "return -1"}, ["returned -1"]),
         ({"speed": "("}, ["cart.py", "SyntaxError"]),

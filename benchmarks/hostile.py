@@ -2,11 +2,11 @@
 
     python benchmarks/hostile.py [PAIRS]
 
-A world of 20 boxes publishes its poses to one client that reads them. Another process attacks, and rests, in turn; each
+A world of 20 boxes publishes its poses to a client that reads them. Another process attacks, and rests, in turn; a
 block is measured after half a second in which the attack settles. The figures are the median ratio of blocks side by
-side, and the 95 % interval of that median: CPU times of the whole server process, for what its thread of topics does,
-the step waits for; and wall-clock times, which say the same on an idle machine. The exit code is 1 if an interval of CPU
-times is wholly above the limit.
+side, and the 95 % interval of that median: CPU times of the whole server process, for the step waits for what its
+thread of topics does; and wall-clock times, which say the same on an idle machine. The exit code is 1 if an interval of
+CPU times is wholly above the limit.
 """
 
 from __future__ import annotations

@@ -91,7 +91,7 @@ class WorldTopics:
         ]
         self._commands = Commands(world, self._response.Publish, paused_steps, self._changed)
         self._subscribers = self._subscribe(self._commands)
-        self._scene.Publish(surroundings_message(world))
+        self._scene.Publish(surroundings_message(world), here=False)  # for latching subscribers
 
     def _subscribe(self, commands: Commands) -> list[Subscriber]:
         user = UserCommands(

@@ -45,8 +45,7 @@ class RecordControl:
 
     def _on_step(self) -> None:
         now = time.monotonic()
-        if now >= self._due and self._status.HasConnections():
-            self._due = now + STATUS_PERIOD
+        if self.record is not None and now >= self._due and self._status.HasConnections():
             self._publish_status()
 
     def _on_control(self, message: Any) -> None:
@@ -71,6 +70,7 @@ class RecordControl:
             log.info("recorded to [%s]", record.path)
 
     def _publish_status(self) -> None:
+        self._due = time.monotonic() + STATUS_PERIOD
         status = msgs.LogStatus()
         msgs.Set(status.sim_time, self._world.SimTime())
         if self.record is not None and self.record.running:

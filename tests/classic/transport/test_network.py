@@ -355,6 +355,21 @@ def test_the_master_uri(monkeypatch, caplog):
     assert publicized_address() == "127.0.0.1"
 
 
+def test_a_server_may_announce_many_topics(uri, node):
+    with serve() as link:
+        kept = [node.Subscribe(f"~/t{number}", print) for number in range(1200)]
+        master = Connection(link.address.port)
+        info = {}
+
+        def last_is_known():
+            info["last"] = master.ask("topic_info", "topic_info_response", "TopicInfo", "/gazebo/w/t1199")
+            return info["last"].subscriber
+
+        wait(last_is_known)
+        assert link.connected()
+        assert len(kept) == 1200
+
+
 @pytest.mark.trial
 def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, node, monkeypatch):
     monkeypatch.setattr("libgz.classic.transport.loop.STALLED", 0.05)

@@ -12,6 +12,14 @@ from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorP
 
 TABLE = Path(__file__).parents[1] / "libgz" / "classic" / "msgs" / "messages.txt"
 PATIENCE = 20.0  # [s]: a machine under load
+_opened = []
+
+
+def close_all():
+    """Close what a test that failed has left open: the warning of it would fail another test."""
+    for one in _opened:
+        one.close()
+    _opened.clear()
 
 
 @functools.cache
@@ -87,6 +95,7 @@ class Connection:
 
     def __init__(self, port, host="127.0.0.1"):
         self.socket = socket.create_connection((host, port), timeout=PATIENCE)
+        _opened.append(self)
         self.first = [self.packet() for _ in range(3)]
         self.host, self.port = self.socket.getsockname()
 
@@ -126,6 +135,7 @@ class Subscription:
         at = master.wait("publisher_subscribe", "Publish", lambda found: found.topic == topic)
         assert at.msg_type == f"gazebo.msgs.{name}"
         self.socket = socket.create_connection((at.host, at.port), timeout=PATIENCE)
+        _opened.append(self)
         self.socket.sendall(packet("sub", own))
 
     def next(self):
@@ -148,6 +158,8 @@ class Publication:
 
     def __init__(self, master, topic, name):
         self.listener = socket.create_server(("127.0.0.1", 0))
+        self.socket = self.listener  # until the server has connected
+        _opened.append(self)
         self.listener.settimeout(PATIENCE)
         host, port = self.listener.getsockname()
         master.send("advertise", new("Publish", topic=topic, msg_type=f"gazebo.msgs.{name}", host=host, port=port))

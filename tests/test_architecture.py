@@ -43,7 +43,7 @@ CLASSIC_LAYERS = [
     ["sensors"],
     ["looks"],
     ["describe"],
-    ["commands"],
+    ["commands", "user_commands"],
     ["topics"],
     ["server"],
     ["gui", "log"],

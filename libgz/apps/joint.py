@@ -54,7 +54,9 @@ def run(options: argparse.Namespace) -> int:
             return 0
         if options.joint_name is None:
             raise ParameterError("no joint is given; use -j JOINT, or -i for all joints")
-        publish(node, "~/joint", _command(joints[options.joint_name].name, options))
+        publish(
+            node, f"~/{model.name.replace('::', '/')}/joint_cmd", _command(joints[options.joint_name].name, options)
+        )
     return 0
 
 

@@ -37,6 +37,7 @@ COMMANDS = {
     "new": "write a folder with a new model or plugin that runs at once",
     "picture": "run a world and save the image of one of its cameras",
     "plot": "plot fields of a log or of a running server over time",
+    "plugin": "load an edited plugin file again while its world runs",
     "schema": "print a RELAX NG grammar of worldfiles for editors",
     "sdf": "check an SDF file of Gazebo classic, or print it with defaults filled in",
     "set": "write fields of an interface of a running server",

@@ -87,8 +87,6 @@ def ask(node: Node, question: str, data: str = "") -> Any:
     if answer is None:
         raise GazeboError(f"world {node.GetTopicNamespace()!r} did not respond to {question!r} within {PATIENCE:g} s")
     if answer.response == "nonexistent":
-        listed = msgs.GzString_V.FromString(
-            request(node.GetTopicNamespace(), "entity_list", "", PATIENCE).serialized_data
-        )
-        raise NotFoundError(f"there is no {data!r}; there are {', '.join(listed.data)}")
+        listed = msgs.Model_V.FromString(request(node.GetTopicNamespace(), "entity_list", "", PATIENCE).serialized_data)
+        raise NotFoundError(f"there is no {data!r}; there are {', '.join(model.name for model in listed.models)}")
     return message_type(answer.type).FromString(answer.serialized_data) if answer.type else None

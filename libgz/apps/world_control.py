@@ -66,6 +66,7 @@ class WorldControl:
             "joint": self._joint,
             "release": self._release,
             "publish": self._publish,
+            "reload": self._reload,
             "readings": self._readings,
         }
 
@@ -332,6 +333,15 @@ class WorldControl:
         if topic not in self._nodes:
             self._nodes[topic] = self._node().Advertise(type(message), topic)
         self._nodes[topic].Publish(message)
+
+    def _reload(self, _argument: str, content: dict[str, Any]) -> dict[str, str]:
+        """Load the edited file of a plugin again: success, nonexistent or error, and what was replaced, or why not."""
+        try:
+            return {"result": "success", "text": "\n".join(self.world.reload_plugin(str(content.get("name", ""))))}
+        except NotFoundError as error:
+            return {"result": "nonexistent", "text": str(error)}
+        except GazeboError as error:
+            return {"result": "error", "text": str(error)}
 
     # Classic ---------------------------------------------------------------------------------------------------------
 

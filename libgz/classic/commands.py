@@ -9,20 +9,30 @@ from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.common import PID
-from libgz.classic.describe import LIGHT_KINDS, entity_message, physics_message, scene_message
+from libgz.classic.describe import (
+    LIGHT_KINDS,
+    entity_message,
+    model_message,
+    physics_message,
+    place_message,
+    scene_message,
+)
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.insertion import insert_now
 from libgz.classic.physics.light import Light
+from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
+from libgz.geometry import GzColor
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.simulation.reloading import reload
 from libgz.simulation.world import World as CoreWorld
 
-__all__ = ["Commands", "PausedSteps"]
+__all__ = ["Commands", "PausedSteps", "reload_response"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -87,10 +97,18 @@ class Commands:
         world: the world.
         respond: publishes responses to requests.
         paused_steps: requested iterations of the paused world.
+        changed: called with a model or light that a message has changed.
     """
 
-    def __init__(self, world: World, respond: Callable[[Any], object], paused_steps: PausedSteps) -> None:
-        self._world, self._respond, self._paused_steps = world, respond, paused_steps
+    def __init__(
+        self,
+        world: World,
+        respond: Callable[[Any], object],
+        paused_steps: PausedSteps,
+        changed: Callable[[Model | Light], object] = lambda _entity: None,
+    ) -> None:
+        self._world, self._respond, self._paused_steps, self._changed = world, respond, paused_steps, changed
+        self._made: set[str] = set()  # lights of ~/factory/light
 
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A subscriber's callback for a handler."""
@@ -104,6 +122,10 @@ class Commands:
                 log.exception("%s: a message could not be handled", topic)
 
         return on_message
+
+    def between_steps(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
+        """A handler that waits until entities can be inserted, and states restored."""
+        return functools.partial(self._between_steps, topic, handler)
 
     # The world ---------------------------------------------------------------------------------------------------
 
@@ -207,11 +229,18 @@ class Commands:
         element.set_attribute("name", message.name)
         element.set_attribute("type", LIGHT_KINDS[max(0, message.type - 1)])
         insert_now(self._world, file)
+        self._made.add(message.name)
         try:
             self.light_modify(message)
         except GazeboError:  # no light with only some of its properties
             self._world.RemoveModel(message.name)
             raise
+
+    def was_made(self, name: str) -> bool:
+        """Whether a new light came by ~/factory/light, where all clients have seen it; it is asked once."""
+        made = name in self._made
+        self._made.discard(name)
+        return made
 
     def light_modify(self, message: Any) -> None:
         """~/light/modify: change pose, colours, range and attenuation of a light."""
@@ -235,6 +264,7 @@ class Commands:
             quadratic = message.attenuation_quadratic
         if (constant, linear, quadratic) != light.Attenuation():
             light.SetAttenuation(constant, linear, quadratic)
+        self._changed(light)
 
     def model_modify(self, message: Any) -> None:
         """~/model/modify: change pose, scale and links of a model."""
@@ -255,9 +285,19 @@ class Commands:
                 link.SetSelfCollide(part.self_collide)
             if part.HasField("pose"):
                 link.SetRelativePose(msgs.ConvertIgn(part.pose))
+        self._changed(model)
+
+    def wrench(self, name: str, message: Any) -> None:
+        """~/MODEL/LINK/wrench: apply a force and a torque in the link's frame, in the next step."""
+        link = self._world.BaseByName(name)
+        if not isinstance(link, Link):
+            raise NotFoundError(f"there is no link {name!r}")
+        offset = msgs.ConvertIgn(message.force_offset) if message.HasField("force_offset") else (0.0, 0.0, 0.0)
+        link.AddLinkForce(msgs.ConvertIgn(message.force), offset)
+        link.AddRelativeTorque(msgs.ConvertIgn(message.torque))
 
     def joint(self, message: Any) -> None:
-        """~/joint: set force, targets and gains of a joint by scoped name."""
+        """~/MODEL/joint_cmd: set force, targets and gains of a joint by scoped name."""
         found = self._world.BaseByName(message.name)
         model = found.GetParentModel() if found is not None and found.HasType(Base.JOINT) else None
         if model is None or found is None:
@@ -282,6 +322,66 @@ class Commands:
             names = [part.GetName() for part in self._world.children() if isinstance(part, kind)]
             raise NotFoundError(f"there is no {kind.__name__.lower()} {name!r}{nearest(name, names)}")
         return found
+
+    # What is rendered --------------------------------------------------------------------------------------------
+
+    def scene(self, message: Any) -> None:
+        """~/scene: change ambient light, background, shadows and fog."""
+        core, backdrop, sdf = self._world.core, self._world.core.backdrop, self._world.SDF()
+        element = next(sdf.named("scene"), None) or sdf.AddElement("scene") if sdf is not None else None
+        for name in ("ambient", "background"):
+            if message.HasField(name):
+                color = GzColor(*msgs.ConvertIgn(getattr(message, name)))
+                if name == "ambient":
+                    backdrop.ambient = color
+                else:
+                    core.skyColor = color
+                if element is not None:
+                    element.child(name).Set(color)
+        if message.HasField("shadows"):
+            backdrop.shadows = message.shadows
+            if element is not None:
+                element.child("shadows").Set(message.shadows)
+        if message.HasField("fog"):
+            self._fog(message.fog)
+
+    def _fog(self, fog: Any) -> None:
+        core, kinds = self._world.core, type(fog)
+        core.fogEnable = fog.type != kinds.NONE if fog.HasField("type") else core.fogEnable
+        if fog.HasField("density"):
+            core.fogDensity = max(0.0, fog.density)
+        if fog.HasField("color"):
+            core.backdrop.fog_color = GzColor(*msgs.ConvertIgn(fog.color))
+        if fog.HasField("start") and fog.HasField("end"):
+            core.backdrop.fog_start, core.backdrop.fog_end = fog.start, fog.end
+
+    def visual(self, message: Any) -> None:
+        """~/visual: change a visual of a world that is rendered: pose, scale, colours, transparency, visibility."""
+        scene = self._world.server.scene
+        found = scene.GetVisual(message.name) if scene is not None else None
+        if found is None:
+            return  # for a client's scene
+        if message.delete_me:
+            found.Fini()
+            return
+        if message.HasField("pose"):
+            found.SetPose(msgs.ConvertIgn(message.pose))
+        if message.HasField("scale"):
+            found.SetScale(msgs.ConvertIgn(message.scale))
+        if message.HasField("visible"):
+            found.SetVisible(message.visible)
+        if message.HasField("transparency"):
+            found.SetTransparency(message.transparency)
+        if message.HasField("cast_shadows"):
+            found.SetCastShadows(message.cast_shadows)
+        material = message.material
+        if material.script.name:
+            found.SetMaterial(material.script.name)
+        for name in ("ambient", "diffuse", "specular", "emissive"):
+            if material.HasField(name):
+                getattr(found, f"Set{name.capitalize()}")(msgs.ConvertIgn(getattr(material, name)))
+
+    # Air ---------------------------------------------------------------------------------------------------------
 
     def wind(self, message: Any) -> None:
         """~/wind: velocity, and whether there is any."""
@@ -325,6 +425,7 @@ class Commands:
             "entity_list": self._list,
             "physics_info": lambda _name: physics_message(self._world),
             "scene_info": lambda _name: scene_message(self._world),
+            "spherical_coordinates_info": lambda _name: place_message(self._world),
             "wind_info": self._wind_info,
             "world_sdf": lambda _name: msgs.GzString(data=self._sdf()),
         }
@@ -338,6 +439,14 @@ class Commands:
             response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
         self._respond(response)
 
+    def plugin_reload(self, message: Any) -> None:
+        """~/plugin/reload: load the edited file of a plugin again; answered on ~/response."""
+        self._between_steps("~/plugin/reload", self._reload, message)
+
+    def _reload(self, message: Any) -> None:
+        core = self._world.core
+        self._respond(reload_response(message, functools.partial(reload, core)))
+
     def _delete(self, name: str) -> Any:
         if not isinstance(self._world.EntityByName(name), Model | Light):
             return None
@@ -345,11 +454,30 @@ class Commands:
         return True
 
     def _list(self, _name: str) -> Any:
-        return msgs.GzString_V(data=[part.GetScopedName() for part in self._world.children()])
+        return msgs.Model_V(models=[model_message(model) for model in self._world.Models()])
 
     def _sdf(self) -> str:
         """The world as SDF, with all entities that were inserted."""
         return world_text(self._world)
+
+
+def reload_response(message: Any, replace: Callable[[str], list[str]]) -> Any:
+    """The response to a request to load a plugin again.
+
+    Args:
+        message: the request; its data are the name.
+        replace: loads plugins of a name again; returns what was replaced.
+    """
+    response = msgs.Response(id=message.id, request=message.request, response="success")
+    try:
+        text = "\n".join(replace(message.data))
+    except NotFoundError as error:
+        response.response, text = "nonexistent", str(error)
+    except GazeboError as error:
+        response.response, text = "error", str(error)
+    answer = msgs.GzString(data=text)
+    response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
+    return response
 
 
 def _with_gains(pid: PID, message: Any) -> PID:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz.classic import msgs
-from libgz.classic.looks import fill_geometry, fill_scene, visual_messages
+from libgz.classic.looks import fill_geometry, fill_scene, sensor_messages, visual_messages
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.contact_messages import contacts_message
@@ -20,13 +20,17 @@ from libgz.classic.physics.world import World
 
 __all__ = [
     "contacts_of",
+    "diagnostics_message",
     "entity_message",
+    "joint_message",
     "light_message",
     "model_message",
     "physics_message",
+    "place_message",
     "poses_message",
     "scene_message",
     "statistics_message",
+    "surroundings_message",
 ]
 
 LIGHT_KINDS = ("point", "spot", "directional")
@@ -41,6 +45,27 @@ def statistics_message(world: World) -> Any:
     msgs.Set(message.pause_time, world.PauseTime())
     msgs.Set(message.real_time, world.RealTime())
     return message
+
+
+def diagnostics_message(world: World) -> Any:
+    """~/diagnostics: times, and the real-time factor since the start."""
+    message, real = msgs.Diagnostics(), world.RealTime().Double()
+    msgs.Set(message.real_time, world.RealTime())
+    msgs.Set(message.sim_time, world.SimTime())
+    message.real_time_factor = world.SimTime().Double() / real if real > 0.0 else 0.0
+    return message
+
+
+def place_message(world: World) -> Any:
+    """Where a world is on Earth."""
+    place = world.SphericalCoords()
+    return msgs.SphericalCoordinates(
+        surface_model=msgs.SphericalCoordinates.EARTH_WGS84,
+        latitude_deg=math.degrees(float(place.LatitudeReference())),
+        longitude_deg=math.degrees(float(place.LongitudeReference())),
+        elevation=place.ElevationReference(),
+        heading_deg=math.degrees(float(place.HeadingOffset())),
+    )
 
 
 def poses_message(world: World) -> Any:
@@ -96,7 +121,7 @@ def model_message(model: Model) -> Any:
     for link in model.GetLinks():
         message.link.append(_link_message(link))
     for joint in model.GetJoints():
-        message.joint.append(_joint_message(joint))
+        message.joint.append(joint_message(joint))
     for nested in model.NestedModels():
         message.model.append(model_message(nested))
     sdf = model.GetSDF()
@@ -124,6 +149,7 @@ def _link_message(link: Link) -> Any:
     sdf = link.GetSDF()
     if sdf is not None:
         message.visual.extend(visual_messages(sdf, link.GetScopedName(), link.GetId()))
+        message.sensor.extend(sensor_messages(sdf, link.GetScopedName(), link.GetId()))
     return message
 
 
@@ -155,7 +181,8 @@ def _collision_message(collision: Collision) -> Any:
     return message
 
 
-def _joint_message(joint: Joint) -> Any:
+def joint_message(joint: Joint) -> Any:
+    """A joint."""
     message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=joint.GetMsgType())
     message.parent, message.parent_id = _name_and_id(joint.GetParent())
     message.child, message.child_id = _name_and_id(joint.GetChild())
@@ -187,12 +214,18 @@ def light_message(light: Light) -> Any:
     return message
 
 
-def scene_message(world: World) -> Any:
-    """All models and lights, and the look of the scene."""
+def surroundings_message(world: World) -> Any:
+    """~/scene: the look of the scene, without models and lights."""
     message = msgs.Scene(name=world.Name())
     sdf = world.SDF()
     for scene in sdf.named("scene") if sdf is not None else ():
         fill_scene(message, scene)
+    return message
+
+
+def scene_message(world: World) -> Any:
+    """All models and lights, and the look of the scene."""
+    message = surroundings_message(world)
     for model in world.Models():
         message.model.append(model_message(model))
     for light in world.Lights():
@@ -209,5 +242,5 @@ def entity_message(entity: object) -> Any:
     if isinstance(entity, Collision):
         return _collision_message(entity)
     if isinstance(entity, Joint):
-        return _joint_message(entity)
+        return joint_message(entity)
     return light_message(entity) if isinstance(entity, Light) else None

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 from weakref import WeakSet
@@ -15,12 +16,12 @@ from libgz.classic.ros_names import stand_in
 from libgz.errors import USER_ERRORS, PluginError, pass_interrupt
 from libgz.simulation.entity import Entity
 from libgz.simulation.event import Ends, WorldEvents, owner
-from libgz.simulation.plugins import Plugin as PluginFile, load_plugin, own_traceback, search
+from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import declares, get_state, set_state
+from libgz.simulation.state import carry_state, declares, get_state, set_state
 
-__all__ = ["LoadedPlugin", "find_plugin", "new_plugin"]
+__all__ = ["LoadedPlugin", "called", "find_plugin", "new_plugin", "reload_all"]
 
 log = logging.getLogger("libgz.classic")
 
@@ -34,12 +35,14 @@ class LoadedPlugin:
     Args:
         plugin_class: the class that its file registered.
         filename, name: as the world gives them.
+        path: its file.
         events: those of the world that it belongs to; None: those of all worlds.
         entity: the model that it is a plugin of; its `error` is then what the plugin raises.
 
     Attributes:
         plugin: the instance; None once it has failed or was dropped.
         source: the text of its element, if that is not in the world's file.
+        prepare: what is done with a new instance before its Load.
     """
 
     def __init__(
@@ -47,29 +50,35 @@ class LoadedPlugin:
         plugin_class: type[PluginT],
         filename: str,
         name: str,
+        path: Path,
         events: WorldEvents | None,
         entity: Entity | None = None,
     ) -> None:
         self.plugin_class, self.entity = plugin_class, entity
-        self.filename, self.name, self.events = filename, name, events
+        self.filename, self.name, self.path, self.events = filename, name, path, events
         self.connections: WeakSet[Ends] = WeakSet()
         self.source = ""
         self.plugin: PluginT | None = None
+        self.prepare: Callable[[PluginT], object] = lambda _plugin: None
+        self._values: tuple[Any, ...] | None = None  # of its Load
         self._construct()
 
     def _construct(self) -> None:
         token = owner.set(self)
         try:
-            # The plugin's own constructor may use handle and filename in messages.
-            plugin = self.plugin_class.__new__(self.plugin_class)
-            plugin._handle, plugin._filename = self.name, self.filename
-            self.plugin = plugin
-            plugin.__init__()  # type: ignore[misc]
+            self._make()
         except USER_ERRORS as error:
             pass_interrupt(error)
             self.stop("the constructor", error)
         finally:
             owner.reset(token)
+
+    def _make(self) -> PluginT:
+        """A new instance. Its constructor may use handle and filename in messages."""
+        plugin = self.plugin = self.plugin_class.__new__(self.plugin_class)
+        plugin._handle, plugin._filename = self.name, self.filename
+        plugin.__init__()  # type: ignore[misc]
+        return plugin
 
     def __str__(self) -> str:
         return f"plugin with name[{self.name}] and filename[{self.filename}]"
@@ -80,6 +89,9 @@ class LoadedPlugin:
 
     def load(self, *values: Any) -> bool:
         """Call the plugin's Load with these values; returns whether the plugin runs."""
+        self._values = values
+        if self.plugin is not None:
+            self.prepare(self.plugin)
         # Each kind of plugin has a Load with arguments of its own.
         return self.plugin is not None and self._call("Load", self.plugin.Load, *values)  # type: ignore[attr-defined]
 
@@ -90,6 +102,70 @@ class LoadedPlugin:
     def reset(self) -> bool:
         """Call the plugin's Reset; returns whether the plugin still runs."""
         return self.plugin is not None and self._call("Reset", self.plugin.Reset)
+
+    # Reload ------------------------------------------------------------------------------------------------------
+
+    def called(self, name: str, holder: str) -> bool:
+        """Whether a name means this plugin: its own, alone or after that of its holder, or its file's."""
+        return name in (self.name, self.filename, f"{holder}::{self.name}") or called(self.path, name)
+
+    def reload(self, file: PluginFile) -> None:
+        """Replace the instance by one of its file's present class, with the same Load and what state both declare.
+
+        The connections and subscriptions of the former instance end.
+
+        Raises:
+            PluginError: the new class fails before it runs; the former instance then continues.
+        """
+        kind = self.plugin_class.kind
+        plugin_class = _only_class(file)
+        if plugin_class.kind != kind:
+            raise PluginError(f"{file.path} registers a {plugin_class.kind}Plugin now; {self} is a {kind}Plugin")
+        state = self._state_to_carry()
+        old = self.plugin, self.plugin_class, self.connections
+        self.plugin_class, self.connections = plugin_class, WeakSet()
+        try:
+            self._renew(state)
+        except PluginError:
+            self._disconnect()
+            self.plugin, self.plugin_class, self.connections = old
+            raise
+        for connection in list(old[2]):
+            connection.disconnect()
+        if self.entity is not None:
+            self.entity.plugin_error = None
+
+    def _state_to_carry(self) -> Any:
+        try:
+            return self.save()
+        except PluginError as error:  # which the edit may correct
+            log.warning("%s is loaded again without its state: %s", self, error)
+            return None
+
+    def _renew(self, state: Any) -> None:
+        """Make and load a new instance.
+
+        Raises:
+            PluginError: it fails.
+        """
+        token, doing = owner.set(self), "the constructor"
+        try:
+            plugin: Any = self._make()
+            self.prepare(plugin)
+            if self._values is not None:
+                doing = "Load"
+                plugin.Load(*self._values)
+                doing = "Init"
+                plugin.Init()
+            if state is not None:
+                doing = "the return of its state"
+                carry_state(plugin, state)
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            text = own_traceback(error)
+            raise PluginError(f"{doing} of the edited {self}, {self.path}, failed with\n{text}") from error
+        finally:
+            owner.reset(token)
 
     # State -------------------------------------------------------------------------------------------------------
 
@@ -147,12 +223,16 @@ class LoadedPlugin:
 
     def drop(self) -> None:
         """End the plugin, its connections and its subscriptions."""
+        self._disconnect()
+        self.plugin = None
+
+    def _disconnect(self) -> None:
         for connection in list(self.connections):
             connection.disconnect()
         self.connections.clear()
-        self.plugin = None
 
 
+names(LoadedPlugin._renew, lambda values: f"{values['doing']} of {values['self']}")
 names(LoadedPlugin._call, lambda values: f"{values['name']} of {values['self']}")
 names(LoadedPlugin._construct, lambda values: f"the constructor of {values['self']}")
 
@@ -204,23 +284,10 @@ def new_plugin(
     """
     try:
         path = find_plugin(filename, beside)
+        plugin_class = _load_class(path)
     except PluginError as error:
         log.error("%s", error)
         return None
-    try:
-        note_threads_of(path)
-        file = load_plugin(path)
-    except PluginError as error:
-        log.error("Failed to load plugin %s: %s", path, error)
-        return None
-    registered = _registered(file)
-    if len(registered) > 1:
-        log.error("Failed to load plugin %s: it registers %d classes; one file has one plugin", path, len(registered))
-        return None
-    if not registered:
-        log.error("Failed to resolve RegisterPlugin: %s registers no plugin of Gazebo classic", path)
-        return None
-    (plugin_class,) = registered
     if plugin_class.kind != kind:
         at_name = f" name[{name}]" if kind not in ("System", "GUI") else ""
         log.error(
@@ -232,10 +299,50 @@ def new_plugin(
             plugin_class.kind,
         )
         return None
-    loaded = LoadedPlugin(plugin_class, filename, name, events, entity)
+    loaded = LoadedPlugin(plugin_class, filename, name, path, events, entity)
     return loaded if loaded.plugin is not None else None
 
 
-def _registered(file: PluginFile) -> list[type[PluginT]]:
-    """The classic plugin classes among all that a file registered."""
-    return [found for _, found in file.registered if isinstance(found, type) and issubclass(found, PluginT)]
+def _load_class(path: Path) -> type[PluginT]:
+    """The class of a plugin file.
+
+    Raises:
+        PluginError: the file fails, or does not register one class.
+    """
+    try:
+        note_threads_of(path)
+        file = load_plugin(path)
+    except PluginError as error:
+        raise PluginError(f"Failed to load plugin {path}: {error}") from error
+    return _only_class(file)
+
+
+def _only_class(file: PluginFile) -> type[PluginT]:
+    """The one plugin class of classic among all that a file registered.
+
+    Raises:
+        PluginError: there is none, or there are several.
+    """
+    found = [one for _, one in file.registered if isinstance(one, type) and issubclass(one, PluginT)]
+    if len(found) > 1:
+        raise PluginError(
+            f"Failed to load plugin {file.path}: it registers {len(found)} classes; one file has one plugin"
+        )
+    if not found:
+        raise PluginError(f"Failed to resolve RegisterPlugin: {file.path} registers no plugin of Gazebo classic")
+    return found[0]
+
+
+def reload_all(plugins: Sequence[LoadedPlugin]) -> None:
+    """Run the files of plugins again, each once, and replace the plugins' instances.
+
+    Raises:
+        PluginError: a file or one of its plugins fails; that one and those after it continue as before.
+    """
+    files: dict[Path, PluginFile] = {}
+    for plugin in plugins:
+        if plugin.path not in files:
+            note_threads_of(plugin.path)
+            files[plugin.path] = reload_plugin(plugin.path)
+        plugin.reload(files[plugin.path])
+    gc.collect()  # publishers end with the former instances

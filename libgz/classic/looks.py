@@ -1,4 +1,4 @@
-"""Messages that describe what is rendered: visuals, geometries and materials of SDF elements, and a scene's look."""
+"""Messages that describe SDF elements for clients: visuals, geometries, materials, sensors, and a scene's look."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from libgz.classic import msgs
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.sdf.element import Element
 
-__all__ = ["fill_geometry", "fill_scene", "visual_messages"]
+__all__ = ["fill_geometry", "fill_scene", "sensor_messages", "visual_messages"]
 
 _KINDS = ("box", "cylinder", "sphere", "plane", "image", "heightmap", "mesh", "polyline")
 
@@ -27,8 +27,7 @@ def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
         own = f"{name}::{element.Get(str, 'name')}"
         message = msgs.Visual(
             name=own,
-            # The engine has no visuals: a number that others do not have, always the same.
-            id=1 << 31 | zlib.crc32(own.encode()) & 0x7FFFFFFF,
+            id=_number(own),
             parent_name=name,
             parent_id=parent,
             type="VISUAL",
@@ -44,6 +43,36 @@ def visual_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
             _fill_material(message.material, material)
         for plugin in element.named("plugin"):
             message.plugin.add(name=plugin.Get(str, "name"), filename=plugin.Get(str, "filename"))
+        yield message
+
+
+def _number(name: str) -> int:
+    """An id for what the engine has no number of: always the same, and not one of others."""
+    return 1 << 31 | zlib.crc32(name.encode()) & 0x7FFFFFFF
+
+
+def sensor_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
+    """The sensors of a link's element, as clients need them to show what they measure.
+
+    Args:
+        link: the element.
+        name: the link's scoped name.
+        parent: the link's id.
+    """
+    for element in link.named("sensor"):
+        own = f"{name}::{element.Get(str, 'name')}"
+        message = msgs.Sensor(
+            name=element.Get(str, "name"),
+            id=_number(own),
+            parent=name,
+            parent_id=parent,
+            type=element.Get(str, "type"),
+            always_on=element.Get(bool, "always_on"),
+            update_rate=element.Get(float, "update_rate"),
+            visualize=element.Get(bool, "visualize"),
+            topic=element.Get(str, "topic") if element.HasElement("topic") else "",
+        )
+        msgs.Set(message.pose, element.Get(GzPose, "pose"))
         yield message
 
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from libgz.classic.commands import PausedSteps
-from libgz.classic.loading import LoadedPlugin, new_plugin
+from libgz.classic.loading import LoadedPlugin, called, new_plugin, reload_all
 from libgz.classic.math import Rand
 from libgz.classic.physics.activity import Activity
 from libgz.classic.physics.engine import PhysicsEngine
@@ -18,11 +19,12 @@ from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.world import World
 from libgz.classic.ros_names import is_ros_name, notice
 from libgz.classic.topics import WorldTopics
-from libgz.errors import NotFoundError, nearest
+from libgz.errors import GazeboError, NotFoundError, PluginError, nearest
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation import snapshot
 from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
@@ -50,6 +52,7 @@ def attach(core: CoreWorld) -> WorldServer:
         return server
     server = WorldServer(core)
     core.companions.append(server)
+    core.reloaders.append(server)
     if core.running:
         server.start_late()
     return server
@@ -96,7 +99,7 @@ class WorldServer:
         self.scene: Scene | None = None
         self.stopped = False
         self._new: list[CoreModel] = list(core.entities)
-        self._started = False
+        self._started = self._reloading = False
         self._first: dict[str, Any] | None = None  # the state at the start, if the world ran before
         self._undeclared: set[type] = set()  # classes of plugins without a declared state that were reported
 
@@ -120,6 +123,7 @@ class WorldServer:
             for element in self._plugins_of(self.element):
                 self.load_world_plugin(*_names(element), element)
             self._load_model_plugins(added)
+            self._open_topics(added, announce=False)
 
     def start_late(self) -> None:
         """Start beside a world that runs: the world's state at its start has no part of this."""
@@ -136,9 +140,15 @@ class WorldServer:
             added, self._new = self._new, []
             self._add_sensors(added)
             self._load_model_plugins(added)
-            if self.topics is not None:
-                for model in self._models(added):
-                    self.topics.model_added(model)
+            self._open_topics(added, announce=True)
+
+    def _open_topics(self, added: list[CoreModel], announce: bool) -> None:
+        """Open the topics of new models and lights."""
+        if self.topics is not None:
+            for core in added:
+                entity = self.world.view_of(core)
+                if entity is not None:
+                    self.topics.added(entity, announce)
 
     def _add_sensors(self, added: list[CoreModel]) -> None:
         for core in added:
@@ -260,6 +270,88 @@ class WorldServer:
         """The Model plugins of a model, in the order of the file."""
         return list(self._model_plugins.get(model, ()))
 
+    # Reload ------------------------------------------------------------------------------------------------------
+
+    def _all_plugins(self) -> Iterator[tuple[str, str, LoadedPlugin]]:
+        """(kind, name of the holder, plugin) of all plugins that were loaded, System plugins included."""
+        for kind, holder, plugins in self._plugins_by_holder():
+            for plugin in plugins:
+                yield kind, holder, plugin
+        for plugin in system_plugins:
+            yield "System", "", plugin
+
+    def _absent(self) -> Iterator[tuple[str, str, str, str]]:
+        """(kind, name of the holder, filename, name) of plugins that the file has, but that could not be loaded."""
+        present = {(kind, holder, one.filename, one.name) for kind, holder, one in self._all_plugins()}
+        for kind, holder, element in self._elements():
+            row = kind, holder, *_names(element)
+            if row not in present:
+                yield row
+
+    def _elements(self) -> Iterator[tuple[str, str, Element]]:
+        """(kind, name of the holder, `<plugin>`) of all that this world's file, or an inserted text, has."""
+        for element in self._plugins_of(self.element):
+            yield "World", "", element
+        for model in self.world.all_models():
+            for element in self._plugins_of(model.GetSDF()):
+                yield "Model", model.GetScopedName(), element
+        for kind, part in (("Sensor", self.sensors), ("Visual", self.visuals)):
+            for holder, element in part.elements() if part is not None else ():
+                yield kind, holder, element
+
+    def plugin_names(self) -> list[str]:
+        """What the plugins of this world are called."""
+        return [plugin.name for *_, plugin in self._all_plugins()] + [name for *_, name in self._absent()]
+
+    def has_plugin(self, name: str) -> bool:
+        """Whether a plugin, or a plugin's file, is called this."""
+        return any(one.called(name, holder) for _, holder, one in self._all_plugins()) or any(self._wanted(name))
+
+    def _wanted(self, name: str) -> Iterator[tuple[str, str, str, str]]:
+        """Those of `_absent` that are called this."""
+        for row in self._absent():
+            _, holder, filename, own = row
+            if name in (own, filename, f"{holder}::{own}") or called(Path(filename).with_suffix(".py"), name):
+                yield row
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load the files of plugins again, replace their instances, and load those that had failed to load.
+
+        Returns:
+            What was replaced, such as ``Model plugin robot1::drive``.
+
+        Raises:
+            PluginError: a file or its class fails; the former instance runs on, and the world is as before.
+        """
+        found = [row for row in self._all_plugins() if row[2].called(name, row[1])]
+        absent = list(self._wanted(name))
+        before = self._state_before() if found else None
+        try:
+            reload_all([plugin for *_, plugin in found])
+        except PluginError:
+            if before is not None:
+                snapshot.restore(self.core, before)
+            raise
+        for kind, holder, filename, own in absent:
+            errors = len(self.core.problems.errors)
+            if self._load_again(kind, holder, filename, own, "") is None:
+                failed = self.core.problems.errors[errors:]
+                raise PluginError("\n".join(map(str, failed)) or f"plugin {own!r} did not start; the log says why")
+        rows = [(kind, holder, plugin.name) for kind, holder, plugin in found]
+        rows += [(kind, holder, own) for kind, holder, _, own in absent]
+        return [f"{kind} plugin {holder}::{own}" if holder else f"{kind} plugin {own}" for kind, holder, own in rows]
+
+    def _state_before(self) -> bytes | None:
+        """The state to return to if a plugin fails; None if this world's state cannot be saved."""
+        self._reloading = True
+        try:
+            return snapshot.save(self.core)
+        except GazeboError as error:
+            log.debug("the world's state cannot be saved: %s", error)
+            return None
+        finally:
+            self._reloading = False
+
     def reset_plugins(self, model: Model) -> None:
         """Reset the Model plugins of a model."""
         with self.core.hold():
@@ -279,6 +371,9 @@ class WorldServer:
         self._new = [new for new in self._new if new is not model]
         self.activity.models_changed()
         self.core.events["DeleteEntity"](model.GetId())
+        entity = self.world.view_of(model)
+        if self.topics is not None and entity is not None:
+            self.topics.removed(entity)
         if not model.is_model:
             return
         view = self.world.view(model)
@@ -331,7 +426,7 @@ class WorldServer:
         """
         starting = self.core.starting
         self.finish_added()
-        if not starting:
+        if not starting and not self._reloading:
             self._warn_of_undeclared()
         return {
             "random": Rand.SaveState(),

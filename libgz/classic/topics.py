@@ -9,11 +9,23 @@ from typing import Any
 
 from libgz.classic import msgs
 from libgz.classic.commands import Commands, PausedSteps
-from libgz.classic.describe import contacts_of, model_message, poses_message, statistics_message
+from libgz.classic.describe import (
+    contacts_of,
+    diagnostics_message,
+    joint_message,
+    light_message,
+    model_message,
+    poses_message,
+    statistics_message,
+    surroundings_message,
+)
+from libgz.classic.msgs.convert import CreateRequest
+from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
 from libgz.classic.transport import Node, Publisher, Subscriber, TopicManager
 from libgz.classic.transport.publisher import drop_waiting, queue_message, waiting_messages
+from libgz.classic.user_commands import Handlers, UserCommands
 from libgz.simulation.world import World as CoreWorld
 
 __all__ = ["WorldTopics"]
@@ -59,6 +71,14 @@ class WorldTopics:
         self._records = False  # whether contacts are recorded for that topic
         self._response = self._node.Advertise(msgs.Response, "~/response")
         self._models = self._node.Advertise(msgs.Model, "~/model/info")
+        self._lights = self._node.Advertise(msgs.Light, "~/light")
+        self._joints = self._node.Advertise(msgs.Joint, "~/joint")
+        self._scene = self._node.Advertise(msgs.Scene, "~/scene")
+        self._visuals = self._node.Advertise(msgs.Visual, "~/visual")
+        self._requests = self._node.Advertise(msgs.Request, "~/request")
+        self._user_commands = self._node.Advertise(msgs.UserCmdStats, "~/user_cmd_stats")
+        self._light_factory = self._node.Advertise(msgs.Light, "~/factory/light")
+        self._parts: dict[Model | Light, list[Subscriber]] = {}
         self._periodic = [
             _Periodic(publisher, period, functools.partial(make, world))
             for publisher, period, make in (
@@ -66,20 +86,32 @@ class WorldTopics:
                 (self._node.Advertise(msgs.PosesStamped, "~/pose/info"), POSES_PERIOD, poses_message),
                 (self._node.Advertise(msgs.PosesStamped, "~/pose/local/info"), POSES_PERIOD, poses_message),
                 (self._contacts, 0.0, contacts_of),
+                (self._node.Advertise(msgs.Diagnostics, "~/diagnostics"), 0.0, diagnostics_message),
             )
         ]
-        self._subscribers = self._subscribe(Commands(world, self._response.Publish, paused_steps))
+        self._commands = Commands(world, self._response.Publish, paused_steps, self._changed)
+        self._subscribers = self._subscribe(self._commands)
+        self._scene.Publish(surroundings_message(world), here=False)  # for latching subscribers
 
     def _subscribe(self, commands: Commands) -> list[Subscriber]:
+        user = UserCommands(
+            self._world,
+            Handlers(commands.model_modify, commands.light_modify, commands.world_control, commands.wrench),
+            self._user_commands.Publish,
+        )
         handlers = {
             "~/atmosphere": commands.atmosphere,
             "~/factory": commands.factory,
             "~/factory/light": commands.factory_light,
-            "~/joint": commands.joint,
             "~/light/modify": commands.light_modify,
             "~/model/modify": commands.model_modify,
             "~/physics": commands.physics,
+            "~/plugin/reload": commands.plugin_reload,
             "~/request": commands.request,
+            "~/scene": commands.scene,
+            "~/undo_redo": commands.between_steps("~/undo_redo", user.undo_redo),
+            "~/user_cmd": commands.between_steps("~/user_cmd", user.carry_out),
+            "~/visual": commands.visual,
             "~/wind": commands.wind,
             "~/world_control": commands.world_control,
             "/gazebo/server/control": commands.server_control,
@@ -113,10 +145,45 @@ class WorldTopics:
         """Of the names of this world's topics."""
         return f"/gazebo/{self._world.core.topic_space}/"
 
-    def model_added(self, model: Model) -> None:
-        """Publish a model that was inserted."""
-        if self._models.HasConnections():
-            self._models.Publish(model_message(model))
+    def _changed(self, entity: Model | Light) -> None:
+        """Publish an entity that a message has changed."""
+        if isinstance(entity, Light):
+            if self._lights.HasConnections():
+                self._lights.Publish(light_message(entity))
+        elif self._models.HasConnections():
+            self._models.Publish(model_message(entity))
+
+    def added(self, entity: Model | Light, announce: bool = True) -> None:
+        """Subscribe to the topics of an entity; publish it if it was inserted."""
+        if isinstance(entity, Model):
+            self._parts[entity] = self._subscribe_parts(entity)
+        if not announce:
+            return
+        self._changed(entity)
+        if isinstance(entity, Light) and not self._commands.was_made(entity.GetName()):
+            self._light_factory.Publish(light_message(entity), here=False)
+        if isinstance(entity, Model) and self._joints.HasConnections():
+            for joint in entity.GetJoints():
+                self._joints.Publish(joint_message(joint))
+
+    def _subscribe_parts(self, model: Model) -> list[Subscriber]:
+        """Subscribe to ~/MODEL/joint_cmd, and to ~/MODEL/LINK/wrench of each link that moves."""
+        commands, handlers = self._commands, {}
+        if model.GetJoints():
+            handlers[f"~/{model.GetScopedName()}/joint_cmd"] = commands.joint
+        for link in model.GetLinks() if not model.IsStatic() else ():
+            name = link.GetScopedName()
+            handlers[f"~/{name}/wrench"] = functools.partial(commands.wrench, name)
+        return [
+            self._node.Subscribe(topic.replace("::", "/"), commands.guarded(topic, handler))
+            for topic, handler in handlers.items()
+        ]
+
+    def removed(self, entity: Model | Light) -> None:
+        """End the topics of an entity, and publish that it was deleted."""
+        for subscriber in self._parts.pop(entity, ()):
+            subscriber.Unsubscribe()
+        self._requests.Publish(CreateRequest("entity_delete", entity.GetScopedName()), here=False)
 
     def update(self) -> None:
         """Publish due messages, then deliver all messages of this iteration."""
@@ -138,6 +205,7 @@ class WorldTopics:
         name = self._world.core.topic_space
         self._node.Fini()
         self._subscribers.clear()
+        self._parts.clear()
         others = [core for core in CoreWorld.all_running() if core.facade is not None and core is not self._world.core]
         if not any(core.topic_space == name for core in others):
             self._manager.RemoveTopicNamespace(name)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from libgz.errors import ParameterError
+from libgz.errors import ParameterError, PluginError
 from libgz.legacy.model import Model
 from libgz.simulation.plugins import Plugin, collect
 from libgz.simulation.world import World
@@ -73,6 +73,7 @@ class ModelFactory:
 
     def __init__(self) -> None:
         self._plugins: dict[str, Callable[[World], Model]] = {}
+        self._files: dict[str, Path] = {}  # of plugins, by the names that they have registered
         self._builtin: dict[str, str] = {}
         self._packages: dict[str, metadata.EntryPoint] | None = None
         self.RegisterAll()
@@ -96,7 +97,33 @@ class ModelFactory:
                 log.warning(
                     "plugin %s registers %r, which is a built-in model: the built-in one is used", plugin.path, name
                 )
+            if name not in self._builtin and name not in self._plugins:
+                self._files[name] = plugin.path
             self.RegisterModel("plugin", name, kind)
+
+    def file_of(self, classname: str) -> Path | None:
+        """The plugin file that a class comes from; None for one of another origin."""
+        return self._files.get(classname)
+
+    def replace_plugin(self, plugin: Plugin) -> dict[str, Callable[[World], Model]]:
+        """Take the classes of a plugin file that was edited instead of its former ones, which are returned.
+
+        Raises:
+            PluginError: it does not register all of them any more.
+        """
+        names = [name for name, path in self._files.items() if path == plugin.path]
+        registered = dict(reversed(plugin.registered))
+        for name in names:
+            if name not in registered:
+                raise PluginError(f"{plugin.path} does not register {name!r} any more; it has {', '.join(registered)}")
+        before = {name: self._plugins[name] for name in names}
+        self._plugins.update({name: registered[name] for name in names})
+        self.register_plugin(plugin)
+        return before
+
+    def return_classes(self, before: Mapping[str, Callable[[World], Model]]) -> None:
+        """Take the former classes again, which `replace_plugin` returned."""
+        self._plugins.update(before)
 
     def find(self, classname: str) -> Callable[[World], Model] | None:
         """The class or function of a name, or None if it is unknown."""

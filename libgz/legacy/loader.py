@@ -113,6 +113,33 @@ class ModelLoader:
             model = None
         return model
 
+    def load_again(self, old: Model) -> Model:
+        """Build another model of a model's element and class name, without those inside it.
+
+        Raises:
+            GazeboError: that fails.
+            Exception: the class's own code fails.
+        """
+        node = old.node
+        if node is None:
+            raise ParameterError("it was made by code, not from a file")
+        errors = node.file.diagnostics.found
+        before = dict(errors)
+        try:
+            model = self._made(node)
+            if model is None:
+                raise NotFoundError(f"there is no model class {node.GetName()!r} any more")
+            parent = old.parent
+            self._load_model(model, node, parent if isinstance(parent, Model) else None)
+            found = [str(error) for error in node.file.diagnostics.errors if error not in before]
+            if found:
+                self.world.remove([model])
+                raise ParameterError("\n".join(found))
+        finally:
+            errors.clear()
+            errors.update(before)
+        return model
+
     def _new_model(self, node: WorldFileNode) -> Model | None:
         """The model object of an element, its plugin loaded; None for an unknown class."""
         plugin = node.GetString("plugin")
@@ -122,16 +149,21 @@ class ModelLoader:
             log.info("loading %s...", path)
             note_threads_of(path)
             self.factory.register_plugin(load(path))
+        model = self._made(node)
+        if model is None:
+            hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
+            hint = hint or "; `libgz models` lists those there are"
+            node.warn(f"unknown model class, skipped with all that is in it{hint}")
+        return model
+
+    def _made(self, node: WorldFileNode) -> Model | None:
+        """The model object of an element whose plugin is loaded; None for an unknown class."""
         model = self.factory.NewModel(self.world, node.GetName())
         if model is not None and not hasattr(model, "modelSpaceId"):
             raise ParameterError(
                 f"{type(model).__name__} must be a subclass of Model; its __init__, if any, must call "
                 "super().__init__(world)"
             )
-        if model is None:
-            hint = NAMES_ONLY.get(node.name) or nearest(node.name, self.factory.names())
-            hint = hint or "; `libgz models` lists those there are"
-            node.warn(f"unknown model class, skipped with all that is in it{hint}")
         return model
 
     def _load_model(self, model: Model, node: WorldFileNode, parent: Model | None) -> None:

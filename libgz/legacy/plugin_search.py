@@ -9,9 +9,9 @@ from pathlib import Path
 
 from libgz.errors import PluginError
 from libgz.legacy.factory import builtin_folder
-from libgz.simulation.plugins import Plugin, load_plugin, search
+from libgz.simulation.plugins import Plugin, load_plugin, reload_plugin, search
 
-__all__ = ["find_plugin", "load", "plugin_directories", "register_compiled"]
+__all__ = ["find_plugin", "load", "load_edited", "plugin_directories", "register_compiled"]
 
 SHARED = ".so"
 
@@ -37,6 +37,15 @@ def load(path: Path) -> Plugin:
         PluginError: it fails, or registers nothing.
     """
     return _load_compiled(path) if path.suffix == SHARED else load_plugin(path)
+
+
+def load_edited(path: Path) -> Plugin:
+    """The plugin of a file that was edited.
+
+    Raises:
+        PluginError: it fails, or registers nothing.
+    """
+    return _load_compiled(path) if path.suffix == SHARED else reload_plugin(path)
 
 
 def plugin_directories(worldfile: str | None) -> list[tuple[str, Path]]:

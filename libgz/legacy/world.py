@@ -15,10 +15,14 @@ from libgz.legacy.factory import ModelFactory
 from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.legacy.origin import to_file
+from libgz.legacy.plugin_search import load_edited
+from libgz.legacy.replacement import Replacement
 from libgz.legacy.settings import GlobalAttributes, find_global_nodes, read_global, read_quirks
 from libgz.legacy.sweeps import warn_of_sweeps
 from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
+from libgz.simulation.plugins import called
+from libgz.simulation.problems import note_threads_of
 from libgz.simulation.world import World
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode
@@ -55,6 +59,7 @@ class LegacyWorld(Era):
         self.loader = ModelLoader(world, self.factory, self._origin_of)
         self._sources: WeakKeyDictionary[WorldFile, Source] = WeakKeyDictionary()  # of the models that were built
         world.journal.builders[BUILDER] = self
+        world.reloaders.append(self)
 
     @property
     def models(self) -> list[Model]:
@@ -107,6 +112,53 @@ class LegacyWorld(Era):
                 reasons = "; ".join(map(str, file.diagnostics.errors)) or node.place
                 raise StateError(f"a model of the state cannot be built again: {reasons}")
             built[place] = model
+
+    # Reload ----------------------------------------------------------------------------------------------------------
+
+    def _from_plugins(self) -> list[tuple[Model, Path]]:
+        """The models whose classes come from plugin files, and these."""
+        found = [(model, self.factory.file_of(model.GetName())) for model in self.models]
+        return [(model, path) for model, path in found if path is not None]
+
+    def plugin_names(self) -> list[str]:
+        """The ids of models whose classes come from plugin files."""
+        return [model.GetId() for model, _ in self._from_plugins()]
+
+    def _files_called(self, name: str) -> list[Path]:
+        """The files that a name means: of a model by its id, of a class, or by their own names."""
+        found = self._from_plugins()
+        meant = [path for one, path in found if name in (one.GetId(), one.GetName()) or called(path, name)]
+        return list(dict.fromkeys(meant))
+
+    def has_plugin(self, name: str) -> bool:
+        """Whether a model, its class or its plugin file is called this."""
+        return bool(self._files_called(name))
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load plugin files again, and build all models of their classes again in their places.
+
+        Raises:
+            PluginError: a file fails, or a model; that one and those after it run on as they were.
+        """
+        replaced: list[str] = []
+        for path in self._files_called(name):
+            models = [model for model, file in self._from_plugins() if file == path]
+            note_threads_of(path)
+            before = self.factory.replace_plugin(load_edited(path))
+            done = 0
+            try:
+                for model in models:
+                    Replacement(self.loader, model).run()
+                    done += 1
+                    replaced.append(f"model {model.GetId()} ({model.GetName()})")
+            except BaseException:
+                if not done:
+                    self.factory.return_classes(before)
+                raise
+            finally:
+                if done:
+                    self.world.forget_states()
+        return replaced
 
     def load_into(self, world: World) -> None:
         """Load the worldfile, as it was read, into another world.

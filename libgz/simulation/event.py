@@ -226,6 +226,7 @@ class Event:
     def Signal(self, *values: Any) -> None:
         """Call all callbacks, in the order of connection; new ones from the next signal on."""
         before = current = owner.get()
+        given = len(values)
         for entry in self._calls():
             if not entry.connected:  # an earlier callback removed it, or stopped its plugin
                 continue
@@ -233,7 +234,10 @@ class Event:
                 current = entry.owner
                 owner.set(current)
             try:
-                entry.callback(*values[: entry.parameters])
+                if entry.parameters >= given:
+                    entry.callback(*values)
+                else:
+                    entry.callback(*values[: entry.parameters])
             except USER_ERRORS as error:
                 pass_interrupt(error)
                 self._failed(entry, error)

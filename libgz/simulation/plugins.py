@@ -17,7 +17,7 @@ from typing import Any
 from libgz.errors import USER_ERRORS, PluginError, nearest, pass_interrupt
 from libgz.files import exists, expand, is_file, is_folder
 
-__all__ = ["Plugin", "collect", "load_plugin", "own_place", "own_traceback", "search"]
+__all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_traceback", "reload_plugin", "search"]
 
 log = logging.getLogger("libgz.simulation")
 
@@ -35,6 +35,7 @@ class Plugin:
     registered: list[tuple[str, Any]] = field(default_factory=list)
     module: Any = None
     edited: tuple[int, int] = (0, 0)  # time [ns] and size of the file that was run
+    neighbours: dict[str, tuple[int, int]] = field(default_factory=dict)  # the same of modules beside it, by name
 
 
 def collect(name: str, kind: Any) -> bool:
@@ -140,6 +141,7 @@ def load_plugin(path: Path) -> Plugin:
     if spec is None or not isinstance(spec.loader, SourceLoader):
         raise PluginError(f"error loading plugin: {path} is not a Python file")
     plugin.module = importlib.util.module_from_spec(spec)
+    before = sys.modules.get(name)
     sys.modules[name] = plugin.module
     if str(path.parent) not in sys.path:
         sys.path.append(str(path.parent))  # a plugin may import its neighbours, at any time
@@ -152,6 +154,8 @@ def load_plugin(path: Path) -> Plugin:
     except USER_ERRORS as error:
         pass_interrupt(error)
         del sys.modules[name]
+        if before is not None:  # what it defined may still run
+            sys.modules[name] = before
         raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}") from error
     finally:
         _loading.reset(token)
@@ -163,7 +167,63 @@ def load_plugin(path: Path) -> Plugin:
             "GZ_REGISTER_WORLD_PLUGIN(MyPlugin) in worlds of Gazebo classic"
         )
     _loaded[path] = plugin
+    plugin.neighbours = {one: _edited(Path(str(sys.modules[one].__file__))) for one in _neighbours(plugin)}
     return plugin
+
+
+def reload_plugin(path: Path) -> Plugin:
+    """Run a plugin file again, edited or not; with it the modules beside it that it imports, if one was edited.
+
+    Raises:
+        PluginError: the file fails, or registers nothing; what `load_plugin` returned before stays valid.
+    """
+    path = path.resolve()
+    before = _loaded.pop(path, None)
+    aside = _edited_neighbours(before) if before is not None else {}
+    for name in aside:
+        del sys.modules[name]
+    try:
+        return load_plugin(path)
+    except PluginError:
+        sys.modules.update(aside)
+        if before is not None:
+            _loaded[path] = before
+        raise
+
+
+def _neighbours(plugin: Plugin) -> list[str]:
+    """The names of imported modules that lie beside a plugin's file, and of those in packages beside it."""
+    folder, own = plugin.path.parent, plugin.module.__name__
+    found = []
+    for name, module in list(sys.modules.items()):
+        top = name.partition(".")[0]
+        if top == own and name != own:  # the plugin is a package
+            found.append(name)
+        elif not top.startswith("libgz") and top != "__main__":
+            file = getattr(sys.modules.get(top), "__file__", None)
+            place = Path(file) if isinstance(file, str) else Path()
+            place = place.parent if place.stem == "__init__" else place
+            if place.parent == folder and isinstance(getattr(module, "__file__", None), str):
+                found.append(name)
+    return found
+
+
+def _edited_neighbours(plugin: Plugin) -> dict[str, Any]:
+    """All modules beside a plugin, if one of them was edited: they may import each other."""
+    known = {name: sys.modules[name] for name in plugin.neighbours if name in sys.modules}
+    for name, module in known.items():
+        file = Path(str(module.__file__))
+        if not is_file(file) or _edited(file) != plugin.neighbours[name]:
+            return known
+    return {}
+
+
+def called(path: Path, name: str) -> bool:
+    """Whether a name means a plugin file: its path, or its name with or without its suffix or `lib` and `.so`."""
+    stem = path.parent.name if path.stem == "__init__" else path.stem
+    plain = stem.removeprefix("lib")
+    names = {str(path), path.name, stem, f"{stem}.so", f"{stem}.py", plain, f"{plain}.py", f"lib{plain}.so"}
+    return name in names or (name.startswith((".", "~", "/")) and expand(name).resolve() == path)
 
 
 def _edited(path: Path) -> tuple[int, int]:

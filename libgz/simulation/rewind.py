@@ -65,6 +65,11 @@ class Rewind:
     def _drop(self, moment: _Moment) -> None:
         self._size -= len(moment.state)
 
+    def clear(self) -> None:
+        """Drop all states."""
+        self._moments.clear()
+        self._size = 0
+
     def at(self, sim_time: float) -> bytes:
         """The last state at or before a sim time [s].
 

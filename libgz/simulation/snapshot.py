@@ -58,8 +58,13 @@ def save(world: World) -> bytes:
         raise
 
 
-def restore(world: World, data: bytes) -> None:
+def restore(world: World, data: bytes, *, anew: bool = False) -> None:
     """Bring a world into a state that `save` returned, of itself or of another world of the same file.
+
+    Args:
+        world: the world.
+        data: the state.
+        anew: whether all entities are built again, also those that are there.
 
     Raises:
         StateError: the state is of another file, or something that cannot be built again is missing.
@@ -72,7 +77,7 @@ def restore(world: World, data: bytes) -> None:
         world.attach_era()
         for name in saved["companions"].keys() - set(map(_name, world.companions)):
             raise StateError(f"this state has a part that this world has not: {name}")
-    _restore_entities(world, saved)
+    _restore_entities(world, saved, anew)
     for companion in world.companions:
         companion.entities_rebuilt()
     state.set_state(world, saved["world"])
@@ -170,7 +175,7 @@ def _text_of(error: object) -> str | None:
     return str(error) if isinstance(error, StoppedError) else f"{type(error).__name__}: {error}"
 
 
-def _restore_entities(world: World, saved: dict[str, Any]) -> None:
+def _restore_entities(world: World, saved: dict[str, Any], anew: bool) -> None:
     """Make the world's entities those of a state: from the first one that differs, all are built again, in order."""
     sources = [Source(*fields) for fields in saved["sources"]]
     wanted = [
@@ -180,10 +185,10 @@ def _restore_entities(world: World, saved: dict[str, Any]) -> None:
     number = {entity: index for index, entity in enumerate(world.entities)}
     present = [(entity.origin, *_holder(entity, number)) for entity in world.entities]
     then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, saved["entities"], strict=True)]
-    if present == then:
+    if present == then and not anew:
         return
     pairs = enumerate(zip(present, then, strict=False))
-    same = next((i for i, (old, new) in pairs if old != new), min(len(present), len(then)))
+    same = 0 if anew else next((i for i, (old, new) in pairs if old != new), min(len(present), len(then)))
     # Whoever was attached to one of those that go is built again, too: the order of joints is part of the state.
     while (
         held := next((i for i, (_, at, _) in enumerate(present[:same]) if at is not None and at >= same), None)

@@ -32,7 +32,7 @@ import numpy as np
 
 from libgz.errors import ParameterError
 
-__all__ = ["declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
+__all__ = ["carry_state", "declares", "decode", "encode", "get_state", "plain", "set_state", "undeclared"]
 
 C = TypeVar("C", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -134,12 +134,21 @@ def set_state(thing: Any, state: Any) -> None:
     """
     kind: Any = type(thing)
     for name in _names(kind):
+        if name not in state:  # declared since, by an edited class
+            continue
         before, value = getattr(thing, name, None), state[name]
         after = _loaded(before, value)
         if after is not before:
             setattr(thing, name, after)
     if "" in state:
         thing.LoadState(state[""])
+
+
+def carry_state(thing: Any, state: Any) -> None:
+    """Give an object the state of one of an earlier form of its class: what both declare."""
+    kind: Any = type(thing)
+    kept = {name: value for name, value in state.items() if name or hasattr(kind, "LoadState")}
+    set_state(thing, kept)
 
 
 def _saved(value: Any) -> Any:

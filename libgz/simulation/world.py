@@ -46,6 +46,7 @@ from libgz.simulation.journal import Journal
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, Problem, Problems, note
 from libgz.simulation.publication import Publication
+from libgz.simulation.reloading import Reloader, reload
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
@@ -106,6 +107,7 @@ class World(Closing):
         entities: everything in the world, in order of the file; `models` are those of them that are models.
         problems: its errors and warnings.
         companions: what runs beside the world, notified of its events.
+        reloaders: the parts that have plugins, for `reload_plugin`.
         era: how time is counted, and what a reset does.
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
@@ -158,6 +160,7 @@ class World(Closing):
         self.events = WorldEvents(everywhere)
         self.journal = Journal()
         self.companions: list[Companion] = []
+        self.reloaders: list[Reloader] = []
         self.entities: list[Entity] = []
         self.models: list[Entity] = []
         self.sim = Sim()
@@ -171,6 +174,7 @@ class World(Closing):
         self._fallen: set[int] = set()  # numbers of bodies that were reported
         self._numbers = 0  # of entities, that were given
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
+        self._start_is_old = False  # since a model's class was edited
         self._rewind: Rewind | None = None
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
@@ -1017,22 +1021,67 @@ class World(Closing):
         """
         with self.lock:
             state = self.get_state()
-            clone = type(self)(
-                seed=self.seed,
-                solver=self.engine.solver,
-                wire_version=self.gz_server.version,
-                abi=self.gz_server.abi,
-                strict=self.problems.strict,
-            )
-            clone.clone_name = f"{self.name}_clone{next(_clones)}"
+            clone = self._twin()
             try:
-                self.era.load_into(clone)
                 clone.Initialize()
                 clone.set_state(state)
             except BaseException:
                 clone.close()
                 raise
             return clone
+
+    def _twin(self) -> Self:
+        """Another world of the same file, which is not initialized.
+
+        Raises:
+            StateError: the world was not loaded from a file.
+        """
+        twin = type(self)(
+            seed=self.seed,
+            solver=self.engine.solver,
+            wire_version=self.gz_server.version,
+            abi=self.gz_server.abi,
+            strict=self.problems.strict,
+        )
+        twin.clone_name = f"{self.name}_clone{next(_clones)}"
+        try:
+            self.era.load_into(twin)
+        except BaseException:
+            twin.close()
+            raise
+        return twin
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load an edited plugin file again while the world runs.
+
+        Plugins of classic: the connections and subscriptions of the former instance end; a new one gets Load with the
+        same arguments, then Init, then the state that both declare. Models of worldfiles: each model of the file is
+        built again in its place, with its pose, its velocity, its declared state, and what is attached to it; clients
+        of its interfaces stay connected. Modules beside the file that it imports are loaded again, too, if one was
+        edited. If the new one fails, the former one runs on.
+
+        Args:
+            name: of the plugin (``drive``, or ``robot1::drive``), of its file (``drive.py``, ``libdrive.so``), or the
+                id or class of a model of a worldfile. All plugins that are called this are replaced.
+
+        Returns:
+            What was replaced, such as ``Model plugin robot1::drive``.
+
+        Raises:
+            NotFoundError: no plugin has this name.
+            PluginError: the edited file, its Load or its Init fails; the message has the traceback.
+            GazeboError: a step is under way, or plugins load or are reset.
+            ClosedError: the world is closed, or `Initialize` was not called.
+        """
+        with self.lock:
+            self._check_ready("changed")
+            return reload(self, name)
+
+    def forget_states(self) -> None:
+        """Drop the states that were kept: entities are built otherwise now. A reset finds out anew how they begin."""
+        self._start_is_old = True
+        if self._rewind is not None:
+            self._rewind.clear()
 
     def reseed(self, seed: int) -> None:
         """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
@@ -1059,12 +1108,21 @@ class World(Closing):
             ClosedError: `Initialize` was not called.
             GazeboError: that state could not be saved.
         """
-        if self._start is None:
+        start = self._first_state() if self._start_is_old else self._start
+        if start is None:
             raise ClosedError("Initialize comes before the first reset")
-        if isinstance(self._start, GazeboError):
-            raise self._start
+        if isinstance(start, GazeboError):
+            raise start
         self._warn_of_models()
-        snapshot.restore(self, self._start)
+        # After a class was edited, the order of the engine's objects is another one.
+        snapshot.restore(self, start, anew=self._start_is_old)
+        self._start, self._start_is_old = start, False
+
+    def _first_state(self) -> bytes | GazeboError | None:
+        """The state at the start of a world of the same file, with models as their classes are now."""
+        with self._twin() as twin:
+            twin.Initialize()
+            return twin._start
 
     @property
     def _surroundings(self) -> tuple[tuple[float, ...], ...]:

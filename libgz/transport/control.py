@@ -18,7 +18,7 @@ from pathlib import Path
 from libgz.errors import ServerError
 from libgz.transport.paths import server_directory
 
-__all__ = ["Control", "Request", "ask"]
+__all__ = ["SOCKET", "Control", "Request", "ask"]
 
 SOCKET = ".control"
 LONGEST_LINE = 256  # [byte]

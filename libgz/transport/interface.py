@@ -239,7 +239,7 @@ class Interface(Generic[D]):
         self.server = server
         try:
             self._map(server.allocate(self))
-            self._write_head()
+            self.write_head()
             server.show(self)
         except OSError as error:
             self.destroy()
@@ -248,9 +248,10 @@ class Interface(Generic[D]):
     def set_owner(self, model_type: str, model_id: int, parent_model_id: int) -> None:
         """Change the model that owns the interface; server only. See `create`."""
         self._owner = (model_type, model_id, parent_model_id)
-        self._write_head()
+        self.write_head()
 
-    def _write_head(self) -> None:
+    def write_head(self) -> None:
+        """Write version, size and owner into the memory; server only."""
         head = self.data.head
         model_type, model_id, parent_model_id = self._owner
         head.version = self.server.version if self.server is not None else LIBGAZEBO_VERSION

@@ -6,7 +6,7 @@ import atexit
 import contextlib
 import logging
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeVar
 
 from libgz.errors import ParameterError, ServerError
@@ -52,6 +52,7 @@ class LocalServer:
         self.interfaces: dict[tuple[str, str], Interface[Any]] = {}
         self._kept: dict[tuple[str, str], Segment] | None = None  # of interfaces that may return
         self._returned: set[tuple[str, str]] = set()  # that clients see already
+        self._handed: dict[tuple[str, str], Interface[Any]] = {}  # that new interfaces may replace
 
     def start(self) -> None:
         """Nothing to do."""
@@ -66,14 +67,21 @@ class LocalServer:
             OSError: the file cannot be created.
         """
         key = (interface.type, interface.id)
-        if key in self.interfaces:
+        former = self.interfaces.get(key)
+        if former is not None and self._handed.get(key) is former and former.size == interface.size:
+            segment = former.take_segment()
+            self._returned.add(key)
+            self.interfaces[key] = interface
+            return segment
+        if former is not None:
             log.warning(
                 "there is a second %s interface with id %r: the first one is served, the second model runs without it",
                 *key,
             )
             return Segment(bytearray(interface.size))
-        segment = self._kept.pop(key, None) if self._kept is not None else None
-        if segment is not None and len(segment.memory) == interface.size:
+        kept = self._kept.pop(key, None) if self._kept is not None else None
+        if kept is not None and len(kept.memory) == interface.size:
+            segment = kept
             self._returned.add(key)
         else:
             segment = self._new_segment(file_name(*key), interface.size)
@@ -91,7 +99,9 @@ class LocalServer:
         return self.interfaces.get((interface.type, interface.id)) is interface
 
     def release(self, interface: Interface[Any]) -> None:
-        """Remove an interface, if it is registered."""
+        """Remove an interface, if it is registered; in `hand_over` the one that it replaced returns."""
+        if self.returns(interface):
+            return
         if self.serves(interface):
             del self.interfaces[interface.type, interface.id]
             if self._kept is not None:
@@ -110,6 +120,28 @@ class LocalServer:
             self._kept = None
             for key, segment in kept.items():
                 self._discard(file_name(*key), segment)
+
+    @contextlib.contextmanager
+    def hand_over(self, interfaces: Iterable[Interface[Any]]) -> Iterator[None]:
+        """Until the end, let new interfaces take the memory of these, if they have the same type, id and size.
+
+        Clients stay connected. If a new one is removed again before the end, the former one serves them on.
+        """
+        self._handed = {key: one for key, one in self.interfaces.items() if one in list(interfaces)}
+        try:
+            yield
+        finally:
+            self._handed = {}
+
+    def returns(self, interface: Interface[Any]) -> bool:
+        """Put back the interface that this one had replaced, if it is still open; whether that was done."""
+        key = (interface.type, interface.id)
+        former = self._handed.get(key)
+        if not self.serves(interface) or former is None or former is interface:
+            return False
+        self.interfaces[key] = former
+        former.write_head()
+        return True
 
     def _discard(self, name: str, segment: Segment) -> None:
         """Free the memory of an interface that did not return."""
@@ -267,6 +299,8 @@ class Server(LocalServer):
 
     def release(self, interface: Interface[Any]) -> None:
         """Remove an interface and its file, if it is registered."""
+        if self.returns(interface):
+            return
         if self.serves(interface) and interface.descriptor is not None and self._kept is None:
             self._directory.unlink_file(file_name(interface.type, interface.id), interface.descriptor)
         super().release(interface)

@@ -1,5 +1,6 @@
 """gzserver by the protocol of Gazebo classic: an independent client, and hostile ones."""
 
+import contextlib
 import os
 import socket
 import subprocess
@@ -8,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from classic_wire import PATIENCE, Connection, Publication, Subscription, frame, new, packet, receive, types
+from classic_wire import PATIENCE, Connection, Publication, Subscription, close_all, frame, new, packet, receive, types
 from gzserver_process import new_environment
 
 WORLD = """
@@ -46,10 +47,16 @@ def server(tmp_path_factory):
         assert process.wait(20) == 0
 
 
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    close_all()
+
+
 @pytest.fixture
 def master(server):
-    found = Connection(server[0])
-    eventually(lambda: "/gazebo/w/world_stats" in found.ask("get_topics", "topic_list", "GzString_V").data)
+    found = Connection(server[0])  # and wait for the last topic of the server's start
+    eventually(lambda: "/gazebo/w/log/status" in found.ask("get_topics", "topic_list", "GzString_V").data)
     yield found
     found.close()
 
@@ -166,6 +173,89 @@ def test_a_client_is_given_the_scene(master):
     requests.close()
 
 
+SHOWN = {  # what a client of classic subscribes to when its window opens
+    "pose/info": "PosesStamped", "pose/local/info": "PosesStamped", "model/info": "Model", "joint": "Joint",
+    "visual": "Visual", "light": "Light", "light/modify": "Light", "factory/light": "Light", "scene": "Scene",
+    "request": "Request", "response": "Response", "world_stats": "WorldStatistics", "diagnostics": "Diagnostics",
+    "user_cmd_stats": "UserCmdStats", "log/status": "LogStatus", "physics/contacts": "Contacts", "sensor": "Sensor",
+    "skeleton_pose/info": "PoseAnimation", "sky": "Sky", "gui": "GUI", "selection": "Selection", "roads": "Road",
+}  # fmt: skip
+ASKED = {
+    "scene_info": "Scene", "physics_info": "Physics", "wind_info": "Wind", "atmosphere_info": "Atmosphere",
+    "spherical_coordinates_info": "SphericalCoordinates", "entity_list": "Model_V", "world_sdf": "GzString",
+}  # fmt: skip
+
+
+def test_a_client_s_window_opens(server):
+    """The start of gzclient: all topics of its window, all its requests, and what a user does first."""
+    master = Connection(server[0])
+    eventually(lambda: "/gazebo/w/log/status" in master.ask("get_topics", "topic_list", "GzString_V").data)
+    assert list(master.ask("get_topic_namespaces", "get_topic_namespaces_response", "GzString_V").data) == ["w"]
+    published = {one.topic: one.msg_type for one in
+                 master.ask("get_publishers", "publisher_list", "Publishers").publisher}  # fmt: skip
+    shown = {}
+    for topic, kind in SHOWN.items():
+        name = f"/gazebo/w/{topic}"
+        if name in published:
+            assert published[name] == f"gazebo.msgs.{kind}"
+            shown[topic] = Subscription(master, name, kind)
+        else:
+            master.send(
+                "subscribe", new("Subscribe", topic=name, host="127.0.0.1", port=1, msg_type="", latching=False)
+            )
+    assert shown.keys() >= {"pose/info", "model/info", "joint", "visual", "light", "factory/light", "scene", "request",
+                            "response", "world_stats", "diagnostics", "user_cmd_stats", "log/status"}  # fmt: skip
+    used = {
+        topic: Publication(master, f"/gazebo/w/{topic}", kind)
+        for topic, kind in (("request", "Request"), ("user_cmd", "UserCmd"), ("undo_redo", "UndoRedo"),
+                            ("light/modify", "Light"), ("factory/light", "Light"), ("scene", "Scene"),
+                            ("visual", "Visual"), ("factory", "Factory"), ("world_control", "WorldControl"))
+    }  # fmt: skip
+    for number, (request, kind) in enumerate(ASKED.items(), 100):
+        used["request"].publish(new("Request", id=number, request=request))
+        answer = shown["response"].until(lambda message, number=number: message.id == number)
+        assert (answer.request, answer.response, answer.type) == (request, "success", f"gazebo.msgs.{kind}")
+        found = types()[kind].FromString(answer.serialized_data)
+        if request == "entity_list":
+            assert {model.name for model in found.models} >= {"wall", "robot"}
+        elif request == "scene_info":
+            robot = next(model for model in found.model if model.name == "robot")
+            [sensor] = robot.link[0].sensor
+            assert (sensor.name, sensor.type, sensor.update_rate, sensor.parent) == (
+                "laser",
+                "ray",
+                20.0,
+                "robot::link",
+            )
+    used["request"].publish(new("Request", id=120, request="entity_info", data="nobody"))
+    assert shown["response"].until(lambda message: message.id == 120).response == "nonexistent"
+    assert shown["diagnostics"].next().sim_time.nsec > 0
+    lamp = new("Light", name="lamp", type="POINT", range=4.0)
+    used["factory/light"].publish(lamp)
+    assert shown["light"].next().name == "lamp"
+    made = new("Factory", sdf=BALL.replace("ball", "toy"))
+    used["factory"].publish(made)
+    assert shown["model/info"].until(lambda message: message.name == "toy").link[0].name == "toy::l"
+    command = new("UserCmd", description="Translate [toy]", type="MOVING")
+    moved = command.model.add(name="toy")
+    moved.pose.position.x, moved.pose.position.y, moved.pose.position.z = 0.0, 9.0, 1.0
+    moved.pose.orientation.x = moved.pose.orientation.y = moved.pose.orientation.z = 0.0
+    moved.pose.orientation.w = 1.0
+    used["user_cmd"].publish(command)
+    assert [one.description for one in shown["user_cmd_stats"].next().undo_cmd] == ["Translate [toy]"]
+    assert shown["model/info"].until(lambda message: message.name == "toy").pose.position.y == 9.0
+    used["undo_redo"].publish(new("UndoRedo", undo=True))
+    assert shown["user_cmd_stats"].next().redo_cmd_count == 1
+    at = shown["pose/info"].until(lambda message: any(p.name == "toy" and p.position.y == 0.0 for p in message.pose))
+    used["request"].publish(new("Request", id=121, request="entity_delete", data="toy"))
+    gone = shown["request"].until(lambda message: message.request == "entity_delete")
+    assert (gone.data, len(at.pose)) == ("toy", len({pose.name for pose in at.pose}))
+    used["request"].publish(new("Request", id=122, request="entity_delete", data="lamp"))
+    shown["request"].until(lambda message: message.data == "lamp")
+    for one in (*shown.values(), *used.values(), master):
+        one.close()
+
+
 def test_the_physics_are_set_and_asked_for(master):
     responses = Subscription(master, "/gazebo/w/response", "Response")
     physics = Publication(master, "/gazebo/w/physics", "Physics")
@@ -255,30 +345,25 @@ def test_what_is_no_message_ends_the_connection(master, server, data, topic):
 
 def test_half_a_packet_and_silence_hold_up_nobody(master, server):
     whole = packet("request", new("Request", id=1, request="get_topics"))
-    halves = [socket.create_connection(("127.0.0.1", server[0])) for _ in range(5)]
-    for number, half in enumerate(halves):
-        half.sendall(whole[: 3 + 5 * number])
-    test_poses_and_statistics_are_published(master)
-    halves[0].sendall(whole[3:])  # slow, but valid
-    kinds = []
-    halves[0].settimeout(PATIENCE)
-    while "topic_list" not in kinds:
-        kinds.append(types()["Packet"].FromString(receive(halves[0])).type)
-    for half in halves:
-        half.close()
+    with contextlib.ExitStack() as stack:
+        halves = [stack.enter_context(socket.create_connection(("127.0.0.1", server[0]))) for _ in range(5)]
+        for number, half in enumerate(halves):
+            half.sendall(whole[: 3 + 5 * number])
+        test_poses_and_statistics_are_published(master)
+        halves[0].sendall(whole[3:])  # slow, but valid
+        kinds = []
+        halves[0].settimeout(PATIENCE)
+        while "topic_list" not in kinds:
+            kinds.append(types()["Packet"].FromString(receive(halves[0])).type)
 
 
-def test_a_thousand_connections(server):
-    kept = []
-    try:
-        for _ in range(1000):
-            kept.append(socket.create_connection(("127.0.0.1", server[0]), timeout=PATIENCE))
+@pytest.mark.parametrize("count", [100, pytest.param(1000, marks=pytest.mark.trial)])
+def test_many_connections(server, count):
+    with contextlib.ExitStack() as stack:
+        for _ in range(count):
+            stack.enter_context(socket.create_connection(("127.0.0.1", server[0]), timeout=PATIENCE))
         master = Connection(server[0])
         test_poses_and_statistics_are_published(master)
-        master.close()
-    finally:
-        for one in kept:
-            one.close()
 
 
 def test_a_subscriber_that_never_reads(master, server):

@@ -8,14 +8,18 @@ import os
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
+from libgz.classic import msgs
+from libgz.classic.commands import reload_response
 from libgz.classic.gui import Events, MainWindow, set_main_window
 from libgz.classic.gui.scene_link import SceneLink
-from libgz.classic.loading import LoadedPlugin, new_plugin
+from libgz.classic.loading import LoadedPlugin, new_plugin, reload_all
 from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.closing import Closing
+from libgz.errors import NotFoundError, PluginError
 from libgz.geometry import GzPose
 from libgz.sdf.element import Element
 
@@ -65,6 +69,8 @@ class Client(Closing):
             for filename, name, element in self._named(filenames):
                 self._load(filename, name, element)
             self.world.server.serve_visuals().add()
+            self._responses = self.link.node.Advertise(msgs.Response, "~/response")
+            self._reloads = self.link.node.Subscribe("~/plugin/reload", self._on_reload)
             Events.mainWindowReady()
         except BaseException:
             self.close()
@@ -103,9 +109,34 @@ class Client(Closing):
         if loaded is None or loaded.plugin is None:
             log.error("Unable to create gui overlay plugin with filename[%s]", filename)
             return
-        loaded.plugin.gui = self.window.AddPlace(name)  # type: ignore[attr-defined]
+        loaded.prepare = lambda plugin: setattr(plugin, "gui", self.window.AddPlace(name))
         if loaded.start(element):
             self.plugins.append(loaded)
+
+    # Reload ------------------------------------------------------------------------------------------------------
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load the edited files of GUI, Visual and System plugins of this process again; what was replaced.
+
+        Raises:
+            NotFoundError: no plugin has this name.
+            PluginError: an edited file fails; what ran before runs on.
+        """
+        own = [plugin for plugin in self.plugins if plugin.called(name, "")]
+        others = self.world.server
+        if not own and not others.has_plugin(name):
+            names = [*(plugin.name for plugin in self.plugins), *others.plugin_names()]
+            raise NotFoundError(f"the client has no plugin {name!r}; it has {', '.join(names) or 'none'}")
+        places = dict(self.window.places)
+        try:
+            reload_all(own)
+        except PluginError:
+            self.window.places.update(places)
+            raise
+        return [*(f"GUI plugin {plugin.name}" for plugin in own), *others.reload_plugin(name)]
+
+    def _on_reload(self, message: Any) -> None:
+        self._responses.Publish(reload_response(message, self.reload_plugin))
 
     # Frames ------------------------------------------------------------------------------------------------------
 

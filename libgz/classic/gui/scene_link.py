@@ -52,6 +52,7 @@ class SceneLink:
         timeout: how long the server may take to answer [s].
 
     Attributes:
+        node: in the server's world.
         world: the classic world; its events PreRender, Render and PostRender are the client's.
 
     Raises:
@@ -61,8 +62,8 @@ class SceneLink:
 
     def __init__(self, timeout: float = TIMEOUT) -> None:
         self._timeout = timeout
-        self._node = Node()
-        self._node.Init()
+        self.node = Node()
+        self.node.Init()
         self._core = CoreWorld()
         self._core.physics_enabled = False
         self.world: World = self._build(self._ask())
@@ -70,13 +71,13 @@ class SceneLink:
         self._waiting: list[Any] = []
         commands = Commands(self.world, lambda _answer: None, PausedSteps(self._core))
         self._subscribers = (
-            self._node.Subscribe("~/pose/info", self._waiting.append),
-            self._node.Subscribe("~/light/modify", commands.guarded("~/light/modify", commands.light_modify)),
+            self.node.Subscribe("~/pose/info", self._waiting.append),
+            self.node.Subscribe("~/light/modify", commands.guarded("~/light/modify", commands.light_modify)),
         )
 
     def _ask(self) -> SdfFile:
         """The server's world as it is now, without sensors and plugins."""
-        name = self._node.GetTopicNamespace()
+        name = self.node.GetTopicNamespace()
         try:
             answer = request(name, "world_sdf", timeout=self._timeout)
         except GazeboError as error:
@@ -141,5 +142,5 @@ class SceneLink:
 
     def close(self) -> None:
         """Close the copy."""
-        self._node.Fini()
+        self.node.Fini()
         self._core.close()

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import math
+import time
 from pathlib import Path
 from typing import Any
 
@@ -18,16 +20,33 @@ __all__ = ["PlaybackControl", "RecordControl"]
 
 log = logging.getLogger("libgz.classic")
 
+STATUS_PERIOD = 1.0  # [s] of real time
+UNITS = ("BYTES", "K_BYTES", "M_BYTES", "G_BYTES")
+
 
 class RecordControl:
-    """Starts and ends logs of a world by ``~/log/control``, and publishes their path on ``~/log/status``."""
+    """Starts, pauses and ends logs of a world by ``~/log/control``, and publishes path and size on ``~/log/status``.
+
+    While a log is recorded, that is published once a second of real time, too.
+    """
 
     def __init__(self, world: World, record: LogRecord | None = None) -> None:
         self._world, self.record = world, record
+        self._due = 0.0
         self._node = Node()
         self._node.Init(world.core.topic_space)
         self._status = self._node.Advertise(msgs.LogStatus, "~/log/status")
         self._subscriber = self._node.Subscribe("~/log/control", self._on_control)
+        self._watch()
+
+    def _watch(self) -> None:
+        if self.record is not None:
+            self.record.on_step = self._on_step
+
+    def _on_step(self) -> None:
+        now = time.monotonic()
+        if self.record is not None and now >= self._due and self._status.HasConnections():
+            self._publish_status()
 
     def _on_control(self, message: Any) -> None:
         if message.stop or message.start:
@@ -37,8 +56,11 @@ class RecordControl:
             try:
                 self.record = LogRecord(self._world, path, encoding=message.encoding or "zlib")
                 log.info("recording to [%s]", self.record.path)
+                self._watch()
             except GazeboError as error:
                 log.error("~/log/control: %s", error)
+        if message.HasField("paused") and self.record is not None:
+            self.record.paused = message.paused
         self._publish_status()
 
     def _stop(self) -> None:
@@ -48,13 +70,17 @@ class RecordControl:
             log.info("recorded to [%s]", record.path)
 
     def _publish_status(self) -> None:
+        self._due = time.monotonic() + STATUS_PERIOD
         status = msgs.LogStatus()
         msgs.Set(status.sim_time, self._world.SimTime())
         if self.record is not None and self.record.running:
             path = self.record.path
             status.log_file.uri = status.log_file.full_path = str(path)
             status.log_file.base_path = str(path.parent)
-            status.log_file.size = float(path.stat().st_size) if path.exists() else 0.0
+            size = float(path.stat().st_size) if path.exists() else 0.0
+            power = min(3, max(0, int(math.log10(max(size, 1.0))) // 3))
+            status.log_file.size = size / 1000.0**power
+            status.log_file.size_units = UNITS[power]
         self._status.Publish(status)
 
     def close(self) -> None:

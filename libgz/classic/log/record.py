@@ -7,6 +7,7 @@ import logging
 import os
 import re
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
@@ -76,6 +77,8 @@ class LogRecord:
         self._world = attach(self._core).world
         self.path = Path(path) if path is not None else default_log_path()
         first = world_text(self._world, self.path.parent)
+        self.paused = False
+        self.on_step: Callable[[], object] = lambda: None
         self._period, self._due = period, self._core.GetSimTime() + period
         self._last = self._core.iterations
         self._known: dict[str, tuple[GzPose, GzVector, GzVector]] = {}
@@ -182,8 +185,9 @@ class LogRecord:
 
     def step(self, paused: bool) -> None:
         """Write a state if it is due."""
+        self.on_step()
         now = self._core.GetSimTime()
-        if paused or now < self._due - TIME_SLACK or self._core.iterations == self._last:
+        if paused or self.paused or now < self._due - TIME_SLACK or self._core.iterations == self._last:
             return
         self._due, self._last = now + self._period, self._core.iterations
         self._add_state()

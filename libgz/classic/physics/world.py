@@ -200,6 +200,12 @@ class World(Base):
         kind = Actor if isinstance(core, SdfActor) else Model
         return view_of(core, lambda: kind(self, core, self._parent_of(core)))
 
+    def view_of(self, core: CoreModel) -> Model | Light | None:
+        """The view on a model or light of the engine's world; None for what is neither."""
+        if isinstance(core, SdfLight):
+            return self._light(core)
+        return self.view(core) if core.is_model else None
+
     def _parent_of(self, core: CoreModel) -> Model | None:
         return self.view(core.parent) if isinstance(core.parent, SdfModel) else None
 

@@ -69,6 +69,19 @@ class WorldServices(Protocol):
             NotFoundError: there is none of this name.
         """
 
+    def plugin_names(self) -> list[str]:
+        """What the plugins of this world are called."""
+
+    def has_plugin(self, name: str) -> bool:
+        """Whether a plugin, or a plugin's file, is called this."""
+
+    def reload_plugin(self, name: str) -> list[str]:
+        """Load the edited files of plugins again; what was replaced.
+
+        Raises:
+            PluginError: one of them fails.
+        """
+
     def reset_plugins(self, model: Model) -> None:
         """Reset the Model plugins of a model."""
 

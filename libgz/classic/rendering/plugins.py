@@ -49,6 +49,12 @@ class VisualPlugins:
             if visual.plugins:
                 yield "Visual", visual.Name(), visual.plugins
 
+    def elements(self) -> Iterator[tuple[str, Element]]:
+        """(name of the visual, `<plugin>`) of all visuals."""
+        for visual in self._seen:
+            for element in visual.sdf.named("plugin") if visual.sdf is not None else ():
+                yield visual.Name(), element
+
     def holder(self, name: str) -> tuple[Visual | None, Callable[[str, str, Element | None], object]]:
         """A visual by its full name, and a function that loads one more plugin for it."""
         visual = scene_of(self._world).GetVisual(name)

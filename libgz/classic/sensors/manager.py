@@ -268,6 +268,12 @@ class WorldSensors:
             if sensor in self._plugins:
                 yield "Sensor", sensor.ScopedName(), self._plugins[sensor]
 
+    def elements(self) -> Iterator[tuple[str, Element]]:
+        """(name of the sensor, `<plugin>`) of all sensors."""
+        for sensor in self.sensors.values():
+            for element in sensor.sdf.named("plugin"):
+                yield sensor.ScopedName(), element
+
     def holder(self, name: str) -> tuple[Sensor | None, Callable[[str, str, Element | None], object]]:
         """A sensor by its full name, and a function that loads one more plugin for it."""
         sensor = self.sensors.get(name)

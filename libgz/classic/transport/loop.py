@@ -51,6 +51,7 @@ class SocketLoop:
         self.accepted: dict[Connection, None] = {}  # oldest first
         self._listeners: list[socket.socket] = []
         self._connections: set[Connection] = set()
+        self._writing: set[Connection] = set()  # whose sockets are full
         self._ending = False
         self._warned = False
         self._thread = threading.Thread(target=self._run, name="topics", daemon=True)
@@ -178,10 +179,13 @@ class SocketLoop:
 
     def write_to(self, connection: Connection, wanted: bool) -> None:
         """Call a connection when its socket can take more, or no longer."""
+        if wanted == (connection in self._writing):
+            return
         if wanted:
-            with contextlib.suppress(KeyError):
-                self._main.register(connection.socket, selectors.EVENT_WRITE, connection.on_output)
+            self._writing.add(connection)
+            self._main.register(connection.socket, selectors.EVENT_WRITE, connection.on_output)
         else:
+            self._writing.remove(connection)
             with contextlib.suppress(KeyError, ValueError):
                 self._main.unregister(connection.socket)
 
@@ -296,26 +300,22 @@ class Connection:
             return
         done = False
         for _ in range(64):
-            with self._lock:
-                if not self._queue:
-                    self._posted, done = False, True
-                    break
-                first = self._queue[0]
+            first = self._first()
+            if first is None:
+                done = True
+                break
             try:
-                count = self.socket.send(memoryview(first)[self._sent :])
+                count = self.socket.send(memoryview(first)[self._sent :] if self._sent else first)
             except (BlockingIOError, InterruptedError):
                 break
             except OSError:
                 self.drop()
                 return
-            with self._lock:
-                self._moved = time.monotonic()
-                self._sent += count
-                if self._sent == len(first):
-                    self._queue.popleft()
-                    self._size -= len(first)
-                    self._sent = 0
-        self._room.set()
+            if self._took(first, count):
+                done = True
+                break
+        if not self._room.is_set():
+            self._room.set()
         self.on_room()
         if self._dropped:
             self._dropped = False
@@ -324,6 +324,28 @@ class Connection:
             self.drop()
         else:
             self._loop.write_to(self, not done)
+
+    def _first(self) -> bytes | None:
+        """The frame to send next; None if there is none: then the next one in the queue has to be posted."""
+        with self._lock:
+            if self._queue:
+                return self._queue[0]
+            self._posted = False
+            return None
+
+    def _took(self, first: bytes, count: int) -> bool:
+        """Count bytes of a frame that the socket has taken; whether that was all that waits."""
+        with self._lock:
+            self._moved = time.monotonic()
+            self._sent += count
+            if self._sent == len(first):
+                self._queue.popleft()
+                self._size -= len(first)
+                self._sent = 0
+                if not self._queue:
+                    self._posted = False
+                    return True
+            return False
 
     # Receiving ---------------------------------------------------------------------------------------------------
 

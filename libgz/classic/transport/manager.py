@@ -37,6 +37,9 @@ class Remote(Protocol):
     def attached(self, topic: str) -> bool:
         """Whether another process publishes a topic, and all those that do have been asked for their messages."""
 
+    def receivers(self, topic: str) -> int:
+        """Return how many other processes are connected to this one's publishers of a topic."""
+
     def namespaces(self) -> list[str]:
         """Return the names of the other processes' worlds."""
 

@@ -38,9 +38,13 @@ class Master:
     Args:
         loop: The loop.
         listeners: The sockets.
+
+    Attributes:
+        own: The address from which this process itself connects; it may announce as much as its worlds have.
     """
 
     def __init__(self, loop: SocketLoop, listeners: list[socket.socket]) -> None:
+        self.own: object = None
         self._clients: list[_Client] = []
         self._handlers: dict[str, tuple[str, Callable[[_Client, Any], None]]] = {
             "register_topic_namespace": ("GzString", self._register_namespace),
@@ -75,7 +79,8 @@ class Master:
             log.debug("the master was sent a packet %r, which it does not know", kind[:40])
             return
         name, handler = found
-        if len(client.publishers) + len(client.subscribers) + len(client.namespaces) > MOST:
+        announced = len(client.publishers) + len(client.subscribers) + len(client.namespaces)
+        if announced > MOST and client.connection.socket.getpeername() != self.own:
             raise ParameterError(f"it has announced more than {MOST} publishers and subscribers")
         message: Any = message_type(name).FromString(content)
         if name in ("Publish", "Subscribe") and not 0 < len(message.topic) <= LONGEST:

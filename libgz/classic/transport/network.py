@@ -72,16 +72,16 @@ class Network:
         self.address = address
         self._loop = SocketLoop(SHARE if serve else None)
         try:
-            if serve:
-                Master(self._loop, listeners)
-            self._connect(timeout)
+            self._connect(timeout, Master(self._loop, listeners) if serve else None)
         except OSError:
             self._loop.close(0.0)
             raise
 
-    def _connect(self, timeout: float) -> None:
-        """Connect to the master, and listen for subscribers."""
+    def _connect(self, timeout: float, master: Master | None) -> None:
+        """Connect to the master, which may be this process's, and listen for subscribers."""
         made = socket.create_connection(self.address, timeout=timeout)
+        if master is not None:
+            master.own = made.getsockname()
         own = publicized_address()
         named = own != "127.0.0.1"
         listener = listening_socket(own if named else made.getsockname()[0])
@@ -293,6 +293,11 @@ class Network:
         self._loop.call(look)
         return done.wait(ANSWER_PATIENCE) and found[0]
 
+    def receivers(self, topic: str) -> int:
+        """Return how many other processes are connected to this one's publishers of a topic."""
+        with self._lock:
+            return len(self._receivers.get(topic, ()))
+
     # Sending -----------------------------------------------------------------------------------------------------
 
     def _accept(self, connection: Connection) -> None:
@@ -327,6 +332,8 @@ class Network:
 
     def _resume(self, connection: Connection, topic: Topic) -> None:
         """Send to a subscriber again that had received nothing for a while."""
+        if topic.remote:
+            return
         with self._lock:
             topic.remote = topic.remote or connection in self._receivers.get(topic.name, ())
 

@@ -46,8 +46,8 @@ class Publisher:
         self._manager = TopicManager.Instance()
         self._manager.refresh(topic)
 
-    def Publish(self, message: Message, block: bool = False) -> None:
-        """Send a copy of a message.
+    def Publish(self, message: Message, block: bool = False, *, here: bool = True) -> None:
+        """Send a copy of a message; without `here`, to other processes only.
 
         Subscribers in this process are called at the end of the server's iteration, or, with `block`, before this
         returns. Other processes are sent the message at once. Above `hzRate` messages per second of wall time, the
@@ -69,7 +69,7 @@ class Publisher:
             self._due = now + self._period
         self.latest = entry = (next(sequence), message.copy())
         topic = self._topic
-        if topic.subscribers:
+        if here and topic.subscribers:
             if len(self._outbox) < self._limit or not self._drop():
                 self._manager.queue.append(self._send_one)
             self._outbox.append(entry)

@@ -13,6 +13,7 @@ from PIL import Image
 
 import libgz
 from libgz.apps import gzclient
+from libgz.apps.libgz import main
 from libgz.classic import gui
 from libgz.classic.gui.client import ini_plugins
 from libgz.classic.gui.scene_link import only_looks
@@ -189,11 +190,38 @@ def test_a_picture_shows_what_the_user_s_camera_sees(server, place):
     assert tuple(np.array(Image.open(place / "b.png"))[30, 40]) == (0, 0, 255)
 
 
-def test_a_client_ends_with_its_server(server):
+def edit(folder, name, old, new):
+    path = folder / f"{name}.py"
+    path.write_text(path.read_text().replace(old, new))
+
+
+def test_plugins_are_reloaded_and_a_client_ends_with_its_server(server, place, capsys, monkeypatch):
+    """`libgz plugin reload` reaches the server and its clients."""
+    monkeypatch.setenv("TMP", str(place))
     running = server("still.world")
-    process = command("gzclient", "--verbose")
+    process = command("gzclient", "--verbose", "--no-view")
     while "teller ready" not in (line := process.stdout.readline()):
         assert line, process.communicate()
+    edit(place, "teller", "teller Load", "teller edited")
+    edit(place, "painter", "painter Load", "painter edited")
+    edit(place, "still", "pass", "world.ModelByName('box').SetWorldPose(Pose3d(1, 2, 3, 0, 0, 0))")
+    assert main(["plugin", "reload", "teller"]) == 0
+    assert main(["plugin", "reload", "libpainter.so"]) == 0
+    assert main(["plugin", "reload", "mover"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "reloaded GUI plugin teller", "reloaded Visual plugin box::link::v::painter", "reloaded World plugin mover",
+    ]  # fmt: skip
+    assert process.stdout.readline() == "teller edited  teller default\n"
+    assert process.stdout.readline() == "painter edited box::link::v\n"
+    edit(place, "still", "SetWorldPose(", "SetNoPose(")
+    assert main(["plugin", "reload", "mover"]) == 1
+    error = capsys.readouterr().err
+    assert "still.py" in error
+    assert "AttributeError" in error
+    assert main(["plugin", "reload", "moved"]) == 1
+    assert "did you mean 'mover'" in capsys.readouterr().err
+    assert main(["plugin", "reload", "mover", "-s", "999"]) == 1
+    assert "no server with id 999" in capsys.readouterr().err
     running.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 255

@@ -275,9 +275,10 @@ def test_a_full_disk_ends_the_log_and_not_the_run(load, tmp_path, caplog):
     assert caplog.text.count("cannot be written: No space left on device; it ends here") == 1
 
 
-def test_topics_begin_and_end_a_log(load, tmp_path):
+def test_topics_begin_and_end_a_log(load, tmp_path, monkeypatch):
     from libgz.classic.log import RecordControl
 
+    monkeypatch.setattr("libgz.classic.log.control.STATUS_PERIOD", 0.0)
     core = load(world(BOX))
     control = RecordControl(attach(core).world)
     node, heard = Node(), []
@@ -289,11 +290,16 @@ def test_topics_begin_and_end_a_log(load, tmp_path):
     publisher.Publish(msgs.LogControl(start=True, base_path=str(tmp_path / "here"), encoding="txt"))
     core.step(11)
     assert control.record.running
+    publisher.Publish(msgs.LogControl(paused=True))
+    core.step(1)
+    paused = core.iterations
+    core.step(5)
     publisher.Publish(msgs.LogControl(stop=True))
     core.step(5)
-    assert [bool(message.log_file.full_path) for message in heard] == [True, False]
+    assert [bool(message.log_file.full_path) for message in heard] == [True] * (len(heard) - 1) + [False]
+    assert len(heard) > 11
     assert heard[0].log_file.full_path == str(tmp_path / "here" / "state.log")
-    assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, 12))
+    assert [s.iterations for s in log_of(tmp_path / "here" / "state.log")] == list(range(1, paused))
     subscriber.Unsubscribe()
     control.close()
 

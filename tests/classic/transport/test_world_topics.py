@@ -99,7 +99,7 @@ def test_a_taken_name_is_refused_unless_renaming_is_allowed(view, send, caplog):
 def test_an_invalid_message_is_reported_and_the_world_runs_on(view, core, send, caplog):
     send("~/factory", msgs.Factory())
     send("~/model/modify", msgs.Model(name="boxx"))
-    send("~/joint", msgs.JointCmd(name="arm::hing", force=1.0))
+    send("~/arm/joint_cmd", msgs.JointCmd(name="arm::hing", force=1.0))
     assert "~/factory: it names neither sdf, sdf_filename nor clone_model_name" in caplog.text
     assert "there is no model 'boxx'; did you mean 'box'?" in caplog.text
     assert "there is no joint 'arm::hing'" in caplog.text
@@ -137,7 +137,7 @@ def test_physics_models_lights_and_joints_are_changed(view, core, send):
     send("~/light/modify", green)
     assert view.LightByName("lamp").DiffuseColor().G() == 1.0
     assert view.LightByName("lamp").Range() == pytest.approx(3.5)
-    send("~/joint", msgs.JointCmd(name="arm::hinge", force=2.0))
+    send("~/arm/joint_cmd", msgs.JointCmd(name="arm::hinge", force=2.0))
     core.step(100)
     hinge = view.ModelByName("arm").GetJoint("hinge")
     assert hinge.GetVelocity(0) == pytest.approx(2.0 * 0.002 * 101, rel=0.03)
@@ -154,8 +154,8 @@ def test_requests_are_answered(view, node, core):
         publisher.Publish(msgs.Request(id=number, request=request, data=data))
     core.step(3)
     assert [a.response for a in answers] == ["success", "success", "nonexistent", *["success"] * 4]
-    names = msgs.GzString_V.FromString(answers[0].serialized_data).data
-    assert list(names) == ["ground_plane", "box", "arm", "lamp"]
+    models = msgs.Model_V.FromString(answers[0].serialized_data).models
+    assert [model.name for model in models] == ["ground_plane", "box", "arm"]
     arm = msgs.Model.FromString(answers[1].serialized_data)
     assert [joint.name for joint in arm.joint] == ["arm::fix", "arm::hinge"]
     assert msgs.Physics.FromString(answers[3].serialized_data).max_step_size == 0.001
@@ -244,3 +244,102 @@ def test_parameters_without_effect_are_those_of_the_file():
         assert physics_engine.GetTargetRealTimeFactor() == physics_engine.GetParam("real_time_factor") == 0.25
         assert physics_engine.GetParam("precon_iters") == 3
         assert physics_engine.GetParam("contact_surface_layer") == 0.001
+
+
+def poses(view):
+    return [view.ModelByName("box").WorldPose().Pos().X(), view.LightByName("lamp").WorldPose().Pos().X()]
+
+
+def test_user_commands_are_undone_and_repeated(view, core, node, send):
+    lists = []
+    kept = node.Subscribe("~/user_cmd_stats", lists.append)
+    for number in (1.0, 2.0, 3.0):
+        command = msgs.UserCmd(description=f"Move to {number}", type="MOVING")
+        command.model.add(name="box", pose=msgs.Convert(Pose3d(number, 0, 0.5, 0, 0, 0)))
+        command.light.add(name="lamp", pose=msgs.Convert(Pose3d(number, 0, 5, 0, 0, 0)))
+        send("~/user_cmd", command)
+    assert poses(view) == pytest.approx([3.0, 3.0])
+    assert [one.id for one in lists[-1].undo_cmd] == [0, 1, 2]
+    send("~/undo_redo", msgs.UndoRedo(undo=True))
+    assert poses(view) == pytest.approx([2.0, 2.0])
+    assert (lists[-1].undo_cmd_count, lists[-1].redo_cmd_count) == (2, 1)
+    send("~/undo_redo", msgs.UndoRedo(undo=True, id=0))
+    assert poses(view) == pytest.approx([0.0, 0.0], abs=1e-6)
+    assert [one.description for one in lists[-1].redo_cmd] == ["Move to 3.0", "Move to 2.0", "Move to 1.0"]
+    send("~/undo_redo", msgs.UndoRedo(undo=False))
+    assert poses(view) == pytest.approx([1.0, 1.0])
+    send("~/undo_redo", msgs.UndoRedo(undo=False, id=2))
+    assert poses(view) == pytest.approx([3.0, 3.0])
+    assert (lists[-1].undo_cmd_count, lists[-1].redo_cmd_count) == (3, 0)
+    send("~/undo_redo", msgs.UndoRedo(undo=True))
+    command.model[0].pose.position.x = 7.0
+    send("~/user_cmd", command)
+    assert poses(view)[0] == pytest.approx(7.0)
+    assert (lists[-1].undo_cmd_count, lists[-1].redo_cmd_count) == (3, 0)
+    del kept
+
+
+def test_what_cannot_be_undone_is_reported(view, send, caplog):
+    send("~/undo_redo", msgs.UndoRedo(undo=True))
+    assert "~/undo_redo: no command can be undone" in caplog.text
+    command = msgs.UserCmd(description="Pause", type="WORLD_CONTROL")
+    command.world_control.pause = True
+    send("~/user_cmd", command)
+    assert view.IsPaused()
+    send("~/undo_redo", msgs.UndoRedo(undo=True, id=5))
+    assert "command 5 cannot be undone; those that can are [0]" in caplog.text
+
+
+def test_a_deletion_and_a_wrench_are_user_commands_too(view, core, send):
+    command = msgs.UserCmd(description="Reset", type="WORLD_CONTROL")
+    view.ModelByName("box").SetWorldPose(Pose3d(4, 0, 0.5, 0, 0, 0))
+    command.world_control.reset.all = True
+    send("~/user_cmd", command)
+    assert poses(view)[0] == pytest.approx(0.0, abs=1e-6)
+    send("~/undo_redo", msgs.UndoRedo(undo=True))
+    assert poses(view)[0] == pytest.approx(4.0, abs=1e-6)
+    push = msgs.UserCmd(description="Push", type="WRENCH", entity_name="arm::rod")
+    push.wrench.force.x = push.wrench.force.y = push.wrench.force.z = 0.0
+    push.wrench.torque.x = push.wrench.torque.y = 0.0
+    push.wrench.torque.z = 10.0
+    send("~/user_cmd", push)
+    assert view.ModelByName("arm").GetJoint("hinge").GetVelocity(0) == pytest.approx(10.0 * 0.001, rel=0.05)
+    send("~/arm/rod/wrench", push.wrench)
+    assert view.ModelByName("arm").GetJoint("hinge").GetVelocity(0) == pytest.approx(20.0 * 0.001, rel=0.05)
+
+
+def test_the_look_of_the_scene_is_changed(view, core, node, send):
+    message = msgs.Scene(name="topics", shadows=False)
+    msgs.Set(message.ambient, Color(0.1, 0.2, 0.3, 1))
+    msgs.Set(message.background, Color(0.4, 0.5, 0.6, 1))
+    message.fog.type, message.fog.density = "LINEAR", 0.5
+    send("~/scene", message)
+    assert tuple(core.backdrop.ambient)[:3] == pytest.approx((0.1, 0.2, 0.3))
+    assert tuple(core.skyColor)[:3] == pytest.approx((0.4, 0.5, 0.6))
+    assert (core.backdrop.shadows, core.fogEnable, core.fogDensity) == (False, True, 0.5)
+    answers = []
+    kept = node.Subscribe("~/response", answers.append)
+    send("~/request", msgs.Request(id=1, request="scene_info"))
+    scene = msgs.Scene.FromString(answers[0].serialized_data)
+    assert (scene.ambient.g, scene.background.b) == pytest.approx((0.2, 0.6))
+    del kept
+
+
+def test_changes_are_published(view, core, node, send):
+    received = {}
+    kept = [
+        node.Subscribe(topic, lambda message, topic=topic: received.__setitem__(topic, message))
+        for topic in ("~/model/info", "~/light", "~/joint", "~/diagnostics")
+    ]
+    send("~/model/modify", msgs.Model(name="box", pose=msgs.Convert(Pose3d(2, 0, 0.5, 0, 0, 0))))
+    assert received["~/model/info"].pose.position.x == pytest.approx(2.0)
+    send("~/light/modify", msgs.Light(name="lamp", range=7.0))
+    assert (received["~/light"].name, received["~/light"].range) == ("lamp", 7.0)
+    view.InsertModelString(f"<sdf version='1.6'>{ARM.replace('arm', 'arm2')}</sdf>")
+    core.step(2)
+    assert received["~/joint"].name == "arm2::hinge"
+    send("~/arm2/joint_cmd", msgs.JointCmd(name="arm2::hinge", force=2.0))
+    core.step(10)
+    assert view.ModelByName("arm2").GetJoint("hinge").GetVelocity(0) > 0.0
+    assert received["~/diagnostics"].sim_time.nsec > 0
+    assert len(kept) == 4

@@ -1,0 +1,187 @@
+"""What hostile clients cost a server of Gazebo classic's protocol: a step with and without each kind of attack.
+
+    python benchmarks/hostile.py [PAIRS]
+
+A world of 20 boxes publishes its poses to a client that reads them. Another process attacks, and rests, in turn; a
+block is measured after half a second in which the attack settles. The figures are the median ratio of blocks side by
+side, and the 95 % interval of that median: CPU times of the whole server process, for the step waits for what its
+thread of topics does; and wall-clock times, which say the same on an idle machine. The exit code is 1 if an interval of
+CPU times is wholly above the limit.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import statistics
+import subprocess
+import sys
+import time
+
+import libgz
+from libgz.classic.transport import TopicManager, serve
+
+PAIRS, LIMIT = 15, 0.05
+SETTLING, BLOCK = 0.5, 0.7  # [s]
+BOXES = 20
+BOX = """<model name='b{i}'><allow_auto_disable>0</allow_auto_disable><pose>{i} 0 0.5 0 0 0</pose><link name='l'>
+<collision name='c'><geometry><box><size>0.5 0.5 0.5</size></box></geometry></collision></link></model>"""
+GROUND = "<include><uri>model://ground_plane</uri></include>"
+ATTACKS = {
+    "garbage": "lengths that are no numbers, as fast as the server takes them",
+    "giant": "headers that announce 4 GB, with data behind them",
+    "half": "200 connections with half a packet",
+    "valid": "valid requests as fast as the server takes them",
+    "slow": "10 subscribers to poses that read nothing",
+    "thousand": "1000 connections, opened and closed again and again",
+}
+
+ATTACKER = r"""
+import resource, select, socket, sys, time
+
+master, topics = int(sys.argv[1]), int(sys.argv[2])
+resource.setrlimit(resource.RLIMIT_NOFILE, (4096, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+
+def field(number, data):
+    return bytes([number << 3 | 2, len(data) & 127 | 128, len(data) >> 7]) + data
+
+def packet(kind, content):
+    data = field(1, b"\x08\x01\x10\x01") + field(2, kind) + field(3, content)
+    return b"%08x" % len(data) + data
+
+def connect(port, data=b""):
+    made = socket.socket()
+    made.settimeout(0.2)
+    try:
+        made.connect(("127.0.0.1", port))
+        made.sendall(data)
+    except OSError:
+        pass
+    kept.append(made)
+
+def release():
+    for made in kept:
+        made.close()
+    kept.clear()
+
+REQUEST = packet(b"request", b"\x08\x01\x12\x0aget_topics")
+SUBSCRIBE = packet(b"sub", field(1, b"/gazebo/default/pose/info") + field(2, b"127.0.0.1") + b"\x18\x01"
+                   + field(4, b"gazebo.msgs.PosesStamped"))
+kept = []
+kind = "none"
+connect(topics, SUBSCRIBE)
+reader = kept.pop()
+reader.setblocking(False)
+while True:
+    try:
+        reader.recv(1 << 20)
+    except BlockingIOError:
+        pass
+    while kind != "end" and select.select([sys.stdin], [], [], 0.0)[0]:
+        kind = sys.stdin.readline().strip() or "end"
+        release()
+    if kind == "end":
+        break
+    if kind == "garbage":
+        for port in (master, topics):
+            connect(port, b"-12x4z!?" * 8)
+        release()
+    elif kind == "giant":
+        for port in (master, topics):
+            connect(port, b"ffffffff" + b"x" * 60000)
+        release()
+    elif kind == "half" and len(kept) < 200:
+        connect(master, REQUEST[:20])
+    elif kind == "valid":
+        if not kept:
+            connect(master)
+        kept[0].setblocking(False)
+        try:
+            kept[0].send(REQUEST * 200)
+        except OSError:
+            time.sleep(0.001)
+        try:
+            while kept[0].recv(1 << 20):
+                pass
+            release()
+        except BlockingIOError:
+            pass
+        except OSError:
+            release()
+    elif kind == "slow" and len(kept) < 10:
+        connect(topics, SUBSCRIBE)
+    elif kind == "thousand":
+        connect(master)
+        if len(kept) >= 1000:
+            release()
+    else:
+        time.sleep(0.01)
+"""
+
+
+def block(world: libgz.World, seconds: float) -> tuple[float, float]:
+    """CPU time and wall-clock time of one step in a block of so many seconds [us]."""
+    steps, begin, cpu = 0, time.perf_counter(), time.process_time()
+    while (passed := time.perf_counter() - begin) < seconds:
+        world.step(10)
+        steps += 10
+    return (time.process_time() - cpu) / steps * 1e6, passed / steps * 1e6
+
+
+def interval(ratios: list[float]) -> tuple[float, float]:
+    """The 95 % interval of a median, by order statistics."""
+    ordered, count = sorted(ratios), len(ratios)
+    below, rank = 0.0, 0
+    while (below := below + math.comb(count, rank) / 2**count) <= 0.025:
+        rank += 1
+    rank = max(rank - 1, 0)
+    return ordered[rank], ordered[count - 1 - rank]
+
+
+def measure(world: libgz.World, attacker: subprocess.Popen[str], kind: str, pairs: int) -> list[list[float]]:
+    """The ratios of blocks with an attack to those without, side by side: of CPU times, of wall-clock times."""
+    ratios: list[list[float]] = [[], []]
+    for number in range(pairs):
+        times = {}
+        for order in ("none", kind) if number % 2 else (kind, "none"):
+            print(order, file=attacker.stdin, flush=True)
+            block(world, SETTLING)
+            times[order] = block(world, BLOCK)
+        for found, attacked, alone in zip(ratios, times[kind], times["none"], strict=True):
+            found.append(attacked / alone)
+    return ratios
+
+
+def text_of(ratios: list[float]) -> str:
+    """A median, and its interval."""
+    low, high = (100 * (end - 1.0) for end in interval(ratios))
+    return f"{100 * (statistics.median(ratios) - 1.0):+5.1f} % ({low:+.1f} to {high:+.1f})"
+
+
+def main() -> int:
+    """Print a table; the exit code."""
+    pairs = int(sys.argv[1]) if len(sys.argv) > 1 else PAIRS
+    boxes = "".join(BOX.format(i=i) for i in range(BOXES))
+    text = f"<sdf version='1.6'><world name='default'>{GROUND}{boxes}</world></sdf>"
+    missed = 0
+    with serve("http://127.0.0.1:0") as link, libgz.World.from_string(text) as world:
+        world.attach_era()
+        remote = TopicManager.Instance().remote
+        port = remote._own[1]  # type: ignore[union-attr]
+        command = [sys.executable, "-c", ATTACKER, str(link.address.port), str(port)]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, text=True) as attacker:
+            try:
+                os.setpriority(os.PRIO_PROCESS, attacker.pid, 19)  # it is to cost the server, not the machine
+                for kind, what in ATTACKS.items():
+                    cpu, wall = measure(world, attacker, kind, pairs)
+                    missed += interval(cpu)[0] > 1.0 + LIMIT
+                    print(f"{text_of(cpu)} CPU, {text_of(wall)} wall: {what}", flush=True)
+                print("the server answers" if link.connected() else "the server does not answer")
+                missed += not link.connected()
+            finally:
+                attacker.kill()
+    return int(missed > 0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

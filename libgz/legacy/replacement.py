@@ -1,0 +1,110 @@
+"""Replacement: a model that takes the place of another one in a running world, because its class was edited."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from libgz.errors import USER_ERRORS, GazeboError, PluginError, pass_interrupt
+from libgz.legacy.loader import ModelLoader
+from libgz.legacy.model import Model
+from libgz.physics.body import Body
+from libgz.simulation.plugins import own_place, own_traceback
+
+__all__ = ["Replacement"]
+
+
+class Replacement:
+    """Builds a model again from its element, and puts it in the place of the one that runs.
+
+    It has the poses and velocities of the former bodies of the same names, or as a whole its pose; the declared state;
+    its place in the order of the world; and the models that were attached. New interfaces have the memory of former
+    ones of their names, so that clients stay connected.
+
+    Args:
+        loader: of the world.
+        old: the model that runs.
+    """
+
+    def __init__(self, loader: ModelLoader, old: Model) -> None:
+        self._loader, self._world, self._old = loader, loader.world, old
+
+    def run(self) -> Model:
+        """Replace the model; the new one.
+
+        Raises:
+            PluginError: the new one fails; the former one runs on.
+        """
+        old, world, doing = self._old, self._world, "Load"
+        interfaces = [one for one in world.gz_server.interfaces.values() if one.model_id == old.GetIntId()]
+        holders = [(child, child.parentBody) for child in old.children]
+        try:
+            state = old.MasterSaveState()
+            new = self._loader.load_again(old)
+            with world.gz_server.hand_over(interfaces):
+                try:
+                    self._place(new)
+                    doing = "Init"
+                    new.MasterStart()
+                    doing = "the return of its state"
+                    self._carry(new, state)
+                    doing = "the attachment of other models"
+                    for child, body in holders:
+                        kept = child.relPose
+                        child.MasterAttach(new, new.GetBody(body.bodyName if body is not None else None))
+                        child.relPose = kept  # where one without a weld follows
+                except BaseException:
+                    self._undo(new, holders)
+                    raise
+                self._exchange(new)
+        except GazeboError as error:
+            reason = f"{doing} of the edited model {old.GetId()!r}: {error}{own_place(error)}"
+            raise PluginError(f"{old.MasterPlace()}{reason}") from error
+        except USER_ERRORS as error:
+            pass_interrupt(error)
+            text = f"{doing} of the edited model {old.GetId()!r} failed with\n{own_traceback(error)}"
+            raise PluginError(f"{old.MasterPlace()}{text}") from error
+        return new
+
+    def _place(self, new: Model) -> None:
+        """Place and move the new bodies as the former ones."""
+        old = self._old
+        before = {body.bodyName: body for body in old.bodies}
+        if before.keys() != {body.bodyName for body in new.bodies} or len(before) != len(new.bodies):
+            if old.parentBody is None:
+                new.SetPose(old.GetPose())
+            return
+        for body in new.bodies:
+            self._place_body(body, before[body.bodyName])
+
+    @staticmethod
+    def _place_body(body: Body, before: Body) -> None:
+        body.SetPose(before.GetPose())
+        if not (body.dummy or before.dummy):
+            body.SetLinearVel(before.GetLinearVel())
+            body.SetAngularVel(before.GetAngularRate())
+
+    @staticmethod
+    def _carry(new: Model, state: Any) -> None:
+        number, initialized = new.GetIntId(), new.initialized
+        if isinstance(state, dict):
+            state = {name: value for name, value in state.items() if name or hasattr(new, "LoadState")}
+        new.MasterLoadState(state)
+        new._number, new.initialized = number, initialized
+
+    def _undo(self, new: Model, holders: list[tuple[Any, Body | None]]) -> None:
+        """Let the former model continue."""
+        for child, body in holders:
+            if child.parent is not self._old:
+                kept = child.relPose
+                child.MasterAttach(self._old, body)
+                child.relPose = kept
+        self._world.remove([new])
+
+    def _exchange(self, new: Model) -> None:
+        """Remove the former model, and give the new one its place."""
+        world, old = self._world, self._old
+        for kept in (world.entities, world.models):
+            kept.remove(new)
+            kept[kept.index(old)] = new
+            kept.append(old)
+        world.remove([old])

@@ -77,16 +77,24 @@ class GL:
         self._address_of = address_of
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
-        declared = _declared(name)
-        address = self._address_of(name.encode())
-        if not address:
-            raise LibraryError(f"this OpenGL has no function {name}")
+        declared, address = _declared(name), self.address(name)
         result = declared.restype if declared.restype in PLAIN else c_char_p
         arguments = [kind if kind in PLAIN else c_void_p for kind in declared.argtypes]
         signature = ctypes.CFUNCTYPE if name in WAITING else ctypes.PYFUNCTYPE
         function: Callable[..., Any] = signature(result, *arguments)(address)
         setattr(self, name, function)
         return function
+
+    def address(self, name: str) -> int:
+        """Where a function is.
+
+        Raises:
+            LibraryError: the context lacks it.
+        """
+        address = self._address_of(name.encode())
+        if not address:
+            raise LibraryError(f"this OpenGL has no function {name}")
+        return address
 
     def check(self) -> None:
         """Raise the error that GL has recorded since the last check.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,8 +20,10 @@ from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negativ
 from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
 from libgz.physics.meshes import Mesh, vertex_normals
-from libgz.physics.skeletons import SkinPart, turn_matrices
 from libgz.physics.space import Space
+
+if TYPE_CHECKING:
+    from libgz.physics.skeletons import SkinPart
 
 __all__ = [
     "BoxGeom",
@@ -318,6 +321,8 @@ class SkinGeom(TriMeshGeom):
 
 
 def _matrix(pose: GzPose) -> NDArray[np.float64]:
+    from libgz.physics.skeletons import turn_matrices  # for actors alone
+
     matrix: NDArray[np.float64] = turn_matrices(np.array([*pose.rot]))
     matrix[:3, 3] = (*pose.pos,)
     return matrix

@@ -367,11 +367,18 @@ class Library:
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, vertical)
         gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, magnified)
         gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, minified)
-        gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, int(minified not in (Constant.NEAREST, Constant.LINEAR)))
-        height, width, _ = upward.shape
-        gl.glTexImage2D(
-            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, upward.ctypes.data
-        )
+        images = [upward]
+        if minified not in (Constant.NEAREST, Constant.LINEAR):
+            # Mesa compiles a shader for each size. Where sides are powers of two, its smaller images are the same.
+            if all(side & (side - 1) == 0 for side in upward.shape[:2]):
+                images = pyramid(upward)
+            else:
+                gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
+        for level, image in enumerate(images):
+            size = (image.shape[1], image.shape[0])
+            gl.glTexImage2D(
+                kind, level, Constant.RGBA8, *size, 0, Constant.RGB, Constant.UNSIGNED_BYTE, image.ctypes.data
+            )
         return int(number.value)
 
 

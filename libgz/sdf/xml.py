@@ -10,7 +10,9 @@ from lxml import etree
 from libgz.errors import Diagnostics, Place, WorldFileError
 from libgz.files import xml_parser
 
-__all__ = ["line_of", "local_name", "parse_document", "tag_name"]
+__all__ = ["ROOTS", "line_of", "local_name", "parse_document", "tag_name"]
+
+ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")

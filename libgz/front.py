@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
-from libgz import models
+import libgz.models as models  # `from libgz import` would look among the public names first
 from libgz.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
 from libgz.files import exists
 from libgz.geometry import GzPose

@@ -25,4 +25,5 @@ def address(array: NDArray[Any]) -> int:
     Raises:
         TypeError, ValueError: it is not contiguous, not writable, or empty.
     """
-    return ctypes.addressof(ctypes.c_char.from_buffer(array))
+    buffer: Any = array
+    return ctypes.addressof(ctypes.c_char.from_buffer(buffer))

@@ -135,7 +135,8 @@ class Selector:
                 raise LibraryError("_frame.so was built from another version of frame.c; install libgz again")
             native.gz_select.restype = c_int64
             self._select, self._record = native.gz_select, self._new_record()
-            self._eye = np.frombuffer(self._record, count=16).reshape(4, 4)
+            start: Any = self._record
+            self._eye = np.frombuffer(start, count=16).reshape(4, 4)
 
     def _new_record(self) -> SelectionRecord:
         rounds = self.rounds

@@ -3,36 +3,46 @@
 from __future__ import annotations
 
 import gc
-from importlib import import_module
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-__all__ = ["gazebo", "gzclient", "gzserver", "libgz"]
+__all__ = ["gazebo", "gzclient", "gzserver", "importing", "libgz"]
+
+
+@contextmanager
+def importing() -> Iterator[None]:
+    """Without garbage collection, which would search the same modules in vain many times, and later once in a while."""
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def gazebo() -> int:
     """The command gazebo."""
-    return _launch("gazebo")
+    with importing():
+        from libgz.apps.gazebo import main
+    return main()
 
 
 def gzclient() -> int:
     """The command gzclient."""
-    return _launch("gzclient")
+    with importing():
+        from libgz.apps.gzclient import main
+    return main()
 
 
 def gzserver() -> int:
     """The command gzserver."""
-    return _launch("gzserver")
+    with importing():
+        from libgz.apps.gzserver import main
+    return main()
 
 
 def libgz() -> int:
     """The command libgz."""
-    return _launch("libgz")
-
-
-def _launch(name: str) -> int:
-    """Import a command without garbage collection, which would search the same modules for garbage many times."""
-    gc.disable()
-    command = import_module(f"libgz.apps.{name}")
-    gc.freeze()
-    gc.enable()
-    code: int = command.main()
-    return code
+    with importing():
+        from libgz.apps.libgz import main
+    return main()

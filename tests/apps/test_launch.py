@@ -2,26 +2,30 @@
 
 import gc
 from importlib import import_module, metadata
-from types import SimpleNamespace
 
 import pytest
 
-from libgz.apps import launch
+from libgz.apps.launch import importing
 
 
 @pytest.mark.parametrize("name", ["gazebo", "gzclient", "gzserver", "libgz"])
-def test_a_command_is_imported_without_garbage_collection_and_runs_with_it(name, monkeypatch):
+def test_an_installed_command_runs_its_module_with_garbage_collection(name, monkeypatch):
     seen = []
-
-    def import_one(module):
-        assert import_module(module).main
-        seen.append((module, gc.isenabled()))
-        return SimpleNamespace(main=lambda: seen.append(("main", gc.isenabled())) or 7)
-
-    monkeypatch.setattr(launch, "import_module", import_one)
+    module = import_module(f"libgz.apps.{name}")
+    monkeypatch.setattr(module, "main", lambda: seen.append(gc.isenabled()) or 7)
     (entry,) = metadata.entry_points(group="console_scripts", name=name)
     try:
         assert entry.load()() == 7
     finally:
         gc.unfreeze()
-    assert seen == [(f"libgz.apps.{name}", False), ("main", True)]
+    assert seen == [True]
+
+
+def test_imports_are_not_searched_for_garbage():
+    with importing():
+        assert not gc.isenabled()
+    try:
+        assert gc.isenabled()
+        assert gc.get_freeze_count() > 1000
+    finally:
+        gc.unfreeze()

@@ -2,6 +2,8 @@
 
     python benchmarks/camera.py
 
+Each ratio is the median of those of all rounds; the last column is what libgz aims at.
+
 Twenty Pioneer2AT-like robots on textured ground, seen by one camera; the image is copied into the interface's memory.
 Where MuJoCo and PyBullet are installed, they render a similar scene in the same run, in turn with libgz, so that a
 machine whose speed drifts does not spoil the ratios. Neither is a dependency of libgz: pip install mujoco pybullet.
@@ -12,15 +14,24 @@ from __future__ import annotations
 
 import math
 import os
+import resource
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 SIZES = ((320, 240), (640, 480))
-ROBOTS, ROUNDS, FRAMES = 20, 5, 40
+ROBOTS, ROUNDS, FRAMES = 20, 9, 40
 EYE, AT = (-6.0, -5.0, 4.0), (3.0, 3.0, 0.0)
+
+AIMS = {
+    (320, "MuJoCo, default meshes"): 10,
+    (320, "MuJoCo, coarse meshes"): 4,
+    (320, "PyBullet TinyRenderer"): 12,
+}
+STARTS = {"without a camera": 1.4, "with a camera": 2.2}
 
 Render = Callable[[], object]
 
@@ -129,20 +140,20 @@ RENDERERS: dict[str, Callable[[int, int], Render]] = {
 
 
 def serve(name: str, width: int, height: int) -> None:
-    """In its own process: render as many frames as each input line says, and print their median time [s]."""
+    """In its own process: render as many frames as each line says; print their median wall and mean CPU time [s]."""
     render = RENDERERS[name](width, height)
     render()
     for line in sys.stdin:
-        times = []
+        times, before = [], time.process_time()
         for _ in range(int(line)):
             start = time.perf_counter()
             render()
             times.append(time.perf_counter() - start)
-        print(statistics.median(times), flush=True)
+        print(statistics.median(times), (time.process_time() - before) / len(times), flush=True)
 
 
-def measure(width: int, height: int) -> dict[str, float]:
-    """Median time of a frame of each renderer that works here [s], measured in turn."""
+def measure(width: int, height: int) -> dict[str, list[tuple[float, ...]]]:
+    """Wall and CPU time of a frame of each renderer that works here, in each round [s], measured in turn."""
     other = os.environ.get("LIBGZ_BENCH_PYTHON", sys.executable)
     processes = {}
     for name in RENDERERS:
@@ -155,7 +166,7 @@ def measure(width: int, height: int) -> dict[str, float]:
             text=True,
             env={**os.environ, "MUJOCO_GL": "osmesa", "PYOPENGL_PLATFORM": "osmesa"},
         )
-    times: dict[str, list[float]] = {name: [] for name in RENDERERS}
+    times: dict[str, list[tuple[float, ...]]] = {name: [] for name in RENDERERS}
     for _ in range(ROUNDS):
         for name, process in processes.items():
             try:
@@ -165,35 +176,51 @@ def measure(width: int, height: int) -> dict[str, float]:
             except BrokenPipeError:
                 answer = ""
             if answer:
-                times[name].append(float(answer))
+                times[name].append(tuple(map(float, answer.split())))
     for process in processes.values():
         process.communicate()
-    return {name: statistics.median(values) for name, values in times.items() if values}
+    return {name: values for name, values in times.items() if len(values) == ROUNDS}
 
 
-def start_time() -> tuple[float, float]:
-    """Time [s] to start a world with a camera and take its first image, and that of a world without one."""
-    code = (
-        "import time; t = time.perf_counter()\nimport libgz\nfrom libgz.files import installed_worlds\n"
-        "w = libgz.World.from_file(installed_worlds() / {!r})\nw.step()\nprint(time.perf_counter() - t)\nw.close()"
-    )
-    found = []
-    for world in ("ptz.world", "pioneer2at.world"):
-        runs = [
-            float(subprocess.run([sys.executable, "-c", code.format(world)], capture_output=True, text=True).stdout)
-            for _ in range(ROUNDS)
-        ]
-        found.append(statistics.median(runs))
-    return found[0], found[1]
+def cpu_time(words: list[str], folder: str) -> float:
+    """CPU time of a process [s], with one thread of OpenBLAS, and with bytecode in a folder."""
+    settings = {"OPENBLAS_NUM_THREADS": "1", "TMP": folder, "PYTHONPYCACHEPREFIX": folder}
+    kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(words, env=kept | settings, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def start_times() -> dict[str, float]:
+    """CPU time of `gazebo --steps 1` over that of `import numpy`, without and with a camera."""
+    launch = [sys.executable, "-c", "from libgz.apps.launch import gazebo; gazebo()", "-n", "--steps", "1"]
+    commands = {
+        "numpy": [sys.executable, "-c", "import numpy"],
+        "without a camera": [*launch, "pioneer2at"],
+        "with a camera": [*launch, "ptz"],
+    }
+    times: dict[str, list[float]] = {name: [] for name in commands}
+    with tempfile.TemporaryDirectory() as folder:
+        for _ in range(ROUNDS + 1):
+            for name, words in commands.items():
+                times[name].append(cpu_time(words, folder))
+    base = times.pop("numpy")[1:]  # the first round compiles
+    return {name: ratio(values[1:], base) for name, values in times.items()}
+
+
+def ratio(times: Sequence[float], base: Sequence[float]) -> float:
+    """The median ratio of all rounds."""
+    return statistics.median(a / b for a, b in zip(times, base, strict=True))
 
 
 def main() -> None:
     if sys.argv[1:2] == ["--serve"]:
         serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
         return
-    with_camera, without = start_time()
-    print(f"start to the first image of worlds/ptz.world: {1e3 * with_camera:.0f} ms")
-    print(f"start of a world without cameras: {1e3 * without:.0f} ms")
+    print("CPU time of `gazebo --steps 1`")
+    for name, times_numpy in start_times().items():
+        print(f"  {name:24}{times_numpy:19.2f} x import numpy   aim {STARTS[name]}")
     for width, height in SIZES:
         times = measure(width, height)
         print(f"\n{width} x {height}, {ROBOTS} robots")
@@ -201,7 +228,13 @@ def main() -> None:
             if name not in times:
                 print(f"  {name:24} not installed, or it does not work here")
                 continue
-            print(f"  {name:24}{1e3 * times[name]:8.2f} ms{times[name] / times['libgz']:8.1f} x libgz")
+            text = f"  {name:24}"
+            for kind, values, base in zip(
+                ("wall", "CPU"), zip(*times[name], strict=True), zip(*times["libgz"], strict=True), strict=True
+            ):
+                text += f"{1e3 * statistics.median(values):8.2f} ms {kind}{ratio(values, base):7.1f} x libgz"
+            aim = AIMS.get((width, name))
+            print(text if aim is None else f"{text}   aim {aim}")
 
 
 if __name__ == "__main__":

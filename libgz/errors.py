@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import dis
 import logging
 import re
@@ -122,6 +121,8 @@ def pass_interrupt(error: BaseException) -> None:
 def nearest(name: str, known: Iterable[str]) -> str:
     """The end of a message, ``"; did you mean 'x'?"``; an empty string if no known name resembles `name`."""
     lower = {candidate.lower(): candidate for candidate in known}
+    import difflib  # for errors alone
+
     found = difflib.get_close_matches(name.lower(), lower, n=3, cutoff=0.6)
     if not found:
         return ""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import importlib.util
 import os
-import tempfile
 from pathlib import Path
 
 from lxml import etree
@@ -116,6 +115,8 @@ def _replace(target: Path, data: bytes) -> None:
     # Renaming would replace a write-protected file all the same.
     if not mode & 0o222 or (target.exists() and not os.access(target, os.W_OK)):
         raise PermissionError(errno.EACCES, "it is write-protected", str(target))
+    import tempfile  # it loads compressors, which most commands do without
+
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as temporary:
         path = Path(temporary.name)
         try:

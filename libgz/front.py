@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, TypeVar, Unpack
 
-from libgz import models
+import libgz.models as models  # `from libgz import` would look among the public names first
 from libgz.errors import GazeboError, LibraryError, NotFoundError, WorldFileError, nearest
 from libgz.files import exists
 from libgz.geometry import GzPose
@@ -20,7 +20,7 @@ from libgz.legacy.plugin_search import register_compiled
 from libgz.legacy.settings import GlobalAttributes
 from libgz.legacy.world import LegacyWorld
 from libgz.physics.lock import exclusive
-from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.sdf.recognition import is_sdf, is_sdf_text
 from libgz.simulation import world
 from libgz.simulation.plugins import Plugin
 from libgz.worldfile.file import WorldFile
@@ -30,6 +30,8 @@ from libgz.worldfile.search import find_worldfile, why_missing
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from libgz.sdf.reader import SdfFile
 
 __all__ = ["World", "WorldOptions"]
 
@@ -132,6 +134,8 @@ class World(world.World):
     def from_string(cls: type[W], text: str, **options: Unpack[WorldOptions]) -> W:
         """Load the text of a legacy worldfile or an SDF document, as `from_file` does."""
         if is_sdf_text(text):
+            from libgz.sdf.reader import SdfFile  # legacy worlds do without it
+
             return cls._ready(lambda world: world.load_sdf(SdfFile.from_string(text)), options)
         file = WorldFile()
         file.LoadString(text)
@@ -160,6 +164,8 @@ class World(world.World):
         """
         path = find_worldfile(filename)
         if is_sdf(path):
+            from libgz.sdf.reader import SdfFile
+
             return self.load_sdf(SdfFile.load(path))
         if not exists(path):
             raise WorldFileError(f"cannot read worldfile {str(path)!r}: it does not exist{why_missing(filename)}")

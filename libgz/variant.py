@@ -12,7 +12,8 @@ from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
 from libgz.files import exists
 from libgz.front import World, WorldOptions
 from libgz.sdf.element import Element
-from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.recognition import is_sdf, is_sdf_text
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.node import WorldFileNode

@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", "libgz", "interfaces", "models", "worlds")
 PACKAGES = ("libode8", "libccd2")  # of Debian; what libgz.libs may contain
-NATIVE = ("libgz/ode/_step.so", "libgz/rendering/_pixels.so", "libgz/transport/_truncation.so")
+NATIVE = ("libgz/ode/_step.so", "libgz/rendering/_frame.so", "libgz/transport/_truncation.so")
 
 
 def main() -> None:

@@ -13,7 +13,8 @@ from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.errors import ParameterError
-from libgz.sdf.reader import SdfFile, is_robot_text
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.recognition import is_robot_text
 from libgz.sdf.upgrade import NEWEST, upgraded
 
 __all__ = ["configure", "run"]

@@ -11,8 +11,8 @@ from libgz.apps.console import writing
 from libgz.errors import Remark, WorldFileError
 from libgz.files import read_limited, write_whole
 from libgz.sdf.conversion import upgrade_document
-from libgz.sdf.reader import is_sdf
-from libgz.sdf.urdf import ROBOT
+from libgz.sdf.recognition import is_sdf
+from libgz.sdf.xml import ROBOT
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.upgrade import upgrade
 

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import logging
 import os
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -170,6 +169,8 @@ def view_process(options: argparse.Namespace, server_id: int | None) -> Iterator
         return
     words = ["view", "-s", str(server_id), "--view-port", str(options.view_port), "--view-host", options.view_host]
     command = [sys.executable, "-m", "libgz", *words, "--parent", str(os.getpid())]
+    import subprocess  # servers without a viewer do without it
+
     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
     try:
         yield

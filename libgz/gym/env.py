@@ -260,7 +260,7 @@ class WorldEnv(gymnasium.Env[Any, NDArray[np.float32]]):
         self._check_open()
         super().reset(seed=seed)
         world_seed = int(self.np_random.integers(SEEDS))
-        if self._randomise or self.world.random.n_children_spawned:
+        if self._randomise or self.world.spawned:
             self.sampled = {path: one.sample(self.np_random) for path, one in self._randomise.items()}
             self._replace(self._load(self.sampled, world_seed))
         else:

@@ -8,7 +8,6 @@ Nothing outside `libgz.ode` touches the shared object.
 from __future__ import annotations
 
 import ctypes
-import ctypes.util
 import functools
 import logging
 import os

@@ -15,7 +15,6 @@ from functools import lru_cache
 from libgz.errors import LibraryError, ParameterError
 from libgz.ode.context import Step, StepContext
 from libgz.ode.native_step import NativeStep, native_path
-from libgz.ode.python_step import PythonStep
 from libgz.ode.tables import Tables
 
 __all__ = ["SERVING_HELP", "check_serving", "choose_step"]
@@ -41,12 +40,18 @@ def choose_step(context: StepContext, tables: Tables) -> Step:
     """
     choice, path = _choice(), native_path()
     if choice == "python":
-        return PythonStep(context, tables)
+        return _python_step(context, tables)
     if path is not None:
         return NativeStep(context, path)
     if choice == "native":
         raise LibraryError("LIBGZ_STEP=native, but the native step was not built: a C compiler is needed")
     _warn_of_python()
+    return _python_step(context, tables)
+
+
+def _python_step(context: StepContext, tables: Tables) -> Step:
+    from libgz.ode.python_step import PythonStep  # the native form does without it
+
     return PythonStep(context, tables)
 
 

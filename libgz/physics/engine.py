@@ -385,8 +385,9 @@ class Engine:
         Columns: position [m] and quaternion (u, x, y, z) of the body frame, position of the centre of mass [m],
         linear velocity of that [m/s], angular velocity [rad/s]; all global.
         """
-        with self.lock:  # reading releases the interpreter lock
-            self.step_form.read()
+        if self.tables.touched:
+            with self.lock:  # reading releases the interpreter lock
+                self.step_form.read()
         bodies = self.tables.bodies
         view = bodies.state[: bodies.used].view()
         view.flags.writeable = False

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,8 +21,10 @@ from libgz.physics.geom import Geom
 from libgz.physics.lock import built, exclusive
 from libgz.physics.meshes import Mesh, vertex_normals
 from libgz.physics.outlines import extrude
-from libgz.physics.skeletons import SkinPart, turn_matrices
 from libgz.physics.space import Space
+
+if TYPE_CHECKING:
+    from libgz.physics.skeletons import SkinPart
 
 __all__ = [
     "BoxGeom",
@@ -338,6 +341,8 @@ class SkinGeom(TriMeshGeom):
 
 
 def _matrix(pose: GzPose) -> NDArray[np.float64]:
+    from libgz.physics.skeletons import turn_matrices  # for actors alone
+
     matrix: NDArray[np.float64] = turn_matrices(np.array([*pose.rot]))
     matrix[:3, 3] = (*pose.pos,)
     return matrix

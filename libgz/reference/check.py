@@ -15,7 +15,8 @@ from libgz.front import World
 from libgz.legacy.model import Model
 from libgz.rendering.choice import prefer, preferred
 from libgz.rendering.image import read_image
-from libgz.sdf.reader import SdfFile, is_sdf
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.recognition import is_sdf
 from libgz.worldfile.file import WorldFile
 from libgz.worldfile.search import find_worldfile, why_missing
 

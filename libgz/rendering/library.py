@@ -13,22 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.errors import GazeboError
-from libgz.geometry import rotate
 from libgz.physics.geom import Geom
-from libgz.rendering.geom_meshes import meshes_of, round_radius
+from libgz.rendering.geom_meshes import meshes_of
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight, rings
 from libgz.rendering.image import pyramid, read_image
 from libgz.rendering.mesh import Material, Mesh
+from libgz.rendering.selection import LEVELS, TINY, new_selector
 from libgz.rendering.shot import Content, Item, pose_matrix
 from libgz.rendering.skin import read_skin
 
-__all__ = ["Compiled", "Level", "Library", "Look", "Rounds", "Table"]
+__all__ = ["Compiled", "Level", "Library", "Look", "Table"]
 
 log = logging.getLogger("libgz.rendering")
 
-SEGMENTS = (32, 12, 8)  # of a full turn: for a body that is large in the image, small, and very small
-FINER = (8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384)  # the same for round bodies of classic worlds
 NEUTRAL = Material(diffuse=(0.8, 0.8, 0.8, 1.0), ambient=(0.16, 0.16, 0.16, 1.0))  # where materials are switched off
 BLACK = (0.0, 0.0, 0.0, 1.0)
 MOST_PLANES = 64  # lists of planes, each for one height, field of view and look
@@ -69,53 +67,38 @@ class Level(NamedTuple):
     height: int
 
 
-class Rounds:
-    """The round geoms of a content, see `round_radius`.
-
-    Attributes:
-        items: the place of each one's item in the content.
-        centres, halves: its centre, and half of its axis, in the frame of its body [m], shape (n, 3).
-        radii: [m].
-    """
-
-    def __init__(self, content: Content) -> None:
-        found = [(i, geom) for i, item in enumerate(content.items) for geom in item.geoms if round_radius(geom)]
-        self.items = np.array([i for i, _ in found], dtype=np.int64)
-        self.radii = np.array([round_radius(geom) for _, geom in found])
-        self.centres, self.halves = np.zeros((len(found), 3)), np.zeros((len(found), 3))
-        for k, (_, geom) in enumerate(found):
-            place = geom.GetRelativePose()
-            length = getattr(geom, "length", 0.0) * abs(geom.appearance.scale.z)
-            self.centres[k], self.halves[k] = (*place.pos,), rotate(place.rot, (0.0, 0.0, 0.5 * length))
-
-
 class Table:
-    """Lists, radii, middles and spreads [m] of all items of a content, for one look; see `Compiled`.
+    """Lists and balls of all items of a content, for one look; see `Compiled`.
 
     Attributes:
-        rounds: the round geoms; None if there are none.
+        selector: selects what a view shows of them.
+        radii, middles, spreads: of the items' balls [m], shapes (n,), (n, 3), (n,).
+        clear: which items are transparent.
+        colors: of images of models' numbers, shape (n, 3).
     """
 
     def __init__(self, library: Library, content: Content, look: Look, plain: bool) -> None:
-        def find(i: int, segments: int) -> Compiled:
-            return library.item(content.items[i], look, segments, plain)
+        def find(i: int, level: int) -> Compiled:
+            return library.item(content.items[i], look, LEVELS[level], plain)
 
         self._find = find
-        count = len(content.items)
-        least = [find(i, SEGMENTS[-1]) for i in range(count)]
-        self.radii = np.array([compiled.radius for compiled in least])
-        self.middles = [compiled.middle for compiled in least]
-        self.spreads = [compiled.spread for compiled in least]
-        rounds = Rounds(content)
-        self.rounds = rounds if len(rounds.items) else None
-        self._lists = {segments: [0] * count for segments in {*SEGMENTS, *FINER}}
-        self._lists[SEGMENTS[-1]] = [compiled.list for compiled in least]
+        least = [find(i, TINY) for i in range(len(content.items))]
+        self.radii = np.array([compiled.radius for compiled in least], dtype=np.float64)
+        self.middles = np.array([compiled.middle for compiled in least], dtype=np.float64).reshape(-1, 3)
+        self.spreads = np.array([compiled.spread for compiled in least], dtype=np.float64)
+        self.selector = new_selector(self.radii, content)
+        self.clear = np.array([item.transparent for item in content.items], dtype=bool)
+        numbers = np.array([item.model_id for item in content.items], dtype=np.int64)
+        self.colors = np.stack([numbers, numbers >> 8, numbers >> 16], axis=1).astype(np.uint8)
+        self._lists = np.zeros((len(LEVELS), len(least)), dtype=np.uint32)
+        self._lists[TINY] = [compiled.list for compiled in least]
 
-    def list(self, i: int, segments: int) -> int:
-        """The list of an item by its place in the content; segments: one of `SEGMENTS` or `FINER`."""
-        found = self._lists[segments][i]
-        if not found:
-            found = self._lists[segments][i] = self._find(i, segments).list
+    def lists(self, places: NDArray[np.int64], levels: NDArray[np.int64]) -> NDArray[np.uint32]:
+        """The lists of items by their places in the content, and by their levels of detail in `LEVELS`."""
+        found = self._lists[levels, places]
+        for k in np.flatnonzero(found == 0).tolist():
+            place, level = int(places[k]), int(levels[k])
+            found[k] = self._lists[level, place] = self._find(place, level).list
         return found
 
 
@@ -130,6 +113,7 @@ class Library:
         self._textures: dict[tuple[Path, bool], int] = {}
         self._levels: dict[Path, tuple[Level, ...]] = {}
         self._white = 0
+        self._colors: tuple[object, ...] | None = None  # of the list that is being compiled
         self._damaged: set[Path] = set()
         self._skins: dict[Path, list[Mesh]] = {}
         self._content: Content | None = None
@@ -205,6 +189,7 @@ class Library:
         return found
 
     def _begin(self) -> int:
+        self._colors = None
         number = self.gl.glGenLists(1)
         self.gl.glNewList(number, Constant.COMPILE)
         return int(number)
@@ -292,6 +277,10 @@ class Library:
         emission: tuple[float, ...],
         shininess: float,
     ) -> None:
+        colors = (ambient, diffuse, specular, emission, shininess)
+        if colors == self._colors:  # Mesa would end what it renders in one go
+            return
+        self._colors = colors
         gl, both = self.gl, Constant.FRONT_AND_BACK
         gl.glMaterialfv(both, Constant.AMBIENT, floats(*ambient))
         gl.glMaterialfv(both, Constant.DIFFUSE, floats(*diffuse))
@@ -378,11 +367,18 @@ class Library:
         gl.glTexParameteri(kind, Constant.TEXTURE_WRAP_T, vertical)
         gl.glTexParameteri(kind, Constant.TEXTURE_MAG_FILTER, magnified)
         gl.glTexParameteri(kind, Constant.TEXTURE_MIN_FILTER, minified)
-        gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, int(minified not in (Constant.NEAREST, Constant.LINEAR)))
-        height, width, _ = upward.shape
-        gl.glTexImage2D(
-            kind, 0, Constant.RGBA8, width, height, 0, Constant.RGB, Constant.UNSIGNED_BYTE, upward.ctypes.data
-        )
+        images = [upward]
+        if minified not in (Constant.NEAREST, Constant.LINEAR):
+            # Mesa compiles a shader for each size. Where sides are powers of two, its smaller images are the same.
+            if all(side & (side - 1) == 0 for side in upward.shape[:2]):
+                images = pyramid(upward)
+            else:
+                gl.glTexParameteri(kind, Constant.GENERATE_MIPMAP, 1)
+        for level, image in enumerate(images):
+            size = (image.shape[1], image.shape[0])
+            gl.glTexImage2D(
+                kind, level, Constant.RGBA8, *size, 0, Constant.RGB, Constant.UNSIGNED_BYTE, image.ctypes.data
+            )
         return int(number.value)
 
 

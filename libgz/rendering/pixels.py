@@ -4,26 +4,24 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from libgz.rendering.gl import GL, Constant
+from libgz.rendering.native import address, find_native
 
 __all__ = ["PixelReader", "find_drop_alpha"]
 
 DropAlpha = Callable[[int, int, int], None]  # from address, to address, number of pixels
 
 
-@lru_cache
 def find_drop_alpha() -> DropAlpha | None:
-    """The native function, or None where it was not built. The interpreter lock is released while it runs."""
-    path = Path(__file__).with_name("_pixels.so")
-    if not path.exists():
+    """The native function, or None where it was not built."""
+    native = find_native()
+    if native is None:
         return None
-    function = ctypes.CDLL(str(path)).gz_drop_alpha
+    function = native.gz_drop_alpha
     function.argtypes, function.restype = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_size_t], None
     return function
 
@@ -45,5 +43,5 @@ class PixelReader:
         if self._raw.shape[:2] != (height, width):
             self._raw = np.empty((height, width, 4), dtype=np.uint8)
         # Mesa copies RGBA as it is, but converts RGB pixel by pixel.
-        self._gl.glReadPixels(*area, Constant.RGBA, Constant.UNSIGNED_BYTE, self._raw.ctypes.data)
-        self._drop_alpha(self._raw.ctypes.data, image.ctypes.data, width * height)
+        self._gl.glReadPixels(*area, Constant.RGBA, Constant.UNSIGNED_BYTE, address(self._raw))
+        self._drop_alpha(address(self._raw), address(image), width * height)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 import logging
 import math
-from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -20,11 +19,14 @@ from libgz.physics.geoms import PlaneGeom
 from libgz.rendering.dome import dome_mesh
 from libgz.rendering.gl import GL, Constant, floats
 from libgz.rendering.ground import Sight
-from libgz.rendering.library import FINER, SEGMENTS, Library, Look, Rounds, Table
+from libgz.rendering.library import Library, Look
+from libgz.rendering.native import address, find_native
 from libgz.rendering.pixels import PixelReader
+from libgz.rendering.selection import LocalLight
 from libgz.rendering.shading import Shading
 from libgz.rendering.shadows import ShadowMaps
 from libgz.rendering.shot import Light, Shot, View
+from libgz.rendering.submission import Submitter
 
 __all__ = ["Renderer"]
 
@@ -34,8 +36,6 @@ LIGHTS = 8
 SAMPLES = 4  # of a pixel of an image with shadows
 MOST_SIZES = 16  # of images, whose buffers are kept
 FOGS = {"exp": Constant.EXP, "exp2": Constant.EXP2, "linear": Constant.LINEAR}
-DEPTH_ERROR = 1e-3  # of round geoms of classic worlds, as a share of the distance
-SMALL, TINY = 30.0, 6.0  # [px] radii below which a body is rendered with less detail, and with least
 
 
 class Renderer:
@@ -45,11 +45,14 @@ class Renderer:
         self.gl = gl
         self.library = Library(gl)
         self._pixels = PixelReader(gl)
-        self._maps = ShadowMaps(gl)
+        self._submitter = Submitter(gl, find_native())
+        self._maps = ShadowMaps(gl, self._submitter)
         self._shading: Shading | None = None  # made for the first image with shadows
         self._shades = True  # until that fails
         self._samples = 0  # of a pixel of an image with shadows
         self._buffers: dict[tuple[int, int, int], tuple[ctypes.c_uint, ctypes.Array[ctypes.c_uint]]] = {}
+        self._light_list = int(gl.glGenLists(1))
+        self._lit: object = None  # the lights and the ambient light that are in it
         for state in (Constant.CULL_FACE, Constant.DEPTH_TEST):
             gl.glEnable(state)
         gl.glDisable(Constant.DITHER)
@@ -183,8 +186,18 @@ class Renderer:
             gl.glFogfv(Constant.FOG_COLOR, floats(*shot.fog.color))
 
     def _lights(self, shot: Shot, eye: NDArray[np.float64]) -> None:
-        gl = self.gl
+        """Set all lights, by a list as long as they stay the same."""
+        gl, wanted = self.gl, (shot.lights, (*shot.ambient,))
         _load(gl, eye)
+        if wanted != self._lit:
+            gl.glNewList(self._light_list, Constant.COMPILE)
+            self._set_lights(shot)
+            gl.glEndList()
+            self._lit = wanted
+        gl.glCallList(self._light_list)
+
+    def _set_lights(self, shot: Shot) -> None:
+        gl = self.gl
         gl.glLightModelfv(Constant.LIGHT_MODEL_AMBIENT, floats(*shot.ambient))
         for i in range(LIGHTS):
             number = Constant.LIGHT0 + i
@@ -229,37 +242,31 @@ class Renderer:
 
     def _items(self, shot: Shot, eye: NDArray[np.float64], plain: bool) -> None:
         """Opaque items, then what is transparent, from back to front."""
-        gl, content = self.gl, shot.content
-        matrices = eye @ shot.poses
-        columns = np.ascontiguousarray(matrices.transpose(0, 2, 1))
-        start, load, call = columns.ctypes.data, gl.glLoadMatrixd, gl.glCallList
-        table = self.library.table(content, _look_of(shot), plain)
-        places = matrices[:, :3, 3]
-        later: list[tuple[float, int, int]] = []
-        local = _LocalLights(gl, shot, eye)
-        for i, segments in _visible(shot.view, matrices, table):
-            number, item = table.list(i, segments), content.items[i]
-            if plain:
-                self._id_color(item.model_id)
-            elif item.transparent:
-                middle = matrices[i] @ (*table.middles[i], 1.0)
-                later.append((float(middle[:3] @ middle[:3]), i, number))
-                continue
-            if local.lights:
-                local.switch(places[i].tolist(), float(table.radii[i]))
-            load(start + 128 * i)
-            call(number)
-        if later:
-            gl.glEnable(Constant.BLEND)
-            gl.glDepthMask(0)
-            for _, i, number in sorted(later, reverse=True):
-                if local.lights:
-                    local.switch(places[i].tolist(), float(table.radii[i]))
-                load(start + 128 * i)
-                call(number)
-            gl.glDepthMask(1)
-            gl.glDisable(Constant.BLEND)
-        local.all_on()
+        table = self.library.table(shot.content, _look_of(shot), plain)
+        local = _local_lights(shot, eye)
+        found = table.selector.select(shot.view, eye, shot.states, local)
+        matrices, places, dark = found.matrices, found.places, found.dark
+        lists, numbers = table.lists(places, found.levels), [light.number for light in local]
+        if plain:
+            self._submitter.submit(matrices, places, lists, table.colors)
+            return
+        clear = table.clear[places]
+        if not clear.any():
+            self._submitter.submit(matrices, places, lists, None, dark, numbers)
+            return
+        solid, gl = ~clear, self.gl
+        self._submitter.submit(matrices, places[solid], lists[solid], None, dark[solid], numbers)
+        gl.glEnable(Constant.BLEND)
+        gl.glDepthMask(0)
+        middles = (
+            np.einsum("nji,nj->ni", matrices.reshape(-1, 4, 4)[places[clear], :3, :3], table.middles[places[clear]])
+            + matrices[places[clear], 12:15]
+        )
+        distances = np.einsum("ni,ni->n", middles, middles)
+        order = np.flatnonzero(clear)[np.lexsort((places[clear], distances))[::-1]]
+        self._submitter.submit(matrices, places[order], lists[order], None, dark[order], numbers)
+        gl.glDepthMask(1)
+        gl.glDisable(Constant.BLEND)
 
     def _id_color(self, number: int) -> None:
         self.gl.glColor3ub(number & 255, number >> 8 & 255, number >> 16 & 255)
@@ -278,12 +285,14 @@ class Renderer:
         if not isinstance(geom, PlaneGeom):
             return
         view = shot.view
-        frame = _plane_frame((*geom.normal,), geom.altitude)
-        x, y, height = (float(value) for value in frame[:3, :3].T @ (np.array(view.pose.pos) - frame[:3, 3]))
+        across, up, normal = axes = _plane_axes((*geom.normal,))
+        camera, altitude = (*view.pose.pos,), geom.altitude
+        x, y, z = (a * camera[0] + b * camera[1] + c * camera[2] for a, b, c in axes)
+        height = z - altitude
         if height <= 0.0:
             return
-        matrix = frame.copy()
-        matrix[:3, 3] += x * frame[:3, 0] + y * frame[:3, 1]
+        foot = [x * a + y * b + altitude * c for a, b, c in zip(across, up, normal, strict=True)]
+        matrix = np.array([*zip(across, up, normal, foot, strict=True), (0.0, 0.0, 0.0, 1.0)])
         compiled = self.library.plane(geom, Sight.of(view, height), _look_of(shot), plain)
         size = geom.appearance.texture_size
         self._call_shifted(compiled.list, eye @ matrix, math.fmod(x / size.x, 1.0), math.fmod(y / size.y, 1.0))
@@ -347,69 +356,14 @@ class Renderer:
             depth[nothing] = np.inf
 
 
-def _visible(view: View, matrices: NDArray[np.float64], table: Table) -> Iterable[tuple[int, int]]:
-    """Which items, balls that are placed in the eye frame, are inside the view, and the segments of each."""
-    radii = table.radii
-    x, y, z = matrices[:, :3, 3].T
-    tx, ty = view.width / (2.0 * view.focal), view.height / (2.0 * view.focal)
-    seen = (radii - z >= view.near) & (-z - radii <= view.far)
-    seen &= np.abs(x) + tx * z <= radii * math.hypot(1.0, tx)
-    seen &= np.abs(y) + ty * z <= radii * math.hypot(1.0, ty)
-    found = np.flatnonzero(seen)
-    pixels = radii[found] * view.focal / np.maximum(-z[found], view.near)
-    segments = np.choose((pixels <= SMALL) + (pixels <= TINY).astype(int), SEGMENTS)
-    if table.rounds is not None:
-        finer = np.zeros(len(radii), dtype=np.int64)
-        np.maximum.at(finer, table.rounds.items, _segments(view, matrices, table.rounds))
-        segments = np.where(finer[found] > 0, finer[found], segments)
-    return zip(found.tolist(), segments.tolist(), strict=True)
-
-
-def _segments(view: View, matrices: NDArray[np.float64], rounds: Rounds) -> NDArray[np.int64]:
-    """Segments for round geoms, with which depth is right up to `DEPTH_ERROR`.
-
-    With n segments, a mesh that is fitted to a radius r is off by up to e = r pi^2 / (2 n^2). Depth is off by e at the
-    nearest point, and, half a pixel from the limb, by e times the square root of the radius in pixels.
-    """
-    backward = matrices[rounds.items, 2]
-    depth = -np.einsum("ij,ij->i", backward[:, :3], rounds.centres) - backward[:, 3]
-    radii = rounds.radii
-    reach = radii + np.abs(np.einsum("ij,ij->i", backward[:, :3], rounds.halves))
-    gaps = np.maximum(depth - reach, view.near)
-    distances = gaps + radii
-    allowed = DEPTH_ERROR * np.minimum(gaps, distances / np.sqrt(radii * view.focal / distances)) / radii
-    needed = np.where(depth + reach < view.near, 0.0, math.pi / np.sqrt(2.0 * np.maximum(allowed, 1e-9)))
-    finest = np.minimum(np.searchsorted(FINER, needed), len(FINER) - 1)
-    return np.asarray(FINER)[finest]
-
-
-class _LocalLights:
-    """Switches lights off for the items that are out of their range."""
-
-    def __init__(self, gl: GL, shot: Shot, eye: NDArray[np.float64]) -> None:
-        self._gl = gl
-        self.lights: list[tuple[int, tuple[float, float, float], float]] = []  # GL's number, position, range
-        for i, light in enumerate(shot.lights):
-            if light.kind != "directional" and math.isfinite(light.range):
-                x, y, z, _ = (eye @ (*light.position, 1.0)).tolist()
-                self.lights.append((Constant.LIGHT0 + i, (x, y, z), light.range))
-        self._off: set[int] = set()
-
-    def switch(self, middle: list[float], radius: float) -> None:
-        """Set the lights for a ball in the eye frame [m]."""
-        for number, place, reach in self.lights:
-            if math.dist(place, middle) > reach + radius:
-                self._gl.glDisable(number)
-                self._off.add(number)
-            elif number in self._off:
-                self._gl.glEnable(number)
-                self._off.remove(number)
-
-    def all_on(self) -> None:
-        """Switch all lights on."""
-        for number in self._off:
-            self._gl.glEnable(number)
-        self._off.clear()
+def _local_lights(shot: Shot, eye: NDArray[np.float64]) -> list[LocalLight]:
+    """The lights with a range, which are off for the items that are out of it."""
+    found = []
+    for i, light in enumerate(shot.lights):
+        if light.kind != "directional" and math.isfinite(light.range):
+            x, y, z, _ = (eye @ (*light.position, 1.0)).tolist()
+            found.append(LocalLight(Constant.LIGHT0 + i, (x, y, z), light.range))
+    return found
 
 
 def _look_of(shot: Shot) -> Look:
@@ -419,18 +373,15 @@ def _look_of(shot: Shot) -> Look:
 
 
 @lru_cache
-def _plane_frame(normal: tuple[float, float, float], altitude: float) -> NDArray[np.float64]:
-    """A frame on a plane: z along its normal, x along the world's x where possible, shape (4, 4)."""
+def _plane_axes(normal: tuple[float, float, float]) -> tuple[tuple[float, ...], ...]:
+    """Of a frame on a plane: z along its normal, x along the world's x where possible, y."""
     z: NDArray[Any] = np.array(normal)
     x = np.array((1.0, 0.0, 0.0)) - z[0] * z
     if np.linalg.norm(x) < 1e-6:
         x = np.array((0.0, 1.0, 0.0)) - z[1] * z
     x /= np.linalg.norm(x)
-    frame = np.eye(4)
-    frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, altitude * z
-    return frame
+    return tuple(tuple(axis.tolist()) for axis in (x, np.cross(z, x), z))
 
 
 def _load(gl: GL, matrix: NDArray[np.float64]) -> None:
-    columns = np.ascontiguousarray(matrix.T)
-    gl.glLoadMatrixd(columns.ctypes.data)
+    gl.glLoadTransposeMatrixd(address(matrix))

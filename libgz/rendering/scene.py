@@ -7,6 +7,8 @@ import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
 from dataclasses import replace
+from functools import lru_cache
+from operator import attrgetter
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -21,12 +23,13 @@ from libgz.rendering.context import open_context
 from libgz.rendering.overlay import overlay_lines
 from libgz.rendering.render_thread import RenderThread
 from libgz.rendering.renderer import LIGHTS
-from libgz.rendering.shot import Content, Fog, Item, Light, Shot, View, pose_matrices
+from libgz.rendering.shot import Content, Fog, Item, Light, Shot, View
 
 __all__ = ["Scene", "SceneWorld"]
 
 log = logging.getLogger("libgz.rendering")
 
+VERSION = attrgetter("version")
 NOT_ITEMS = (DomeGeom, FrustrumGeom, LightGeom, PlaneGeom, RayGeom)
 
 
@@ -137,7 +140,7 @@ class Scene:
         return Shot(
             view=view,
             content=self._content,
-            poses=self._poses(engine),
+            states=self._states(engine),
             planes=self._planes,
             lights=tuple(_light(geom) for geom in self._lights),
             sky=world.skyColor,
@@ -148,15 +151,14 @@ class Scene:
             shadows=_shadows(view, world.backdrop),
         )
 
-    def _poses(self, engine: Engine) -> NDArray[np.float64]:
-        """Poses of all items now, shape (n, 4, 4)."""
-        states = np.empty((len(self._rows), 7))
-        real = self._rows >= 0
-        states[real] = engine.states[self._rows[real], :7]
+    def _states(self, engine: Engine) -> NDArray[np.float64]:
+        """Positions and quaternions of all items now, shape (n, 7)."""
+        states = np.empty((len(self._content.items), 7))
+        if len(self._rows):
+            states[self._moving] = engine.states[self._rows, :7]
         for i, body in self._dummies:
-            pose = body.GetPose()
-            states[i] = (*pose.pos, *pose.rot)
-        return pose_matrices(states)
+            states[i] = body.frame()
+        return states
 
     def _refresh(self) -> None:
         """Collect the content again, if geoms were added, removed, or changed their appearance."""
@@ -168,7 +170,7 @@ class Scene:
             self._looks = [geom.appearance for geom in self._geoms]
             self._skins = [geom for geom in self._geoms if isinstance(geom, SkinGeom)]
             self._versions = None
-        versions = [look.version for look in self._looks]
+        versions = [*map(VERSION, self._looks)]
         if self._skins:
             for skin in self._skins:
                 skin.bend()
@@ -202,25 +204,50 @@ class Scene:
                     items.append(Item(tuple(group), owner.get(body, 0), key, group[0] in clear, casts))
                     bodies.append(body)
         self._content = Content(tuple(items))
-        self._rows = np.array([body.row for body in bodies], dtype=np.int64)
+        self._moving = np.array([i for i, body in enumerate(bodies) if not body.dummy], dtype=np.int64)
+        self._rows = np.array([bodies[i].row for i in self._moving], dtype=np.int64)
         self._dummies = [(i, body) for i, body in enumerate(bodies) if body.dummy]
 
 
 def _light(geom: LightGeom) -> Light:
-    look, pose = geom.appearance, geom.body.GetPose()
-    place = GzCoordPositionAdd(geom.GetRelativePose().pos, pose.pos, pose.rot)
-    way = rotate(GzQuaternMul(pose.rot, geom.GetRelativePose().rot), geom.direction)
-    return Light(
-        (place.x, place.y, place.z),
-        look.ambient,
-        look.diffuse,
-        look.specular,
+    look, on_body = geom.appearance, geom.GetRelativePose()
+    return _placed_light(
+        (*geom.body.frame(), *on_body.pos, *on_body.rot, *geom.direction),
+        ((*look.ambient,), (*look.diffuse,), (*look.specular,)),
         (*geom.attenuation,),
         geom.kind,
-        (way.x, way.y, way.z),
         geom.spot,
         geom.range,
         geom.cast_shadows,
+    )
+
+
+@lru_cache(64)
+def _placed_light(
+    places: tuple[float, ...],
+    colors: tuple[tuple[float, ...], ...],
+    attenuation: tuple[float, float, float],
+    kind: str,
+    spot: tuple[float, float, float],
+    range: float,
+    shadows: bool,
+) -> Light:
+    """A light, the same object while nothing of it changes; `places`: of its body, on it, and its direction."""
+    body_pos, body_rot, pos, rot, direction = (places[a:b] for a, b in ((0, 3), (3, 7), (7, 10), (10, 14), (14, 17)))
+    place = GzCoordPositionAdd(pos, body_pos, body_rot)
+    way = rotate(GzQuaternMul(body_rot, rot), direction)
+    ambient, diffuse, specular = (GzColor(*color) for color in colors)
+    return Light(
+        (place.x, place.y, place.z),
+        ambient,
+        diffuse,
+        specular,
+        attenuation,
+        kind,
+        (way.x, way.y, way.z),
+        spot,
+        range,
+        shadows,
     )
 
 

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from libgz.errors import LibraryError
 from libgz.rendering.gl import GL, Constant
-from libgz.rendering.library import SEGMENTS, Table
-from libgz.rendering.shot import Light, Shot, View
+from libgz.rendering.library import Table
+from libgz.rendering.selection import LARGE, SMALL
+from libgz.rendering.shot import Light, Shot, View, pose_matrices
+from libgz.rendering.submission import Submitter
 
 __all__ = ["FIRST_UNIT", "MAPS", "SIZE", "Balls", "Fit", "ShadowMaps", "lamp_fits", "pick", "sun_fits"]
 
@@ -44,10 +46,10 @@ class Balls(NamedTuple):
     @classmethod
     def of(cls, shot: Shot, table: Table) -> Balls:
         """Those of a shot's items."""
-        middles = np.array(table.middles, dtype=np.float64).reshape(-1, 3)
-        centres = np.einsum("nij,nj->ni", shot.poses[:, :3, :3], middles) + shot.poses[:, :3, 3]
+        poses = pose_matrices(shot.states)
+        centres = np.einsum("nij,nj->ni", poses[:, :3, :3], table.middles) + poses[:, :3, 3]
         cast = np.array([item.casts for item in shot.content.items], dtype=bool)
-        return cls(centres, np.array(table.spreads, dtype=np.float64), cast & (table.radii > 0.0))
+        return cls(centres, table.spreads, cast & (table.radii > 0.0))
 
 
 class Fit(NamedTuple):
@@ -223,8 +225,8 @@ def _in_view(view: View, balls: Balls) -> NDArray[np.bool_]:
 class ShadowMaps:
     """The textures of the maps, and how they are rendered. For the context's thread only."""
 
-    def __init__(self, gl: GL) -> None:
-        self.gl = gl
+    def __init__(self, gl: GL, submitter: Submitter) -> None:
+        self.gl, self._submitter = gl, submitter
         self._targets: dict[int, tuple[int, int]] = {}  # of each map: framebuffer, texture
 
     def render(self, shot: Shot, table: Table) -> tuple[tuple[int | None, int | None], list[Fit | None]]:
@@ -254,13 +256,12 @@ class ShadowMaps:
         gl.glMatrixMode(Constant.MODELVIEW)
         gl.glEnable(Constant.POLYGON_OFFSET_FILL)
         gl.glPolygonOffset(1.5, 4.0)
-        matrices = np.ascontiguousarray((fit.matrix @ shot.poses[fit.casters]).transpose(0, 2, 1))
-        start = matrices.ctypes.data
+        poses = pose_matrices(shot.states[fit.casters])
+        matrices = np.ascontiguousarray((fit.matrix @ poses).transpose(0, 2, 1))
         away = balls.centres[fit.casters] @ fit.matrix[3, :3] + fit.matrix[3, 3]
         fine = balls.radii[fit.casters] > FINE * fit.texel * np.maximum(away, NEAREST)
-        for k, (caster, finer) in enumerate(zip(fit.casters.tolist(), fine.tolist(), strict=True)):
-            gl.glLoadMatrixd(start + 128 * k)
-            gl.glCallList(table.list(caster, SEGMENTS[0] if finer else SEGMENTS[1]))
+        lists = table.lists(fit.casters, np.where(fine, LARGE, SMALL))
+        self._submitter.submit(matrices, np.arange(len(lists)), lists)
         gl.glDisable(Constant.POLYGON_OFFSET_FILL)
 
     def _target(self, i: int) -> int:

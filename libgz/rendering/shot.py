@@ -49,25 +49,29 @@ class View:
         """Focal length [px], the same in both directions."""
         return self.width / (2.0 * math.tan(self.hfov / 2.0))
 
+    @property
+    def tangents(self) -> tuple[float, float]:
+        """Tangents of half the fields of view, horizontally and vertically."""
+        return self.width / (2.0 * self.focal), self.height / (2.0 * self.focal)
+
     def eye(self) -> NDArray[np.float64]:
         """From the world into GL's eye frame (x right, y up, z backward), shape (4, 4)."""
-        matrix = pose_matrix(self.pose)
-        turn = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
-        rotation = turn @ matrix[:3, :3].T
-        result = np.eye(4)
-        result[:3, :3] = rotation
-        result[:3, 3] = -rotation @ matrix[:3, 3]
-        return result
+        ahead, left, up = zip(*_rotation(self.pose), strict=True)
+        x, y, z = self.pose.pos
+        rows = [tuple(-c for c in left), up, tuple(-c for c in ahead)]
+        return np.array([*((a, b, c, -(a * x + b * y + c * z)) for a, b, c in rows), (0.0, 0.0, 0.0, 1.0)])
 
     def projection(self) -> NDArray[np.float64]:
         """From the eye frame into clip coordinates, shape (4, 4); y downwards, so that rows come out top first."""
         near, far = self.near, self.far
-        result = np.zeros((4, 4))
-        result[0, 0] = 2.0 * self.focal / self.width
-        result[1, 1] = -2.0 * self.focal / self.height
-        result[2, 2], result[2, 3] = -(far + near) / (far - near), -2.0 * far * near / (far - near)
-        result[3, 2] = -1.0
-        return result
+        return np.array(
+            (
+                (2.0 * self.focal / self.width, 0.0, 0.0, 0.0),
+                (0.0, -2.0 * self.focal / self.height, 0.0, 0.0),
+                (0.0, 0.0, -(far + near) / (far - near), -2.0 * far * near / (far - near)),
+                (0.0, 0.0, -1.0, 0.0),
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -129,7 +133,7 @@ class Shot:
 
     view: View
     content: Content
-    poses: NDArray[np.float64]  # of the items, shape (n, 4, 4)
+    states: NDArray[np.float64]  # of the items: position [m] and unit quaternion (u, x, y, z), shape (n, 7)
     planes: tuple[Geom, ...]
     lights: tuple[Light, ...]
     sky: GzColor
@@ -142,14 +146,17 @@ class Shot:
 
 def pose_matrix(pose: GzPose) -> NDArray[np.float64]:
     """A pose as a matrix, shape (4, 4)."""
+    rows = zip(_rotation(pose), pose.pos, strict=True)
+    return np.array([*((*row, offset) for row, offset in rows), (0.0, 0.0, 0.0, 1.0)])
+
+
+def _rotation(pose: GzPose) -> tuple[tuple[float, float, float], ...]:
+    """The rows of a pose's rotation matrix."""
     u, x, y, z = pose.rot
-    return np.array(
-        (
-            (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - u * z), 2.0 * (x * z + u * y), pose.pos.x),
-            (2.0 * (x * y + u * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - u * x), pose.pos.y),
-            (2.0 * (x * z - u * y), 2.0 * (y * z + u * x), 1.0 - 2.0 * (x * x + y * y), pose.pos.z),
-            (0.0, 0.0, 0.0, 1.0),
-        )
+    return (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - u * z), 2.0 * (x * z + u * y)),
+        (2.0 * (x * y + u * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - u * x)),
+        (2.0 * (x * z - u * y), 2.0 * (y * z + u * x), 1.0 - 2.0 * (x * x + y * y)),
     )
 
 

@@ -18,14 +18,13 @@ from lxml import etree
 from libgz.errors import Diagnostics, Remark, WorldFileError
 from libgz.sdf.description import LATER, NEWEST
 from libgz.sdf.macros import expanded
-from libgz.sdf.urdf import ROBOT, sdf_of
-from libgz.sdf.xml import child_of, line_of, local_name, parse_document
+from libgz.sdf.urdf import sdf_of
+from libgz.sdf.xml import ROBOT, ROOTS, child_of, line_of, local_name, parse_document
 
-__all__ = ["OLDEST", "ROOTS", "Change", "convert", "upgrade_document"]
+__all__ = ["OLDEST", "Change", "convert", "upgrade_document"]
 
 OLDEST = "1.0"
 VERSIONS = (OLDEST, "1.1", "1.2", "1.3", "1.4", "1.5", NEWEST)
-ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
 SENSORS = ("camera", "ray", "contact")  # types with an element of their name
 TABLE = Path(__file__).with_name("conversions.tsv")
 KINDS = {"rate": "angular_velocity", "accel": "linear_acceleration"}  # of the noise of an <imu>

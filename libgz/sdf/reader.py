@@ -5,30 +5,27 @@ from __future__ import annotations
 import functools
 import math
 import os
-from io import BytesIO
 from pathlib import Path
-from typing import IO
 
 from lxml import etree
 
 from libgz.errors import Diagnostics, NotFoundError, ParameterError, Place, WorldFileError, nearest
 from libgz.files import read_limited
 from libgz.geometry import GzPose, GzQuatern, GzQuaternFromEuler, GzVector
-from libgz.sdf.conversion import OLDEST, ROOTS, convert
+from libgz.sdf.conversion import OLDEST, convert
 from libgz.sdf.description import NEWEST, UNSET, VERSIONS, Description, describe
 from libgz.sdf.element import Element, Param
 from libgz.sdf.frames import merge, resolve_frames
 from libgz.sdf.macros import expanded
 from libgz.sdf.paths import find_model
 from libgz.sdf.unsimulated import warn_of_unsimulated
-from libgz.sdf.urdf import ROBOT, sdf_of
+from libgz.sdf.urdf import sdf_of
 from libgz.sdf.value import check, exact_pose, parse, repaired
-from libgz.sdf.xml import line_of, local_name, parse_document, tag_name
+from libgz.sdf.xml import ROBOT, ROOTS, line_of, local_name, parse_document, tag_name
 
-__all__ = ["SdfFile", "is_robot_text", "is_sdf", "is_sdf_text"]
+__all__ = ["SdfFile"]
 
 DEEPEST_INCLUDE = 20
-READABLE = (*ROOTS, ROBOT)  # root elements
 UNIQUE = ("model", "actor", "light", "collision", "visual")  # whose names must differ; models check links and joints
 # (parent, child): all that occur have an effect, though the description of SDF allows one.
 REPEATED = {
@@ -371,32 +368,3 @@ def _repeated(parent: Element, name: str) -> bool:
     """Whether further elements of this name have an effect."""
     what = parent.attributes["type"].text if parent.name == "sensor" else parent.name
     return (what, name) in REPEATED
-
-
-def is_sdf(filename: str | os.PathLike[str]) -> bool:
-    """Whether the root of a file is `<sdf>`, the older `<gazebo>`, or URDF's `<robot>`; false for what is not XML."""
-    try:
-        with Path(filename).open("rb") as stream:
-            return _root_of(stream) in READABLE
-    except OSError:
-        return False
-
-
-def is_sdf_text(text: str) -> bool:
-    """The same for a text."""
-    return _root_of(BytesIO(text.encode())) in READABLE
-
-
-def is_robot_text(text: str) -> bool:
-    """Whether a text is a robot description (URDF)."""
-    return _root_of(BytesIO(text.encode())) == ROBOT
-
-
-def _root_of(stream: IO[bytes]) -> str:
-    """The name of a document's root element; empty for what is not XML."""
-    try:
-        events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
-        _, root = next(iter(events))
-        return local_name(root)
-    except (StopIteration, etree.XMLSyntaxError):
-        return ""

@@ -26,9 +26,8 @@ from libgz.sdf.robot import (
 )
 from libgz.sdf.xml import child_of, local_name
 
-__all__ = ["ROBOT", "sdf_of"]
+__all__ = ["sdf_of"]
 
-ROBOT = "robot"  # the root element
 LUMP = "_fixed_joint_lump__"  # in the names of shapes that were lumped into another link
 MATERIALS = "file://media/materials/scripts/gazebo.material"
 # Elements of <gazebo reference='LINK'> -> where their value stands in a collision.

@@ -10,7 +10,11 @@ from lxml import etree
 from libgz.errors import Diagnostics, Place, WorldFileError
 from libgz.files import xml_parser
 
-__all__ = ["child_of", "line_of", "local_name", "parse_document", "tag_name"]
+__all__ = ["READABLE", "ROBOT", "ROOTS", "child_of", "line_of", "local_name", "parse_document", "tag_name"]
+
+ROOTS = ("sdf", "gazebo")  # of documents; the second one until 1.2
+ROBOT = "robot"  # of a robot description (URDF)
+READABLE = (*ROOTS, ROBOT)
 
 _DECLARATION = re.compile(rb"<\?xml\s[^>]*\?>")
 _ENCODING = re.compile(rb"encoding\s*=\s*[\"']([\w.:-]+)")

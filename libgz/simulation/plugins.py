@@ -10,7 +10,7 @@ import traceback
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from importlib.abc import SourceLoader
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any
 
@@ -138,7 +138,7 @@ def load_plugin(path: Path) -> Plugin:
     name = f"libgz_plugin_{path.parent.name if path.stem == '__init__' else path.stem}_{zlib.crc32(bytes(path)):08x}"
     folder = [str(path.parent)] if path.stem == "__init__" else None
     spec = importlib.util.spec_from_file_location(name, path, submodule_search_locations=folder)
-    if spec is None or not isinstance(spec.loader, SourceLoader):
+    if spec is None or not isinstance(spec.loader, SourceFileLoader):
         raise PluginError(f"error loading plugin: {path} is not a Python file")
     plugin.module = importlib.util.module_from_spec(spec)
     before = sys.modules.get(name)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
@@ -37,7 +35,7 @@ def save(world: World) -> bytes:
     plain = {
         "file": world.era.digest,
         "world": state.get_state(world),
-        "spawned": world.random.n_children_spawned,
+        "spawned": world.spawned,
         "inserted": world.journal.inserted,
         "sources": [tuple(source) for source in sources],
         "entities": [_saved_entity(entity, sources, number) for entity in world.entities],
@@ -81,7 +79,7 @@ def restore(world: World, data: bytes, *, anew: bool = False) -> None:
     for companion in world.companions:
         companion.entities_rebuilt()
     state.set_state(world, saved["world"])
-    world.random = np.random.SeedSequence(world.seed, n_children_spawned=saved["spawned"])
+    world.restart_random(saved["spawned"])
     world.journal.inserted = saved["inserted"]
     for entity, kept in zip(world.entities, saved["entities"], strict=True):
         _load_entity(world, entity, kept)

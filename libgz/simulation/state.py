@@ -21,6 +21,7 @@ import ctypes
 import io
 import pickle
 import random
+import sys
 from collections import deque
 from collections.abc import Callable, Sequence
 from functools import wraps
@@ -151,6 +152,11 @@ def carry_state(thing: Any, state: Any) -> None:
     set_state(thing, kept)
 
 
+def _is_generator(value: object) -> bool:
+    """Whether a value is a generator of numpy, which loads them slowly; before that there are none."""
+    return "numpy.random" in sys.modules and isinstance(value, np.random.Generator)
+
+
 def _saved(value: Any) -> Any:
     kind: Any = type(value)
     if kind in _PLAIN:
@@ -163,7 +169,7 @@ def _saved(value: Any) -> Any:
         return {key: _saved(item) for key, item in value.items()}
     if isinstance(value, ctypes.Array):
         return value[:]
-    if isinstance(value, np.random.Generator):
+    if _is_generator(value):
         return value.bit_generator.state
     if isinstance(value, random.Random):
         return value.getstate()
@@ -175,7 +181,7 @@ def _loaded(before: Any, value: Any) -> Any:
     kind: Any = type(before)
     if kind in _PLAIN:
         return value
-    if isinstance(before, np.random.Generator):
+    if _is_generator(before):
         before.bit_generator.state = value
     elif isinstance(before, random.Random):
         before.setstate(value)

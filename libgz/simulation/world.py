@@ -149,7 +149,8 @@ class World(Closing):
         )
         self.engine = Engine(seed=seed, solver=solver)
         self.seed = seed
-        self.random = np.random.SeedSequence(seed)
+        self._random: np.random.SeedSequence | None = None
+        self._spawned = 0  # as long as that is not needed
         self.name = "default"
         self.clone_name = ""
         self.clock = Clock()
@@ -1083,6 +1084,22 @@ class World(Closing):
         if self._rewind is not None:
             self._rewind.clear()
 
+    @property
+    def random(self) -> np.random.SeedSequence:
+        """Parent of the random numbers of sensors and models; made when first used, because numpy loads it slowly."""
+        if self._random is None:
+            self._random = np.random.SeedSequence(self.seed, n_children_spawned=self._spawned)
+        return self._random
+
+    @property
+    def spawned(self) -> int:
+        """How many generators were made from `random`."""
+        return self._spawned if self._random is None else self._random.n_children_spawned
+
+    def restart_random(self, spawned: int) -> None:
+        """Make `random` that of the present seed, from which so many generators were made."""
+        self._random, self._spawned = None, spawned
+
     def reseed(self, seed: int) -> None:
         """Begin new random numbers, those of a world that was made with this seed: of sensors' noise and of ODE.
 
@@ -1097,7 +1114,7 @@ class World(Closing):
         with self.lock:
             self._check_ready("given a seed")
             self.seed = self.engine.seed = seed
-            self.random = np.random.SeedSequence(seed, n_children_spawned=self.random.n_children_spawned)
+            self.restart_random(self.spawned)
             for companion in self.companions:
                 companion.reseed(seed)
 

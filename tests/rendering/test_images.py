@@ -112,9 +112,6 @@ def test_golden_images(case, context, monkeypatch):
 
 SIDE_BY_SIDE = """
 import os, sys
-from OpenGL.platform import ctypesloader
-if sys.argv[1] == "alone":
-    ctypesloader.loadLibrary = lambda *words, **more: None
 import libgz, numpy as np
 from libgz.rendering.camera import Camera
 images, cameras = [], []
@@ -127,19 +124,18 @@ for choice in ("osmesa", "egl"):
 for _ in range(2):
     images = [camera.Update().astype(int) for camera in cameras]
 print([camera._scene.thread.context.name for camera in cameras], np.ptp(images[0]) > 30,
-      np.abs(images[0] - images[1]).max() <= 16)
+      np.abs(images[0] - images[1]).max() <= 16, "OpenGL" in sys.modules)
 """
 
 
-@pytest.mark.parametrize("libraries", ["all", "alone"])
-def test_both_kinds_of_contexts_stand_side_by_side_and_need_no_other_gl_library(libraries):
-    run = subprocess.run([sys.executable, "-c", SIDE_BY_SIDE, libraries], capture_output=True, text=True)
-    assert run.stdout == "['osmesa', 'egl'] True True\n", run.stderr
+def test_both_kinds_of_contexts_stand_side_by_side():
+    run = subprocess.run([sys.executable, "-c", SIDE_BY_SIDE], capture_output=True, text=True)
+    assert run.stdout == "['osmesa', 'egl'] True True False\n", run.stderr
 
 
 def test_a_name_that_opengl_lacks_is_told():
     context = open_context()
-    with pytest.raises(AttributeError, match="OpenGL has no glBegun"):
+    with pytest.raises(AttributeError, match="'glBegun' is not declared"):
         _ = context.gl.glBegun
     context.close()
 
@@ -362,7 +358,7 @@ def test_textures_are_made_once_and_not_as_part_of_a_list():
         camera.SetPose(GzPosePointAt(GzVector(-3, 0, 2), GzVector(0, 0, 0), GzVector(0, 0, 1)))
         camera.Update()
         made = [i for i, name in enumerate(calls) if name == "glTexImage2D"]
-        assert len(made) == 1 + 8  # the solid's with its mipmaps, and the ground's of 128, 64 ... 1 texels
+        assert len(made) == 8 + 8  # the solid's and the ground's, each of 128, 64 ... 1 texels
         for i in made:
             assert calls[:i].count("glNewList") == calls[:i].count("glEndList")
 

@@ -15,7 +15,8 @@ import libgz
 from libgz.errors import WorldFileError
 from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.sdf.conversion import upgrade_document
-from libgz.sdf.reader import SdfFile, is_sdf, is_sdf_text
+from libgz.sdf.reader import SdfFile
+from libgz.sdf.recognition import is_sdf, is_sdf_text
 
 ROBOTS = Path(__file__).parent.parent / "data" / "urdf"
 REFERENCE = json.loads((ROBOTS / "sdformat12.json").read_text())

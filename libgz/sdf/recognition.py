@@ -1,0 +1,43 @@
+"""Recognition of SDF, apart from its reader, which worlds of other formats do without."""
+
+from __future__ import annotations
+
+import os
+from io import BytesIO
+from pathlib import Path
+from typing import IO
+
+from lxml import etree
+
+from libgz.sdf.xml import READABLE, ROBOT, local_name
+
+__all__ = ["is_robot_text", "is_sdf", "is_sdf_text"]
+
+
+def is_sdf(filename: str | os.PathLike[str]) -> bool:
+    """Whether the root of a file is `<sdf>`, the older `<gazebo>`, or URDF's `<robot>`; false for what is not XML."""
+    try:
+        with Path(filename).open("rb") as stream:
+            return _root_of(stream) in READABLE
+    except OSError:
+        return False
+
+
+def is_sdf_text(text: str) -> bool:
+    """The same for a text."""
+    return _root_of(BytesIO(text.encode())) in READABLE
+
+
+def is_robot_text(text: str) -> bool:
+    """Whether a text is a robot description (URDF)."""
+    return _root_of(BytesIO(text.encode())) == ROBOT
+
+
+def _root_of(stream: IO[bytes]) -> str:
+    """The name of a document's root element; empty for what is not XML."""
+    try:
+        events = etree.iterparse(stream, events=("start",), resolve_entities=False, no_network=True, recover=True)
+        _, root = next(iter(events))
+        return local_name(root)
+    except (StopIteration, etree.XMLSyntaxError):
+        return ""

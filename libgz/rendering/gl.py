@@ -1,7 +1,8 @@
-"""OpenGL, bound to one context at a time.
+"""OpenGL as PyOpenGL declares it, bound to one context at a time.
 
-Each context binds the functions of `gl_prototypes` to its own library, so OSMesa and EGL can be tried in turn and used
-together. Arrays are passed as ctypes arrays or addresses; a call costs a quarter of a microsecond.
+PyOpenGL's own functions belong to the one platform that it chose at its first import. Only its constants and prototypes
+are used here. Each context binds them to its own library, so OSMesa and EGL can be tried in turn and used together.
+Arrays are passed as ctypes arrays or addresses; a call costs a quarter of a microsecond.
 """
 
 from __future__ import annotations
@@ -9,36 +10,57 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from ctypes import c_char_p, c_double, c_float, c_int, c_ubyte, c_uint, c_void_p
-from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
+from OpenGL import platform  # type: ignore[import-untyped]
+
 from libgz.errors import LibraryError
-from libgz.rendering.gl_constants import Constant
-from libgz.rendering.gl_prototypes import PROTOTYPES
 
 __all__ = ["GL", "Constant", "floats"]
 
-TYPES: dict[str, Any] = {
-    "void": None,
-    "data": c_void_p,
-    "double": c_double,
-    "float": c_float,
-    "int": c_int,
-    "text": c_char_p,
-    "ubyte": c_ubyte,
-    "uint": c_uint,
-}
+try:
+    _library = platform.PLATFORM.GL
+except ImportError:
+    _library = None
+if _library is None:  # with OSMesa or EGL alone, the declarations still need a library
+    platform.PLATFORM.GL = SimpleNamespace(glGetError=None)
+try:
+    _current = platform.PLATFORM.GetCurrentContext
+except (AttributeError, ImportError):  # no GLX either
+    platform.PLATFORM.GetCurrentContext = None
+
+from OpenGL.raw.GL.VERSION import (  # type: ignore[import-untyped]
+    GL_1_1,
+    GL_1_2,
+    GL_1_3,
+    GL_1_4,
+    GL_2_0,
+    GL_3_0,
+)
+
+VERSIONS = (GL_1_1, GL_1_2, GL_1_3, GL_1_4, GL_2_0, GL_3_0)  # 1.1 has all of 1.0
+PLAIN = {None, c_double, c_float, c_int, c_ubyte, c_uint}  # all other types are arrays
 WAITING = {"glFinish", "glReadPixels"}  # these render or wait, and release the interpreter lock meanwhile
 
 
-@cache
-def _declared() -> dict[str, tuple[str, list[str]]]:
-    """Function name -> names of the types of its result and of its arguments."""
-    found = {}
-    for line in PROTOTYPES.split("\n")[1:-1]:
-        result, name, arguments = line.replace("(", " ", 1).rstrip(")").split(" ", 2)
-        found[name] = (result, arguments.split(", ") if arguments else [])
-    return found
+def _declared(name: str) -> Any:
+    for version in VERSIONS:
+        if hasattr(version, name):
+            return getattr(version, name)
+    raise AttributeError(f"OpenGL has no {name} up to version 3.0")
+
+
+class _Constants:
+    """Values of the GL headers, without the prefix GL_: ``Constant.LIGHTING``."""
+
+    def __getattr__(self, name: str) -> int:
+        value = int(_declared(f"GL_{name}"))
+        setattr(self, name, value)
+        return value
+
+
+Constant = _Constants()
 
 
 class GL:
@@ -55,11 +77,11 @@ class GL:
         self._address_of = address_of
 
     def __getattr__(self, name: str) -> Callable[..., Any]:
-        if name not in _declared():
-            raise AttributeError(f"OpenGL function {name!r} is not declared in gl_prototypes.py")
-        result, arguments = _declared()[name]
+        declared = _declared(name)
+        result = declared.restype if declared.restype in PLAIN else c_char_p
+        arguments = [kind if kind in PLAIN else c_void_p for kind in declared.argtypes]
         signature = ctypes.CFUNCTYPE if name in WAITING else ctypes.PYFUNCTYPE
-        function: Callable[..., Any] = signature(TYPES[result], *map(TYPES.__getitem__, arguments))(self.address(name))
+        function: Callable[..., Any] = signature(result, *arguments)(self.address(name))
         setattr(self, name, function)
         return function
 

@@ -2,7 +2,6 @@
 
 import ctypes
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,7 @@ from libgz.geometry import GzPose, GzPosePointAt, GzQuatern, GzVector
 from libgz.rendering import renderer, selection
 from libgz.rendering.camera import Camera
 from libgz.rendering.context import open_context
-from libgz.rendering.gl import TYPES, Constant, _declared
+from libgz.rendering.gl import Constant
 from libgz.rendering.library import Library
 from libgz.rendering.native import find_native
 from libgz.rendering.selection import LEVELS, LocalLight, Rounds, Selector
@@ -177,27 +176,6 @@ def test_equal_materials_are_set_once_in_a_list():
 
 
 # OpenGL ----------------------------------------------------------------------------------------------------------
-
-
-def test_declarations_are_those_of_the_headers():
-    versions = [
-        pytest.importorskip(f"OpenGL.raw.GL.VERSION.GL_{name}") for name in ("1_1", "1_2", "1_3", "1_4", "2_0", "3_0")
-    ]
-    known = {name: getattr(version, name) for version in reversed(versions) for name in dir(version)}
-    for name, value in vars(Constant).items():
-        if name.isupper():
-            assert value == int(known[f"GL_{name}"]), name
-    for name, (result, arguments) in _declared().items():
-        for found, kind in zip((result, *arguments), (known[name].restype, *known[name].argtypes), strict=True):
-            assert TYPES[found] is kind or found in ("data", "text"), name
-
-
-def test_all_functions_that_are_used_are_declared():
-    used = {
-        name for path in (ROOT / "libgz").rglob("*.py") for name in re.findall(r"\bgl\.(gl[A-Z]\w+)", path.read_text())
-    }
-    assert used <= _declared().keys()
-    assert len(used) > 60
 
 
 @pytest.mark.parametrize("size", [(64, 32), (8, 8), (1, 1)])

@@ -36,11 +36,12 @@ class Block:
 
 @dataclass
 class Lamp:
-    """A light that flashes: its geom, range when on [m], colour, and rhythm."""
+    """A light that flashes: `link/light`, its geom, range when on [m], colour, and rhythm."""
 
-    geom: LightGeom
+    name: str
+    geom: LightGeom | None
     range: float
-    color: GzColor
+    color: GzColor | None
     blocks: list[Block]
 
     def block_at(self, time: float) -> tuple[Block, bool]:
@@ -84,14 +85,15 @@ class FlashLightPlugin(ModelPlugin):
         for element in sdf.named("light"):
             name = element.Get(str, "light_id").strip()
             geom = self._find(element, name)
-            self.lamps[name] = Lamp(geom, geom.range, geom.GetDiffuseColor(), self._blocks(element))
+            reach, color = (geom.range, geom.GetDiffuseColor()) if geom is not None else (0.0, None)
+            self.lamps[name] = Lamp(name, geom, reach, color, self._blocks(element))
             self.start[name] = element.Get(bool, "enable", together)[0]
         if not self.lamps:
             raise NotFoundError(f"{sdf.where}: <light> is missing; there must be one for each light that flashes")
         self.Reset()
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
-    def _find(self, element: Element, name: str) -> LightGeom:
+    def _find(self, element: Element, name: str) -> LightGeom | None:
         link_name, _, light_name = name.rpartition("/")
         found: dict[str, LightGeom] = {}
         for link in self.model.family_links():
@@ -133,10 +135,13 @@ class FlashLightPlugin(ModelPlugin):
         now = info.simTime.Double()
         for name, lamp in self.lamps.items():
             block, lit = lamp.block_at(now - self.since[name])
-            self.show(lamp, block.color or lamp.color, lit and self.running[name])
+            self.show(lamp, block.color, lit and self.running[name])
 
-    def show(self, lamp: Lamp, color: GzColor, lit: bool) -> None:
-        """Switch a light on or off."""
+    def show(self, lamp: Lamp, color: GzColor | None, lit: bool) -> None:
+        """Switch a light on, in a colour or its own, or off."""
+        color = color or lamp.color
+        if lamp.geom is None or color is None:
+            return
         reach = lamp.range if lit else 0.0
         if lamp.geom.range != reach:
             lamp.geom.range = reach

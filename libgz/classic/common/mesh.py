@@ -167,6 +167,8 @@ class SubMesh:
         a, b, c = (self.vertices[self.triangles()[:, i]] for i in range(3))
         return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0
 
+    GetVertex, GetNormal, GetMin, GetMax = Vertex, Normal, Min, Max
+
 
 class Mesh:
     """A named mesh of submeshes."""
@@ -263,6 +265,8 @@ class Mesh:
         corners = [int(i + start) for part, start in zip(self._parts, starts, strict=False) for i in part.indices]
         rows = [part.vertices.ravel() for part in self._parts] or [np.zeros(0)]
         return np.concatenate(rows), corners
+
+    GetMin, GetMax = Min, Max
 
     def __repr__(self) -> str:
         return f"<Mesh {self._name!r} of {self.GetSubMeshCount()} submeshes, {self.GetIndexCount() // 3} triangles>"

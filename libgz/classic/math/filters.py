@@ -127,8 +127,6 @@ class _TwoPoles(Filter[S]):
         """Set the output, as if the input had been this for long."""
         self._value = self._x1 = self._x2 = self._y1 = self._y2 = value
 
-    Set = SetValue
-
     def _next(self, x: S) -> S:
         y: S = (x + self._x1 * 2.0 + self._x2) * self._a0 - self._y1 * self._b1 - self._y2 * self._b2
         self._x2, self._x1, self._y2, self._y1 = self._x1, x, self._y1, y

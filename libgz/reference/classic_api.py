@@ -1,8 +1,8 @@
 """The public API of Gazebo classic as a table, and what of it libgz has.
 
-`classic_api.tsv` has a row for each method, field, function and constant of the headers of Gazebo 11 and its libraries that
-plugins can use, and of older names: class, name, state, note. A state is `present`; `old`, present under a name of Gazebo
-7 and before; `absent`, with the reason or what serves instead; or `added`, libgz's own, with the reason.
+`classic_api.tsv` has a row for each method, field, function and constant of the headers of Gazebo 11 and its libraries
+that plugins can use, and of older names: class, name, state, note. A state is `present`; `old`, present under a name of
+Gazebo 7 and before; `absent`, with the reason or what serves instead; or `added`, libgz's own, with the reason.
 """
 
 from __future__ import annotations
@@ -63,11 +63,7 @@ def has(holder: str, name: str) -> bool:
     kind = _class_of(holder)
     if kind is None:
         return False
-    if name in _fields(kind):
-        return True
-    if name.startswith("Connect") or inspect.ismodule(kind):
-        return hasattr(kind, name)
-    return name in dir(kind)
+    return name in _fields(kind) or hasattr(kind, name)
 
 
 def _fields(kind: Any) -> set[str]:
@@ -100,10 +96,8 @@ def _own_names(kind: type) -> Iterator[str]:
     for base in kind.__mro__:
         inside = base.__module__.startswith("libgz.classic")
         if base is kind or (inside and base.__name__ not in getattr(package, "__all__", ())):
-            yield from (name for name, thing in vars(base).items() if name[0].isupper() and _is_method(name, thing))
+            yield from (name for name, thing in vars(base).items() if name[0].isupper() and _is_method(thing))
 
 
-def _is_method(name: str, thing: object) -> bool:
-    return name not in ("STATE", "KEYS", "KINDS") and isinstance(thing, classmethod | staticmethod | property) or (
-        callable(thing) and not inspect.isclass(thing)
-    )
+def _is_method(thing: object) -> bool:
+    return isinstance(thing, classmethod | staticmethod | property) or (callable(thing) and not inspect.isclass(thing))

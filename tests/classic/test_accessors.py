@@ -15,6 +15,7 @@ ARGUMENTS = {  # of classes that cannot be made without
 }
 EXCEPTIONS = {
     math.Matrix3d: {"SetAxes": "Axes sets, too: it is the same function"},
+    math.Matrix4d: {"SetTranslate": "Translate sets, too: it is the same function"},
     math.Vector3d: {
         "Max": "an argument raises components, and none is set to it",
         "Min": "an argument lowers components, and none is set to it",
@@ -27,11 +28,12 @@ VALUES = {
         name: (math.MassMatrix3d(2.0, (1.0, 2.0, 3.0)), math.MassMatrix3d(1.0, (0.1, 0.1, 0.1)))
         for name in ("MassMatrix", "SetMassMatrix")
     },
-    math.BiQuad: {name: (1.0, 2.0) for name in ("Set", "SetValue")},
+    math.BiQuad: dict.fromkeys(("Set", "SetValue"), (1.0, 2.0)),
     math.BiQuadVector3: {name: (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4)) for name in ("Set", "SetValue")},
     math.OnePole: {"Set": (1.0, 2.0)},
     math.OnePoleVector3: {"Set": (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4))},
     math.OnePoleQuaternion: {"Set": (math.Quaterniond(0, 0, 1), math.Quaterniond(1, 0, 0))},
+    math.Matrix4d: {"SetTranslation": (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4))},
     math.Vector2i: {"X": (2, 3), "Y": (2, 3)},
     common.SphericalCoordinates: {"SetSurfaceType": (common.SphericalCoordinates.EARTH_WGS84,)},
 }

@@ -45,6 +45,9 @@ NOT_MADE = {
     common.ConsoleHandler: "a handler of logging",
     common.LogFormatter: "a formatter of logging",
     common.SkeletonAnimation: "a view of an actor's, without setters",
+    common.Mesh: "test_more_common.py has one with vertices",
+    common.SubMesh: "test_more_common.py has one with vertices",
+    math.PlaneSide: "an enumeration",
     common.SystemPaths: "has no setters, and is one of the process",
 }
 

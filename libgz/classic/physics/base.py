@@ -10,7 +10,6 @@ from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, p
 
 if TYPE_CHECKING:
     from libgz.classic.common import PoseAnimation
-    from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import Link, Model, World
     from libgz.sdf.element import Element
 
@@ -310,7 +309,7 @@ class Entity(Base):
         """A link below it by name or scoped name; None if there is none."""
         return find_named((part for part in self.tree() if part.HasType(Base.LINK)), name)
 
-    def GetChildCollision(self, name: str) -> Collision | Any:
+    def GetChildCollision(self, name: str) -> Base | Any:
         """A collision below it by name or scoped name; None if there is none."""
         return find_named((part for part in self.tree() if part.HasType(Base.COLLISION)), name)
 

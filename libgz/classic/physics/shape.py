@@ -18,7 +18,6 @@ from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, Tr
 from libgz.sdf.value import parse
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.collision import Collision
     from libgz.sdf.element import Element
 
 __all__ = [
@@ -51,7 +50,7 @@ class Shape:
         """Whether it is of this type, such as Base.BOX_SHAPE."""
         return self.entity_type & kind == kind
 
-    def GetParent(self) -> Collision | Any:
+    def GetParent(self) -> Base | Any:
         """Its collision; None for the shape of a visual."""
         return self.geom.facade if self.geom.space is not None else None
 

@@ -19,7 +19,8 @@ from libgz.rendering.overlay import CORNERS, EDGES
 from libgz.rendering.shot import Lines, pose_matrix
 
 if TYPE_CHECKING:
-    from libgz.classic.rendering.visual import Visual
+    from libgz.classic.physics.world import World
+    from libgz.physics.body import Body
 
 __all__ = ["AIDS", "aids_of", "edges_of"]
 
@@ -111,16 +112,15 @@ AIDS: dict[str, Callable[[list[Link]], Iterator[Lines]]] = {
 }
 
 
-def aids_of(visual: Visual, names: list[str]) -> Iterator[Lines]:
-    """The lines of some kinds of the links that a visual shows."""
-    world = visual.GetScene().world
-    entity = world.EntityByName(visual.Name())
+def aids_of(world: World, name: str, body: Body | None, names: list[str]) -> Iterator[Lines]:
+    """The lines of some kinds, of the links that a visual shows, by its name or its body."""
+    entity = world.EntityByName(name)
     if isinstance(entity, Model):
         links = list(entity.family_links())
     elif isinstance(entity, Link):
         links = [entity]
     else:
-        link = world.link_of(visual.body) if visual.body is not None and visual.body.model is not None else None
+        link = world.link_of(body) if body is not None and body.model is not None else None
         links = [link] if link is not None else []
-    for name in names:
-        yield from AIDS[name](links)
+    for kind in names:
+        yield from AIDS[kind](links)

@@ -485,7 +485,7 @@ class Scene:
         self._marked = [visual for visual in self._marked if not visual.deleted]
         for visual in self._marked:
             yield from visual.wires()
-            yield from aids_of(visual, visual.aids)
+            yield from aids_of(self.world, visual.Name(), visual.body, visual.aids)
         self.lines = [line for line in self.lines if not line.visual.deleted]
         self._highlighted = [visual for visual in self._highlighted if not visual.deleted]
         if self.grid and view.options.displayGrid:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
-from libgz.classic.plugins.flashlightplugin import FlashLightPlugin
+from libgz.classic.plugins._flash_light import FlashLightPlugin
 from libgz.errors import NotFoundError, nearest
 from libgz.geometry import GzColor
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
-    from libgz.classic.plugins.flashlightplugin import Lamp
+    from libgz.classic.plugins._flash_light import Lamp
     from libgz.physics.geom import Geom
     from libgz.physics.geoms import LightGeom
     from libgz.sdf.element import Element

@@ -34,7 +34,10 @@ def __getattr__(name: str) -> Any:
     if name.startswith("_") or name not in _exports():
         from libgz.errors import nearest
 
-        raise AttributeError(f"module 'libgz' has no attribute {name!r}{nearest(name, _exports())}")
+        hint = nearest(name, _exports())
+        if name.endswith("Plugin") or name.startswith("GZ_REGISTER_"):
+            hint = f"; from libgz.classic import {name} is for plugins of SDF worlds, see docs/plugins.md"
+        raise AttributeError(f"module 'libgz' has no attribute {name!r}{hint}")
     value = getattr(importlib.import_module(_exports()[name]), name)
     globals()[name] = value
     return value

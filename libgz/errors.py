@@ -41,6 +41,17 @@ __all__ = [
 class GazeboError(Exception):
     """Root of all errors raised by libgz."""
 
+    def GetErrorStr(self) -> str:
+        """The message, by the name of the original API."""
+        return str(self)
+
+    def GetErrorFile(self) -> str:
+        """The file in which it was raised; an empty string before that."""
+        trace = self.__traceback__
+        while trace is not None and trace.tb_next is not None:
+            trace = trace.tb_next
+        return trace.tb_frame.f_code.co_filename if trace is not None else ""
+
 
 class ParameterError(GazeboError, ValueError):
     """An argument has a value that is not allowed."""

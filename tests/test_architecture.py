@@ -57,6 +57,7 @@ TABLES = {
     "libgz.classic",
     "libgz.classic.sensors.kinds",
     "libgz.legacy.factory",
+    "libgz.reference.classic_api",
     "libgz.reference.classic_pages",
     "libgz.sweep.worker",  # the modules that a run has loaded
 }

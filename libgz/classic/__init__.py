@@ -21,7 +21,14 @@ if TYPE_CHECKING:  # for type checkers; at run time each is imported when it is 
         sensors as sensors,
         transport as transport,
     )
-    from libgz.classic.common import gzdbg as gzdbg, gzerr as gzerr, gzlog as gzlog, gzmsg as gzmsg, gzwarn as gzwarn
+    from libgz.classic.common import (
+        gzdbg as gzdbg,
+        gzerr as gzerr,
+        gzlog as gzlog,
+        gzmsg as gzmsg,
+        gzthrow as gzthrow,
+        gzwarn as gzwarn,
+    )
     from libgz.classic.plugin import (
         GZ_REGISTER_GUI_PLUGIN as GZ_REGISTER_GUI_PLUGIN,
         GZ_REGISTER_MODEL_PLUGIN as GZ_REGISTER_MODEL_PLUGIN,
@@ -57,6 +64,7 @@ _NAMES = {
     "gzerr": "common",
     "gzlog": "common",
     "gzmsg": "common",
+    "gzthrow": "common",
     "gzwarn": "common",
 }
 

@@ -156,6 +156,15 @@ class Geom:
     # Place -------------------------------------------------------------------------------------------------------
 
     @exclusive
+    @exclusive
+    def move_to(self, space: Space) -> None:
+        """Move it to another space: geoms of one space never touch each other."""
+        if self.space is None or self.space is space:
+            return
+        ode().dSpaceRemove(self.space.id, self.id)
+        ode().dSpaceAdd(space.id, self.id)
+        self.space = space
+
     def place(self) -> None:
         """Place ODE's geom on its body, whose ODE origin is the centre of mass."""
         if not self.id or not self.placeableGeom:

@@ -57,6 +57,11 @@ class Space:
             parent._parts.append(self)
 
     @property
+    def closed(self) -> bool:
+        """Whether it was closed."""
+        return self._id is None
+
+    @property
     def id(self) -> int:
         """The ODE handle.
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import inspect
 import re
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 
 from libgz.classic import common, log, math, physics, rendering, sdf, sensors, transport
+from libgz.reference.classic_api import classic_api
 from libgz.reference.pages import write_changed
 
 __all__ = ["classic_pages", "write_classic_pages"]
@@ -33,7 +35,14 @@ def classic_pages() -> dict[str, str]:
     named = {module.__name__.rpartition(".")[2]: (module, about) for module, about in PAGES.items()}
     rows = ["| module | content |", "|---|---|", *(f"| [{n}]({n}.md) | {about} |" for n, (_, about) in named.items())]
     head = "Classes and functions by module, for example `from libgz.classic import physics`; the guide is"
-    text = "\n".join([NOTE, "# The API for plugins\n", f"{head} [plugins.md](../plugins.md).\n", *rows, ""])
+    states = Counter(row.state for row in classic_api())
+    have, whole = states["present"], states["present"] + states["absent"]
+    table = (
+        f"Of {whole} names of the headers of Gazebo 11 and its libraries that plugins can use, libgz has {have}, and "
+        f"{states['old']} older ones. Each class lists those that it has not, with what serves instead; the whole "
+        "table is `libgz/reference/classic_api.tsv`.\n"
+    )
+    text = "\n".join([NOTE, "# The API for plugins\n", f"{head} [plugins.md](../plugins.md).\n", table, *rows, ""])
     return {"README.md": text, **{f"{n}.md": _page(n, *page) for n, page in named.items()}}
 
 
@@ -60,7 +69,28 @@ def _page(name: str, module: ModuleType, about: str) -> str:
         parts.append(_table("function", functions))
     for kind in sorted(classes, key=lambda kind: kind.__name__):
         parts += [f"## {kind.__name__}\n", _about(kind, classes[kind]), _table("method", list(_methods(kind)))]
+        parts.append(_absent(f"{name}.{kind.__name__}"))
+    parts.append(_absent_elsewhere(name, {kind.__name__ for kind in classes}))
     return "\n".join(part for part in parts if part)
+
+
+def _absent(holder: str) -> str:
+    """What of a class libgz has not, and what serves instead."""
+    missing: dict[str, list[str]] = {}
+    for row in classic_api():
+        if row.holder == holder and row.state == "absent":
+            missing.setdefault(row.note, []).append(row.name)
+    rows = [f"| {_names(names)} | {_cell(note)} |" for note, names in missing.items()]
+    return "\n".join(["| not in libgz | instead, or why |", "|---|---|", *rows, ""]) if rows else ""
+
+
+def _absent_elsewhere(module: str, present: set[str]) -> str:
+    """The same for functions, constants, and classes that libgz has not at all."""
+    prefix = f"{module}."
+    holders = dict.fromkeys(row.holder for row in classic_api() if row.holder.startswith(prefix))
+    others = [holder for holder in holders if holder.removeprefix(prefix) not in present]
+    parts = [f"### {holder.removeprefix(prefix)}\n\n{text}" for holder in others if (text := _absent(holder))]
+    return "\n".join(["## What else Gazebo has\n", *parts]) if parts else ""
 
 
 def _about(kind: type, names: list[str]) -> str:

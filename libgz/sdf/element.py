@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any, TypeVar, overload
 
@@ -21,7 +22,7 @@ class Param:
     def __init__(self, name: str, kind: str, text: str, *, given: bool) -> None:
         self.name = name
         self.kind = kind
-        self.text = text
+        self.text = self.default = text
         self.given = given
 
     def Get(self, kind: type[T]) -> T:
@@ -45,6 +46,32 @@ class Param:
         """The name of the element or attribute."""
         return self.name
 
+    def GetTypeName(self) -> str:
+        """The type in the description of SDF: double, string, vector3 and so on."""
+        return self.kind or "string"
+
+    def GetSet(self) -> bool:
+        """Whether the file, or a call, gives it."""
+        return self.given
+
+    def GetDefaultAsString(self) -> str:
+        """The default of the description of SDF."""
+        return self.default
+
+    def GetDefault(self, kind: type[T]) -> T:
+        """The default of the description of SDF as a `kind`."""
+        return parse(kind, self.default)
+
+    def Reset(self) -> None:
+        """Take the default again."""
+        self.text, self.given = self.default, False
+
+    def Clone(self) -> Param:
+        """A copy."""
+        copy = Param(self.name, self.kind, self.text, given=self.given)
+        copy.default = self.default
+        return copy
+
 
 class Element:
     """One element of an SDF document.
@@ -55,17 +82,23 @@ class Element:
         file, line: where it was read, for messages.
     """
 
-    def __init__(self, name: str, description: Description | None = None, *, file: str = "", line: int = 0) -> None:
+    def __init__(
+        self, name: str = "", description: Description | None = None, *, file: str = "", line: int = 0
+    ) -> None:
         self.name = name
         self.description = description
         self.file, self.line = file, line
         self.parent: Element | None = None
         self.children: list[Element] = []
         self.attributes: dict[str, Param] = {}
-        kind, default = (description.type, description.default) if description else ("", "")
-        self.value = Param(name, kind, default, given=False)
-        for key, about in description.all_attributes.items() if description else ():
-            self.attributes[key] = Param(key, about.type, about.default, given=False)
+        self.value = Param(name, "", "", given=False)
+        self._take_defaults()
+
+    def _take_defaults(self) -> None:
+        about = self.description
+        self.value = Param(self.name, about.type, about.default, given=False) if about else self.value
+        for key, attribute in about.all_attributes.items() if about else ():
+            self.attributes[key] = Param(key, attribute.type, attribute.default, given=False)
 
     def __repr__(self) -> str:
         return f"<Element {self.name} at {self.where}>"
@@ -79,9 +112,48 @@ class Element:
         """The tag."""
         return self.name
 
+    def SetName(self, name: str) -> None:
+        """Set the tag."""
+        self.name = self.value.name = name
+
     def GetParent(self) -> Element | Any:
         """The element around this one."""
         return self.parent
+
+    def SetParent(self, parent: Element | None) -> None:
+        """Set the element around this one, whose children do not change."""
+        self.parent = parent
+
+    def RemoveFromParent(self) -> None:
+        """Remove it from the element around it."""
+        if self.parent is not None:
+            self.parent.RemoveChild(self)
+
+    def FilePath(self) -> str:
+        """The file it was read from."""
+        return self.file
+
+    def SetFilePath(self, path: str) -> None:
+        """Set the file that messages name, and that relative paths start from."""
+        self.file = path
+
+    def GetDescription(self) -> str:
+        """The names of the children that SDF knows here; empty for an unknown element."""
+        return ", ".join(self.description.children) if self.description is not None else ""
+
+    def HasElementDescription(self, name: str) -> bool:
+        """Whether SDF knows a child of this name here."""
+        return self.description is not None and name in self.description.children
+
+    def GetElementDescriptionCount(self) -> int:
+        """The number of children that SDF knows here."""
+        return len(self.description.children) if self.description is not None else 0
+
+    def describe(self, description: Description) -> None:
+        """Take a description: tag, defaults of attributes, and required children."""
+        self.name, self.description = description.name, description
+        self._take_defaults()
+        self.add_required()
 
     # Children ----------------------------------------------------------------------------------------------------
 
@@ -119,6 +191,19 @@ class Element:
             raise NotFoundError(f"{self.where}: <{self.name}> has no <{name}>{nearest(name, names)}")
         return found
 
+    def GetElementTypeNames(self) -> set[str]:
+        """The names of its children."""
+        return {child.name for child in self.children}
+
+    def CountNamedElements(self, name: str = "") -> dict[str, int]:
+        """How often each value of the attribute `name` occurs among the children of a name, or among all of them."""
+        found = (c.Get(str, "name") for c in self.children if c.HasAttribute("name") and name in ("", c.name))
+        return dict(Counter(found))
+
+    def HasUniqueChildNames(self, name: str = "") -> bool:
+        """Whether the attributes `name` of the children of a name, or of all of them, differ."""
+        return all(count == 1 for count in self.CountNamedElements(name).values())
+
     def GetFirstElement(self) -> Element | Any:
         """The first child."""
         return self.children[0] if self.children else None
@@ -153,6 +238,11 @@ class Element:
         self.children = [child for child in self.children if child is not element]
         element.parent = None
 
+    def ClearElements(self) -> None:
+        """Remove all children."""
+        for child in list(self.children):
+            self.RemoveChild(child)
+
     # Values ------------------------------------------------------------------------------------------------------
 
     def HasAttribute(self, key: str) -> bool:
@@ -162,6 +252,22 @@ class Element:
     def GetAttribute(self, key: str) -> Param | Any:
         """An attribute; None if SDF knows none of this name here."""
         return self.attributes.get(key)
+
+    def GetAttributeCount(self) -> int:
+        """The number of attributes, those that the file does not give included."""
+        return len(self.attributes)
+
+    def GetAttributeSet(self, key: str) -> bool:
+        """Whether the file, or a call, gives an attribute."""
+        return self.HasAttribute(key)
+
+    def AddAttribute(self, key: str, type: str, defaultvalue: str, required: bool, description: str = "") -> None:
+        """Add an attribute with a default."""
+        self.attributes[key] = Param(key, type, str(defaultvalue), given=bool(required))
+
+    def AddValue(self, type: str, defaultValue: str, required: bool = False, description: str = "") -> None:
+        """Give it a value with a default."""
+        self.value = Param(self.name, type, str(defaultValue), given=False)
 
     def GetValue(self) -> Param:
         """This element's own value."""
@@ -217,11 +323,42 @@ class Element:
     def Clone(self) -> Element:
         """A copy of this element and all in it, without a parent."""
         copy = Element(self.name, self.description, file=self.file, line=self.line)
-        copy.value = Param(self.name, self.value.kind, self.value.text, given=self.value.given)
-        copy.attributes = {k: Param(k, p.kind, p.text, given=p.given) for k, p in self.attributes.items()}
+        copy.value = self.value.Clone()
+        copy.attributes = {k: p.Clone() for k, p in self.attributes.items()}
         for child in self.children:
             copy.InsertElement(child.Clone())
         return copy
+
+    def Copy(self, other: Element) -> None:
+        """Become a copy of another element, in its own place."""
+        copy = other.Clone()
+        self.name, self.description, self.value = copy.name, copy.description, copy.value
+        self.attributes = copy.attributes
+        self.ClearElements()
+        for child in list(copy.children):
+            self.InsertElement(child)
+
+    # Of SDF 1.3 and before: `sdf->GetElement("x")->GetValueDouble()` ----------------------------------------------
+
+    def GetValueString(self, key: str = "") -> str:
+        """The value as a text; also of an attribute or child."""
+        return self.Get(str, key)
+
+    def GetValueDouble(self, key: str = "") -> float:
+        """The value as a number; also of an attribute or child."""
+        return self.Get(float, key)
+
+    GetValueFloat = GetValueDouble
+
+    def GetValueInt(self, key: str = "") -> int:
+        """The value as a whole number; also of an attribute or child."""
+        return self.Get(int, key)
+
+    GetValueUInt = GetValueInt
+
+    def GetValueBool(self, key: str = "") -> bool:
+        """Whether the value is true; also of an attribute or child."""
+        return self.Get(bool, key)
 
     def ToString(self, prefix: str = "") -> str:
         """The element as XML, each line after `prefix`; attributes that the file does not give are left out."""

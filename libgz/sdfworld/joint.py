@@ -154,6 +154,7 @@ class SdfJoint:
         """Note where the joint's frame lies in the child, and the axes in it."""
         frame = self.child.GetPose() if self.child is not None else GzPose()
         self._in_child = GzCoordPoseSub(anchor, frame)
+        self._in_parent = GzCoordPoseSub(anchor, self.parent.GetPose() if self.parent is not None else GzPose())
         inverse = GzQuaternInverse(anchor.rot)
         self._local = [rotate(inverse, axis.direction) for axis in self.axes]
 
@@ -189,7 +190,7 @@ class SdfJoint:
             (plan.kind, plan.implicit, place_of(plan.reference), plan.parameters),
             (plan.pitch, plan.ratio, plan.feedback),
             [(*axis.direction, *(getattr(axis, name) for name in NUMBERS)) for axis in self.axes],
-            (*self._in_child.pos, *self._in_child.rot),
+            [(*place.pos, *place.rot) for place in (self._in_child, self._in_parent)],
             [tuple(axis) for axis in self._local],
             (self.acts, self._engine_springs, self._step_time),
             (self._applied, self._applied_at, self._before, self._before_at),
@@ -228,10 +229,10 @@ class SdfJoint:
             find: returns a link by its place.
         """
         self.release_deleted()
-        name, ends, _, (pitch, ratio, feedback), axes, frame, local, flags, applied, tables = state
+        name, ends, _, (pitch, ratio, feedback), axes, frames, local, flags, applied, tables = state
         plan = self.plan
         plan.pitch, plan.ratio = pitch, ratio
-        self._in_child = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
+        self._in_child, self._in_parent = (GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:])) for frame in frames)
         self._local = [GzVector(*axis) for axis in local]
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
@@ -254,9 +255,9 @@ class SdfJoint:
         self.detach()
         self.links = links
         if holds:
-            place = self._in_child
+            places = self._in_child, self._in_parent
             self.attach(links.parent, links.child)
-            self._in_child = place
+            self._in_child, self._in_parent = places
 
     def restore(self) -> None:
         """Count turns from zero again, after links were returned to where they began."""
@@ -372,6 +373,15 @@ class SdfJoint:
     def frame(self) -> GzPose:
         """Global pose of the joint's frame, which is fixed to the child [m]."""
         return GzCoordPoseAdd(self._in_child, self.child.GetPose() if self.child is not None else GzPose())
+
+    def parent_frame(self) -> GzPose:
+        """Global pose of what was the joint's frame when it was attached, and is fixed to the parent [m]."""
+        return GzCoordPoseAdd(self._in_parent, self.parent.GetPose() if self.parent is not None else GzPose())
+
+    @property
+    def frame_in_child(self) -> GzPose:
+        """Pose of the joint's frame in the child [m]."""
+        return GzPose(GzVector(*self._in_child.pos), self._in_child.rot)
 
     def anchor(self, index: int = 0) -> GzVector:
         """Global anchor [m]; of index 1 that on the second link, which a suspension moves apart."""

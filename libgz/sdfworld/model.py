@@ -57,7 +57,8 @@ class SdfModel(Entity):
         self._frame = GzPose()  # of a model without any link
         self._places: list[tuple[Body, GzPose, GzPose]] = []  # where links began: in the model frame, and global
         self._start = GzPose()  # where the model was then
-        self._spaces: list[Space] = []
+        self._spaces: dict[Body, Space] = {}  # of links that touch, or have touched, others of the model
+        self._self_colliding: set[Body] = set()
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
         self.SetName("model")
         self.SetId(self.name)
@@ -153,6 +154,10 @@ class SdfModel(Entity):
         body.model = self
         self.links[name] = body
         self.bodies.append(body)
+        self._fill_link(body, element, frame)
+
+    def _fill_link(self, body: Body, element: Element, frame: GzPose) -> None:
+        """Place a link, and give it shapes and mass."""
         body.SetPose(GzCoordPoseAdd(element.Get(GzPose, "pose"), frame))
         self._add_collisions(body, element)
         for visual in element.named("visual"):
@@ -202,19 +207,77 @@ class SdfModel(Entity):
         self._places.append((body, place, GzCoordPoseAdd(place, self._start)))
         return body
 
+    def load_link(self, name: str, element: Element) -> bool:
+        """Build a link that `create_link` made anew from an element; false for a link of the file.
+
+        Raises:
+            WorldFileError: the element has errors.
+        """
+        if name not in self._added:
+            return False
+        body, own = self.links[name], self._added[name]
+        for child in list(own.children):
+            own.RemoveChild(child)
+        for child in element.children:
+            own.InsertElement(child.Clone())
+        for geom in list(body.geoms):
+            self.geom_names.pop(geom, None)
+            self.visual_elements.pop(geom, None)
+            geom.close()
+        self._fill_link(body, own, self.GetPose())
+        self.set_first_place(body, GzCoordPoseSub(body.GetPose(), self.GetPose()))
+        self.diagnostics.raise_errors()
+        return True
+
+    def link_element(self, name: str) -> Element:
+        """The element of a link that `create_link` made."""
+        return self._added[name]
+
+    def first_place(self, body: Body) -> GzPose:
+        """The pose in the model frame that a reset restores [m]."""
+        return next((place for link, place, _ in self._places if link is body), GzPose())
+
+    def set_first_place(self, body: Body, place: GzPose) -> None:
+        """Set the pose in the model frame that a reset restores [m]."""
+        row = (body, place, GzCoordPoseAdd(place, self._start))
+        self._places = [row if old[0] is body else old for old in self._places]
+
     def remove_link(self, name: str) -> None:
         """Destroy a link that `create_link` made."""
         body = self.links.pop(name)
         self.bodies.remove(body)
+        self._self_colliding.discard(body)
         self._places = [place for place in self._places if place[0] is not body]
         self.sdf.RemoveChild(self._added.pop(name))
         body.close()
+        if body in self._spaces:
+            self._spaces.pop(body).close()
 
     def _self_collides(self, link: Element) -> bool:
         """Whether a link touches others of its model; from SDF 1.5 the link's setting overrides the model's."""
         if link.HasElement("self_collide"):
             return link.Get(bool, "self_collide")
         return self.sdf.Get(bool, "self_collide")
+
+    def self_collides(self, body: Body) -> bool:
+        """Whether a link touches others of its model."""
+        return body in self._self_colliding
+
+    def set_self_collide(self, body: Body, collide: bool) -> None:
+        """Let a link touch others of its model, or not. It needs a space of its own: geoms of one never touch."""
+        if collide == self.self_collides(body):
+            return
+        space = self.modelSpaceId
+        if collide:
+            if body not in self._spaces or self._spaces[body].closed:  # a state that is loaded may have closed it
+                self._spaces[body] = Space(self.world.engine)
+            space = self._spaces[body]
+            self._self_colliding.add(body)
+        else:
+            self._self_colliding.discard(body)
+        for geom in body.geoms:
+            if geom.space is not None:
+                geom.move_to(space)
 
     def _in_wind(self, link: Element) -> bool:
         """Whether wind acts on a link; its own setting overrides the model's."""
@@ -234,8 +297,8 @@ class SdfModel(Entity):
     def _add_collisions(self, body: Body, link: Element) -> None:
         space = self.modelSpaceId
         if self._self_collides(link):
-            space = Space(self.world.engine)
-            self._spaces.append(space)
+            space = self._spaces[body] = Space(self.world.engine)
+            self._self_colliding.add(body)
         for collision in link.named("collision"):
             self._guard(collision, self.add_collision, body, collision, space)
         last = next(reversed(list(link.named("collision"))), None)
@@ -378,7 +441,8 @@ class SdfModel(Entity):
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
-        return frame, added, joints, grippers
+        colliding = [name for name, body in self.links.items() if body in self._self_colliding]
+        return frame, added, joints, grippers, colliding
 
     def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
         """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
@@ -391,7 +455,7 @@ class SdfModel(Entity):
 
     def LoadState(self, state: Sequence[Any]) -> None:
         """Take what SaveState returned: links and joints that came since go, those that went are made again."""
-        frame, added, joints, grippers = state
+        frame, added, joints, grippers, colliding = state
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())
@@ -405,6 +469,8 @@ class SdfModel(Entity):
             body = self.links[name] if name in self.links else self.create_link(name)
             local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
+        for name, body in self.links.items():
+            self.set_self_collide(body, name in colliding)
         load_joints(self.world, self.sdf_joints, joints or ())
         for gripper, one in zip(self.grippers.values(), grippers or (), strict=False):
             gripper.load(one)
@@ -485,7 +551,7 @@ class SdfModel(Entity):
         for joint in self.sdf_joints.values():
             joint.close()
         super().close()
-        for space in self._spaces:
+        for space in self._spaces.values():
             space.close()
 
 

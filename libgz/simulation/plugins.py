@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextvars
 import importlib.util
 import logging
+import re
 import sys
 import traceback
 import zlib
@@ -22,6 +23,9 @@ __all__ = ["Plugin", "called", "collect", "load_plugin", "own_place", "own_trace
 log = logging.getLogger("libgz.simulation")
 
 CPP_SUFFIXES = (".cc", ".cpp", ".cxx", ".c", ".hh", ".hpp", ".h")
+
+# Packages that plugins of the C++ API, and of its users' wrappers, might be expected to import.
+FOREIGN = ("gazebo", "gz", "ignition", "pygazebo", "sdformat")
 
 _loading: contextvars.ContextVar[Plugin | None] = contextvars.ContextVar("loading", default=None)
 _loaded: dict[Path, Plugin] = {}
@@ -156,7 +160,7 @@ def load_plugin(path: Path) -> Plugin:
         del sys.modules[name]
         if before is not None:  # what it defined may still run
             sys.modules[name] = before
-        raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}") from error
+        raise PluginError(f"error loading plugin: {path}\n{own_traceback(error, path)}{import_hint(error)}") from error
     finally:
         _loading.reset(token)
     if initialised:
@@ -224,6 +228,21 @@ def called(path: Path, name: str) -> bool:
     plain = stem.removeprefix("lib")
     names = {str(path), path.name, stem, f"{stem}.so", f"{stem}.py", plain, f"{plain}.py", f"lib{plain}.so"}
     return name in names or (name.startswith((".", "~", "/")) and expand(name).resolve() == path)
+
+
+def import_hint(error: BaseException) -> str:
+    """A line that names the right import, for the names of the C++ libraries and for those of the other era."""
+    if not isinstance(error, ImportError):
+        return ""
+    wanted = re.match(r"cannot import name '(\w+)' from 'libgz'", str(error))
+    package = (error.name or "").partition(".")[0]
+    if package in FOREIGN or (wanted is not None and (wanted[1].endswith("Plugin") or "GZ_REGISTER" in wanted[1])):
+        return (
+            "\nthe classes of Gazebo 1 to 11 are in libgz.classic: `from libgz.classic import *` and, for example, "
+            "`from libgz.classic import physics`; those of Gazebo 0.x in libgz: `from libgz import *`. "
+            "docs/plugins.md shows how to write plugins"
+        )
+    return ""
 
 
 def _edited(path: Path) -> tuple[int, int]:

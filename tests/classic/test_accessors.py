@@ -15,6 +15,7 @@ ARGUMENTS = {  # of classes that cannot be made without
 }
 EXCEPTIONS = {
     math.Matrix3d: {"SetAxes": "Axes sets, too: it is the same function"},
+    math.Matrix4d: {"SetTranslate": "Translate sets, too: it is the same function"},
     math.Vector3d: {
         "Max": "an argument raises components, and none is set to it",
         "Min": "an argument lowers components, and none is set to it",
@@ -27,6 +28,12 @@ VALUES = {
         name: (math.MassMatrix3d(2.0, (1.0, 2.0, 3.0)), math.MassMatrix3d(1.0, (0.1, 0.1, 0.1)))
         for name in ("MassMatrix", "SetMassMatrix")
     },
+    math.BiQuad: dict.fromkeys(("Set", "SetValue"), (1.0, 2.0)),
+    math.BiQuadVector3: {name: (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4)) for name in ("Set", "SetValue")},
+    math.OnePole: {"Set": (1.0, 2.0)},
+    math.OnePoleVector3: {"Set": (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4))},
+    math.OnePoleQuaternion: {"Set": (math.Quaterniond(0, 0, 1), math.Quaterniond(1, 0, 0))},
+    math.Matrix4d: {"SetTranslation": (math.Vector3d(1, 2, 3), math.Vector3d(2, 3, 4))},
     math.Vector2i: {"X": (2, 3), "Y": (2, 3)},
     common.SphericalCoordinates: {"SetSurfaceType": (common.SphericalCoordinates.EARTH_WGS84,)},
 }
@@ -38,6 +45,9 @@ NOT_MADE = {
     common.ConsoleHandler: "a handler of logging",
     common.LogFormatter: "a formatter of logging",
     common.SkeletonAnimation: "a view of an actor's, without setters",
+    common.Mesh: "test_more_common.py has one with vertices",
+    common.SubMesh: "test_more_common.py has one with vertices",
+    math.PlaneSide: "an enumeration",
     common.SystemPaths: "has no setters, and is one of the process",
 }
 

@@ -402,3 +402,38 @@ def test_accelerations_are_right_at_the_first_call(core, view):
     box.AddForce(Vector3d(0, 0, 20))
     core.step(1)
     assert box.WorldLinearAccel().Z() == pytest.approx(10.2, rel=0.01)
+
+
+# Imports --------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "from gazebo import *",
+        "import gazebo.physics",
+        "from libgz import WorldPlugin",
+        "from libgz import GZ_REGISTER_WORLD_PLUGIN",
+    ],
+)
+def test_a_wrong_import_leads_to_the_right_one(tmp_path, monkeypatch, caplog, line):
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    (tmp_path / "wrong.py").write_text(f"{line}\n")
+    with libgz.World.from_string(sdf("<plugin name='wrong' filename='libwrong.so'/>")):
+        assert "`from libgz.classic import *`" in caplog.text
+        assert "docs/plugins.md" in caplog.text
+
+
+def test_a_plugin_class_is_not_searched_in_libgz():
+    with pytest.raises(AttributeError, match=r"from libgz\.classic import ModelPlugin is for plugins of SDF worlds"):
+        _ = libgz.ModelPlugin
+    with pytest.raises(AttributeError, match="did you mean 'Model'"):
+        _ = libgz.Modell
+
+
+def test_a_source_in_cxx_beside_the_world_is_to_be_ported(tmp_path, monkeypatch, caplog):
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    (tmp_path / "push.cc").write_text("#include <gazebo/gazebo.hh>\n")
+    with libgz.World.from_string(sdf("<plugin name='push' filename='libpush.so'/>")):
+        assert "push.cc is C++ source, which cannot be loaded; port it to Python as push.py" in caplog.text
+        assert "docs/plugins.md" in caplog.text

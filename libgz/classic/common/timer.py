@@ -5,16 +5,29 @@ from __future__ import annotations
 import time
 
 from libgz.classic.common.time import Time
+from libgz.errors import ParameterError
 
 __all__ = ["Timer"]
 
 
 class Timer:
-    """A stopwatch on real time. `Start` continues after `Stop`; `Reset` sets it to zero."""
+    """A stopwatch on real time. `Start` continues after `Stop`; `Reset` sets it to zero.
 
-    __slots__ = ("_elapsed", "_started")
+    Args:
+        maxTime: at which it ends; None: never.
+        countdown: whether it counts down from there to zero.
 
-    def __init__(self) -> None:
+    Raises:
+        ParameterError: a countdown without a time.
+    """
+
+    __slots__ = ("_countdown", "_elapsed", "_most", "_started")
+
+    def __init__(self, maxTime: Time | float | None = None, countdown: bool = False) -> None:
+        if countdown and maxTime is None:
+            raise ParameterError("a countdown needs the time from which it counts: Timer(maxTime, True)")
+        self._most = Time(maxTime).nanoseconds if maxTime is not None else None
+        self._countdown = bool(countdown)
         self._elapsed = 0
         self._started: int | None = None
 
@@ -25,7 +38,7 @@ class Timer:
 
     def Stop(self) -> None:
         """Stop it."""
-        self._elapsed = self.GetElapsed().nanoseconds
+        self._elapsed = self._run()
         self._started = None
 
     def Reset(self) -> None:
@@ -34,13 +47,19 @@ class Timer:
         self._started = None
 
     def GetRunning(self) -> bool:
-        """Whether it runs."""
-        return self._started is not None
+        """Whether it runs: from Start to Stop, or until its maximum time."""
+        return self._started is not None and (self._most is None or self._run() < self._most)
+
+    def _run(self) -> int:
+        """For how long it has run [ns]."""
+        running = 0 if self._started is None else time.monotonic_ns() - self._started
+        total = self._elapsed + running
+        return total if self._most is None else min(total, self._most)
 
     def GetElapsed(self) -> Time:
-        """The time for which it has run."""
-        running = 0 if self._started is None else time.monotonic_ns() - self._started
-        return Time.from_nanoseconds(self._elapsed + running)
+        """The time for which it has run; of a countdown, the time that remains."""
+        run = self._run()
+        return Time.from_nanoseconds((self._most or 0) - run if self._countdown else run)
 
     def __repr__(self) -> str:
         return f"<Timer {self.GetElapsed().Double():.3f} s, {'running' if self.GetRunning() else 'stopped'}>"

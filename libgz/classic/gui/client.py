@@ -15,6 +15,7 @@ from libgz.classic.commands import reload_response
 from libgz.classic.gui import Events, MainWindow, set_main_window
 from libgz.classic.gui.scene_link import SceneLink
 from libgz.classic.loading import LoadedPlugin, new_plugin, reload_all
+from libgz.classic.math import Vector3d
 from libgz.classic.rendering.camera import render_frame
 from libgz.classic.rendering.scene import scene_of
 from libgz.classic.rendering.user_camera import UserCamera
@@ -92,7 +93,14 @@ class Client(Closing):
             camera.SetViewController(element.Get(str, "view_controller"))
             name = element.child("track_visual").Get(str, "name") if element.HasElement("track_visual") else ""
             if name not in ("", "__default__"):
+                track = element.child("track_visual")
                 camera.TrackVisual(name)
+                camera.SetTrackMinDistance(track.Get(float, "min_dist", 0.0)[0])
+                camera.SetTrackMaxDistance(track.Get(float, "max_dist", 0.0)[0])
+                camera.SetTrackIsStatic(track.Get(bool, "static", False)[0])
+                camera.SetTrackUseModelFrame(track.Get(bool, "use_model_frame", True)[0])
+                camera.SetTrackInheritYaw(track.Get(bool, "inherit_yaw", False)[0])
+                camera.SetTrackPosition(track.Get(Vector3d, "xyz", Vector3d(-5.0, 0.0, 3.0))[0])
 
     # Plugins -----------------------------------------------------------------------------------------------------
 

@@ -91,6 +91,31 @@ class AxisAlignedBox:
         """Whether two boxes have a point in common; their surfaces are included."""
         return all(a <= d and c <= b for a, b, c, d in zip(self.min, self.max, other.min, other.max, strict=True))
 
+    def Intersect(self, origin: VectorLike, dir: VectorLike, min: float, max: float) -> tuple[bool, float, Vector3d]:
+        """(whether a ray meets the box between two distances [m], the distance, the point).
+
+        The distance is 0, and the point the origin, if it does not.
+        """
+        direction, near, far = Vector3d(dir).Normalize(), float(min), float(max)
+        for start, step, low, high in zip(origin, direction, self.min, self.max, strict=True):
+            if step == 0.0:
+                if not low <= start <= high:
+                    return False, 0.0, Vector3d()
+                continue
+            ends = sorted(((low - start) / step, (high - start) / step))
+            near, far = (ends[0] if ends[0] > near else near), (ends[1] if ends[1] < far else far)
+        if near > far:
+            return False, 0.0, Vector3d()
+        return True, near, Vector3d(origin) + direction * near
+
+    def IntersectCheck(self, origin: VectorLike, dir: VectorLike, min: float, max: float) -> bool:
+        """Whether a ray meets the box between two distances [m]."""
+        return self.Intersect(origin, dir, min, max)[0]
+
+    def IntersectDist(self, origin: VectorLike, dir: VectorLike, min: float, max: float) -> tuple[bool, float]:
+        """(whether a ray meets the box between two distances [m], the distance)."""
+        return self.Intersect(origin, dir, min, max)[:2]
+
     def __add__(self, other: AxisAlignedBox) -> AxisAlignedBox:
         if not isinstance(other, AxisAlignedBox):
             return NotImplemented

@@ -113,4 +113,53 @@ class Color(Componentwise, GzColor):
             return (float(value),) * 4
         return value if isinstance(value, GzColor) else None
 
-    GetAsHSV = HSV
+    def YUV(self) -> Vector3d:
+        """Luma and chroma, 0 to 1 (ITU-R BT.601)."""
+        y = 0.299 * self.r + 0.587 * self.g + 0.114 * self.b
+        return Vector3d(
+            y, min(max(0.492 * (self.b - y), -0.5), 0.5) + 0.5, min(max(0.877 * (self.r - y), -0.5), 0.5) + 0.5
+        )
+
+    def _packed(self, order: str) -> int:
+        values = {name: round(min(max(getattr(self, name), 0.0), 1.0) * 255.0) for name in "rgba"}
+        return int.from_bytes(bytes(values[name] for name in order), "big")
+
+    def _unpack(self, order: str, value: int) -> None:
+        for name, byte in zip(order, (int(value) & 0xFFFFFFFF).to_bytes(4, "big"), strict=True):
+            setattr(self, name, byte / 255.0)
+
+    def AsRGBA(self) -> int:
+        """0xRRGGBBAA."""
+        return self._packed("rgba")
+
+    def AsBGRA(self) -> int:
+        """0xBBGGRRAA."""
+        return self._packed("bgra")
+
+    def AsARGB(self) -> int:
+        """0xAARRGGBB."""
+        return self._packed("argb")
+
+    def AsABGR(self) -> int:
+        """0xAABBGGRR."""
+        return self._packed("abgr")
+
+    def SetFromRGBA(self, value: int) -> None:
+        """Set it from 0xRRGGBBAA."""
+        self._unpack("rgba", value)
+
+    def SetFromBGRA(self, value: int) -> None:
+        """Set it from 0xBBGGRRAA."""
+        self._unpack("bgra", value)
+
+    def SetFromARGB(self, value: int) -> None:
+        """Set it from 0xAARRGGBB."""
+        self._unpack("argb", value)
+
+    def SetFromABGR(self, value: int) -> None:
+        """Set it from 0xAABBGGRR."""
+        self._unpack("abgr", value)
+
+    GetAsHSV, GetAsYUV = HSV, YUV
+    RGBA, BGRA, ARGB, ABGR = AsRGBA, AsBGRA, AsARGB, AsABGR
+    GetAsRGBA, GetAsBGRA, GetAsARGB, GetAsABGR = AsRGBA, AsBGRA, AsARGB, AsABGR

@@ -121,6 +121,11 @@ class MassMatrix3d:
         m = mass / 12.0
         self._set(mass, (m * (y * y + z * z), m * (z * z + x * x), m * (x * x + y * y)))
 
+    def SetInertiaMatrix(self, ixx: float, iyy: float, izz: float, ixy: float, ixz: float, iyz: float) -> None:
+        """Set the moments and products [kg m^2]."""
+        self.DiagonalMoments((ixx, iyy, izz))
+        self.OffDiagonalMoments((ixy, ixz, iyz))
+
     def SetFromCylinderZ(self, mass: float, length: float, radius: float) -> None:
         """Set them to those of a cylinder along z [kg, m]: izz = m r^2 / 2, ixx = iyy = m (3 r^2 + l^2) / 12."""
         across = mass * (3.0 * radius * radius + length * length) / 12.0
@@ -153,6 +158,8 @@ class MassMatrix3d:
 
     SetMass = Mass
     SetIXX, SetIYY, SetIZZ = IXX, IYY, IZZ
+    Ixx, Iyy, Izz, Ixy, Ixz, Iyz = IXX, IYY, IZZ, IXY, IXZ, IYZ
+    SetIxx, SetIyy, SetIzz, SetIxy, SetIxz, SetIyz = IXX, IYY, IZZ, IXY, IXZ, IYZ
     SetIXY, SetIXZ, SetIYZ = IXY, IXZ, IYZ
     SetDiagonalMoments, SetOffDiagonalMoments = DiagonalMoments, OffDiagonalMoments
     MOI = SetMoi = Moi

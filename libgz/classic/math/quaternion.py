@@ -185,6 +185,12 @@ class Quaterniond(HasXYZ, GzQuatern):
         """The direction of the rotated z axis."""
         return self.RotateVector((0.0, 0.0, 1.0))
 
+    def SetFromMatrix(self, mat: GzHomo) -> None:
+        """Set it to the rotation of a matrix."""
+        self.Set(*Quaterniond(mat))
+
+    Matrix = SetFromMatrix
+
     def From2Axes(self, v1: VectorLike, v2: VectorLike) -> None:
         """Set it to the shortest rotation from direction v1 to v2; for opposite ones, to one of the half turns."""
         a, b = Vector3d(v1).Normalize(), Vector3d(v2).Normalize()
@@ -354,7 +360,7 @@ class Quaterniond(HasXYZ, GzQuatern):
 
     GetAsEuler = Euler
     SetFromEuler = Euler
-    SetFromAxis = Axis
+    SetFromAxis = SetFromAxisAngle = Axis
     GetAsAxis = AxisAngle
     ToAxis = AxisAngle
     GetRoll = Roll

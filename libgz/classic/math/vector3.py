@@ -236,6 +236,14 @@ class Vector3d(HasXYZ, GzVector):
 
     # Component by component ------------------------------------------------------------------------------------------
 
+    def MaxAbs(self) -> float:
+        """The largest absolute value of a component."""
+        return max(map(abs, self))
+
+    def MinAbs(self) -> float:
+        """The least absolute value of a component."""
+        return min(map(abs, self))
+
     def Round(self) -> Vector3d:
         """Round the components to integers, and return it."""
         self.x, self.y, self.z = float(round(self.x)), float(round(self.y)), float(round(self.z))

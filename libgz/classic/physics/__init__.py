@@ -22,9 +22,36 @@ from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.preset import PresetManager
 from libgz.classic.physics.ray_shape import MultiRayShape, RayShape
-from libgz.classic.physics.registry import get_world, has_world, worlds
-from libgz.classic.physics.shape import BoxShape, CylinderShape, MeshShape, PlaneShape, Shape, SphereShape
-from libgz.classic.physics.state import WorldState
+from libgz.classic.physics.registry import (
+    get_world,
+    getUniqueId,
+    has_world,
+    pause_world,
+    pause_worlds,
+    stop_world,
+    stop_worlds,
+    worlds,
+    worlds_running,
+)
+from libgz.classic.physics.shape import (
+    BoxShape,
+    CylinderShape,
+    HeightmapShape,
+    MeshShape,
+    PlaneShape,
+    PolylineShape,
+    Shape,
+    SphereShape,
+)
+from libgz.classic.physics.state import (
+    CollisionState,
+    JointState,
+    LightState,
+    LinkState,
+    ModelState,
+    State,
+    WorldState,
+)
 from libgz.classic.physics.wind import Wind
 from libgz.classic.physics.world import World
 
@@ -34,33 +61,47 @@ __all__ = [
     "Base",
     "BoxShape",
     "Collision",
+    "CollisionState",
     "Contact",
     "ContactManager",
     "CylinderShape",
     "Entity",
     "FrictionPyramid",
     "Gripper",
+    "HeightmapShape",
     "Inertial",
     "Joint",
     "JointController",
+    "JointState",
     "JointWrench",
     "Light",
+    "LightState",
     "Link",
+    "LinkState",
     "MeshShape",
     "Model",
+    "ModelState",
     "MultiRayShape",
     "PhysicsEngine",
     "PlaneShape",
+    "PolylineShape",
     "PresetManager",
     "RayShape",
     "Shape",
     "SphereShape",
+    "State",
     "SurfaceParams",
     "TrajectoryInfo",
     "Wind",
     "World",
     "WorldState",
+    "getUniqueId",
     "get_world",
     "has_world",
+    "pause_world",
+    "pause_worlds",
+    "stop_world",
+    "stop_worlds",
     "worlds",
+    "worlds_running",
 ]

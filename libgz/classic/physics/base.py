@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from libgz.classic.math import AxisAlignedBox, Pose3d, Vector3d
-from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, place_of
+from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike, place_of
 
 if TYPE_CHECKING:
     from libgz.classic.common import PoseAnimation
-    from libgz.classic.physics.world import Model, World
+    from libgz.classic.physics.world import Link, Model, World
     from libgz.sdf.element import Element
 
 __all__ = ["Base", "Entity", "find_named", "view_of"]
@@ -30,16 +30,35 @@ class Base:
     """A named object of a world."""
 
     # EntityType, as in Gazebo.
-    BASE: ClassVar[int] = 0x00000000
-    ENTITY: ClassVar[int] = 0x00000001
-    MODEL: ClassVar[int] = 0x00000002
-    LINK: ClassVar[int] = 0x00000004
-    COLLISION: ClassVar[int] = 0x00000008
-    LIGHT: ClassVar[int] = 0x00000010
-    VISUAL: ClassVar[int] = 0x00000020
-    JOINT: ClassVar[int] = 0x00000040
-    ACTOR: ClassVar[int] = 0x00008000
-    SHAPE: ClassVar[int] = 0x00010000
+    BASE: ClassVar[int] = 0
+    ENTITY: ClassVar[int] = 1 << 0
+    MODEL: ClassVar[int] = 1 << 1
+    LINK: ClassVar[int] = 1 << 2
+    COLLISION: ClassVar[int] = 1 << 3
+    LIGHT: ClassVar[int] = 1 << 4
+    VISUAL: ClassVar[int] = 1 << 5
+    JOINT: ClassVar[int] = 1 << 6
+    BALL_JOINT: ClassVar[int] = 1 << 7
+    HINGE2_JOINT: ClassVar[int] = 1 << 8
+    HINGE_JOINT: ClassVar[int] = 1 << 9
+    SLIDER_JOINT: ClassVar[int] = 1 << 10
+    SCREW_JOINT: ClassVar[int] = 1 << 11
+    UNIVERSAL_JOINT: ClassVar[int] = 1 << 12
+    GEARBOX_JOINT: ClassVar[int] = 1 << 13
+    FIXED_JOINT: ClassVar[int] = 1 << 14
+    ACTOR: ClassVar[int] = 1 << 15
+    SHAPE: ClassVar[int] = 1 << 16
+    BOX_SHAPE: ClassVar[int] = 1 << 17
+    CYLINDER_SHAPE: ClassVar[int] = 1 << 18
+    HEIGHTMAP_SHAPE: ClassVar[int] = 1 << 19
+    MAP_SHAPE: ClassVar[int] = 1 << 20
+    MULTIRAY_SHAPE: ClassVar[int] = 1 << 21
+    RAY_SHAPE: ClassVar[int] = 1 << 22
+    PLANE_SHAPE: ClassVar[int] = 1 << 23
+    SPHERE_SHAPE: ClassVar[int] = 1 << 24
+    MESH_SHAPE: ClassVar[int] = 1 << 25
+    POLYLINE_SHAPE: ClassVar[int] = 1 << 26
+    SENSOR_COLLISION: ClassVar[int] = 1 << 27
 
     entity_type: ClassVar[int] = 0
 
@@ -103,7 +122,10 @@ class Base:
 
     def HasType(self, kind: int) -> bool:
         """Whether it is of this type; everything is a BASE."""
-        return self.entity_type & kind == kind
+        return self.GetType() & kind == kind
+
+    def Init(self) -> None:
+        """Without effect: what stands in a world acts from its construction on."""
 
     def children(self) -> list[Base]:
         """The children, in the order of the file."""
@@ -192,6 +214,10 @@ class Entity(Base):
         """The pose relative to the parent that a reset restores [m]."""
         return self.RelativePose()
 
+    def IsCanonicalLink(self) -> bool:
+        """Whether it is the link that the model's frame is fixed to."""
+        return False
+
     def GetInitialRelativePose(self) -> Pose3d:
         """The old name of InitialRelativePose."""
         return self.InitialRelativePose()
@@ -237,6 +263,9 @@ class Entity(Base):
         """Angular acceleration in the last step [rad/s^2], in its own frame."""
         return Vector3d(*self.WorldPose().rot.RotateVectorReverse(self.WorldAngularAccel()))
 
+    def SetWorldTwist(self, linear: VectorLike, angular: VectorLike, updateChildren: bool = True) -> None:
+        """Set linear [m/s] and angular [rad/s] velocity of a link or of all links of a model, in the world frame."""
+
     # The old names call the new ones, so that subclasses override the new ones only.
 
     def GetWorldLinearVel(self, *offset: Vector3d) -> Vector3d:
@@ -274,7 +303,15 @@ class Entity(Base):
         """The old name of BoundingBox."""
         return self.BoundingBox()
 
-    CollisionBoundingBox = GetBoundingBox
+    CollisionBoundingBox = GetCollisionBoundingBox = GetBoundingBox
+
+    def GetChildLink(self, name: str) -> Link | Any:
+        """A link below it by name or scoped name; None if there is none."""
+        return find_named((part for part in self.tree() if part.HasType(Base.LINK)), name)
+
+    def GetChildCollision(self, name: str) -> Base | Any:
+        """A collision below it by name or scoped name; None if there is none."""
+        return find_named((part for part in self.tree() if part.HasType(Base.COLLISION)), name)
 
     def GetNearestEntityBelow(self) -> tuple[float, str]:
         """(distance [m], scoped name) of the nearest collision below its lowest point; (1000, "") for none."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.classic.math import AxisAlignedBox, Vector3d
 from libgz.classic.physics.base import Base, Entity
@@ -11,6 +11,7 @@ from libgz.classic.physics.shape import Shape, shape_of
 from libgz.errors import ParameterError
 from libgz.geometry import GzCoordPoseSub, GzPose, VectorLike
 from libgz.ode.types import Surface
+from libgz.physics.check import finite_tuple, not_negative
 from libgz.physics.geom import Geom
 
 if TYPE_CHECKING:
@@ -58,17 +59,52 @@ class FrictionPyramid:
         """Set the coefficient of torsional friction; negative: infinite."""
         self._set(Surface.TORSION, mu)
 
+    def PatchRadius(self) -> float:
+        """The radius of the contact patch [m], for torsional friction."""
+        return self._get(Surface.PATCH_RADIUS)
+
+    def SetPatchRadius(self, radius: float) -> None:
+        """Set the radius of the contact patch [m], for torsional friction."""
+        self._geom.set_surface(Surface.PATCH_RADIUS, not_negative(radius, "patch radius [m]"))
+
+    def SurfaceRadius(self) -> float:
+        """The radius of the surface's curvature [m], for torsional friction; 0 is flat."""
+        return self._get(Surface.RADIUS)
+
+    def SetSurfaceRadius(self, radius: float) -> None:
+        """Set the radius of the surface's curvature [m], for torsional friction; 0 is flat."""
+        self._geom.set_surface(Surface.RADIUS, not_negative(radius, "surface radius [m]"))
+
+    def UsePatchRadius(self) -> bool:
+        """Whether torsional friction goes by the patch radius, not by the surface radius and the depth."""
+        return bool(self._get(Surface.BY_PATCH))
+
+    def SetUsePatchRadius(self, use: bool) -> None:
+        """Set whether torsional friction goes by the patch radius, not by the surface radius and the depth."""
+        self._geom.set_surface(Surface.BY_PATCH, float(bool(use)))
+
+    @property
+    def direction1(self) -> Vector3d:
+        """The first friction direction, in the collision's frame; zero: none."""
+        return Vector3d(*(self._geom.surface(Surface.FDIR1 + i) for i in range(3)))
+
+    @direction1.setter
+    def direction1(self, direction: VectorLike) -> None:
+        for i, value in enumerate(finite_tuple(direction, 3, "direction1")):
+            self._geom.set_surface(Surface.FDIR1 + i, value)
+
     GetMuPrimary, GetMuSecondary, GetMuTorsion = MuPrimary, MuSecondary, MuTorsion
 
 
 class SurfaceParams:
     """Contact parameters of a collision; the engine's values are read and written directly.
 
-    They are attributes: kp, kd, slip1, slip2, bounce, bounceThreshold, maxVel, minDepth and collideBitmask.
+    They are attributes: kp, kd, slip1, slip2, bounce, bounceThreshold, maxVel, minDepth, collideBitmask,
+    collideWithoutContact (contacts are reported, and have no force) and collideWithoutContactBitmask.
     """
 
     # ODESurfaceParams' names -> columns of the engine's surface table.
-    _COLUMNS = {
+    _COLUMNS: ClassVar[dict[str, Surface]] = {
         "kp": Surface.KP,
         "kd": Surface.KD,
         "slip1": Surface.SLIP1,
@@ -78,6 +114,13 @@ class SurfaceParams:
         "maxVel": Surface.MAX_VEL,
         "minDepth": Surface.MIN_DEPTH,
         "collideBitmask": Surface.BITS,
+        "collideWithoutContact": Surface.GHOST,
+        "collideWithoutContactBitmask": Surface.GHOST_BITS,
+    }
+    _TYPES: ClassVar[dict[str, type]] = {
+        "collideBitmask": int,
+        "collideWithoutContact": bool,
+        "collideWithoutContactBitmask": int,
     }
 
     def __init__(self, geom: Geom) -> None:
@@ -86,8 +129,10 @@ class SurfaceParams:
     def __getattr__(self, name: str) -> Any:
         if name not in self._COLUMNS:
             raise AttributeError(f"a surface has no {name!r}; it has {', '.join(self._COLUMNS)}")
-        value = self._geom.surface(self._COLUMNS[name])
-        return int(value) if name == "collideBitmask" else value
+        return self._TYPES.get(name, float)(self._geom.surface(self._COLUMNS[name]))
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._COLUMNS]
 
     def __setattr__(self, name: str, value: float) -> None:
         if name not in self._COLUMNS:
@@ -155,11 +200,11 @@ class Collision(Entity):
 
     def GetShape(self) -> Shape:
         """Its shape."""
-        return shape_of(self.geom)
+        return shape_of(self.geom, self._sdf)
 
-    def GetShapeType(self) -> str:
-        """box, sphere, cylinder, plane, mesh or empty."""
-        return self.GetShape().kind
+    def GetShapeType(self) -> int:
+        """The bit mask of its shape's types; see Shape.HasType."""
+        return self.GetShape().GetType()
 
     def GetSurface(self) -> SurfaceParams:
         """The contact parameters."""

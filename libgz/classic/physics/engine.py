@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.classic.physics.world import Model, World
     from libgz.physics.engine import Engine
+    from libgz.physics.lock import WorldLock
+    from libgz.sdf.element import Element
 
 __all__ = ["PhysicsEngine"]
 
@@ -98,6 +100,14 @@ class PhysicsEngine:
         """The parameter real_time_factor; it has no effect."""
         return float(self.GetParam("real_time_factor"))
 
+    def SetTargetRealTimeFactor(self, factor: float) -> None:
+        """Set the parameter real_time_factor; it has no effect."""
+        self.SetParam("real_time_factor", float(factor))
+
+    def GetPhysicsUpdateMutex(self) -> WorldLock:
+        """The world's lock: ``with world.Physics().GetPhysicsUpdateMutex():`` holds off steps and other threads."""
+        return self._world.core.lock
+
     # Parameters --------------------------------------------------------------------------------------------------
 
     def GetGravity(self) -> Vector3d:
@@ -116,6 +126,10 @@ class PhysicsEngine:
         """Enable or disable auto-disable, sleep while at rest, for all models without joints."""
         for model in self._world.Models():
             model.SetAutoDisable(autoDisable)
+
+    def GetAutoDisableFlag(self) -> bool:
+        """Whether auto-disable is enabled for a model."""
+        return any(model.GetAutoDisable() for model in self._world.Models())
 
     def InitForThread(self) -> None:
         """Without effect: the engine needs no preparation of threads."""
@@ -175,6 +189,76 @@ class PhysicsEngine:
         for name in path:
             holder = holder.child(name)
         return holder.Get(type(default), key, default)[0]
+
+    def GetSDF(self) -> Element:
+        """The `<physics>` element."""
+        return self._world.core.extension(SdfWorld).settings.physics
+
+    # Parameters by methods of their own --------------------------------------------------------------------------
+
+    def GetMaxContacts(self) -> int:
+        """The maximum number of contact points of two collisions, the parameter ``max_contacts``."""
+        return int(self.GetParam("max_contacts"))
+
+    def SetMaxContacts(self, maxContacts: int) -> None:
+        """Set the maximum number of contact points of two collisions, the parameter ``max_contacts``."""
+        self.SetParam("max_contacts", int(maxContacts))
+
+    def GetSORPGSIters(self) -> int:
+        """The iterations of the quick solver, the parameter ``iters``."""
+        return int(self.GetParam("iters"))
+
+    def SetSORPGSIters(self, iters: int) -> None:
+        """Set the iterations of the quick solver, the parameter ``iters``."""
+        self.SetParam("iters", int(iters))
+
+    def GetSORPGSPreconIters(self) -> int:
+        """The parameter ``precon_iters``; it has no effect."""
+        return int(self.GetParam("precon_iters"))
+
+    def SetSORPGSPreconIters(self, iters: int) -> None:
+        """Set the parameter ``precon_iters``; it has no effect."""
+        self.SetParam("precon_iters", int(iters))
+
+    def GetSORPGSW(self) -> float:
+        """The relaxation of the quick solver, the parameter ``sor``."""
+        return float(self.GetParam("sor"))
+
+    def SetSORPGSW(self, w: float) -> None:
+        """Set the relaxation of the quick solver, the parameter ``sor``."""
+        self.SetParam("sor", float(w))
+
+    def GetWorldERP(self) -> float:
+        """The share of an error that a step corrects, the parameter ``erp``."""
+        return float(self.GetParam("erp"))
+
+    def SetWorldERP(self, erp: float) -> None:
+        """Set the share of an error that a step corrects, the parameter ``erp``."""
+        self.SetParam("erp", float(erp))
+
+    def GetWorldCFM(self) -> float:
+        """The constraint force mixing, the parameter ``cfm``."""
+        return float(self.GetParam("cfm"))
+
+    def SetWorldCFM(self, cfm: float) -> None:
+        """Set the constraint force mixing, the parameter ``cfm``."""
+        self.SetParam("cfm", float(cfm))
+
+    def GetContactMaxCorrectingVel(self) -> float:
+        """The velocity at which contacts are corrected at most [m/s]."""
+        return float(self.GetParam("contact_max_correcting_vel"))
+
+    def SetContactMaxCorrectingVel(self, vel: float) -> None:
+        """Set the velocity at which contacts are corrected at most [m/s]."""
+        self.SetParam("contact_max_correcting_vel", float(vel))
+
+    def GetContactSurfaceLayer(self) -> float:
+        """The depth at which contacts rest [m]."""
+        return float(self.GetParam("contact_surface_layer"))
+
+    def SetContactSurfaceLayer(self, layerDepth: float) -> None:
+        """Set the depth at which contacts rest [m]."""
+        self.SetParam("contact_surface_layer", float(layerDepth))
 
     # Making things -----------------------------------------------------------------------------------------------
 

@@ -17,7 +17,26 @@ if TYPE_CHECKING:
     from libgz.classic.physics.world import World
     from libgz.classic.sdf import SDF
 
-__all__ = ["insert_document", "insert_file", "insert_now", "insert_text"]
+__all__ = ["described", "insert_document", "insert_file", "insert_now", "insert_text"]
+
+
+def described(sdf: Element | SdfFile | SDF, name: str) -> Element:
+    """The element of a name in a document, or the element itself, with the defaults of the newest version of SDF.
+
+    Raises:
+        ParameterError: there is none.
+        WorldFileError: it has errors.
+    """
+    root = sdf if isinstance(sdf, Element) else getattr(sdf, "root", None)
+    found = root if isinstance(root, Element) and root.name == name else None
+    if found is None and isinstance(root, Element):
+        found = next(root.find(name), None)
+    if found is None:
+        raise ParameterError(f"Load takes a <{name}> element, or a document with one, not {sdf!r}")
+    text = f"<sdf version='{NEWEST}'><model name='_'>{upgraded(found).ToString()}</model></sdf>"
+    file = SdfFile.from_string(text, found.where)
+    file.diagnostics.raise_errors()
+    return next(file.root.find(name))
 
 
 def insert_text(world: World, text: str) -> None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from libgz.classic.math import Vector3d
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.classic.physics.base import Base
 from libgz.classic.physics.contact import JointWrench
-from libgz.geometry import GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
+from libgz.geometry import GzCoordPoseSub, GzPose, GzQuaternInverse, GzVector, GzVectorDot, VectorLike, rotate
 from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
@@ -35,6 +35,18 @@ def first_axes(kind: str) -> list[GzVector]:
 JOINT_KINDS = ("revolute", "revolute2", "prismatic", "universal", "ball", "screw", "gearbox", "fixed")
 
 
+KIND_BITS = {
+    "revolute": Base.HINGE_JOINT,
+    "revolute2": Base.HINGE2_JOINT,
+    "prismatic": Base.SLIDER_JOINT,
+    "universal": Base.UNIVERSAL_JOINT,
+    "ball": Base.BALL_JOINT,
+    "screw": Base.SCREW_JOINT,
+    "gearbox": Base.GEARBOX_JOINT,
+    "fixed": Base.FIXED_JOINT,
+}
+
+
 class Joint(Base):
     """A view on a joint of the engine. Angles in [rad], positions in [m], efforts in [N m] or [N]."""
 
@@ -43,6 +55,10 @@ class Joint(Base):
     def __init__(self, world: World, model: Model | None, core: SdfJoint) -> None:
         super().__init__(world, core.name, model, core.plan.element)
         self.core = core
+
+    def GetType(self) -> int:
+        """The bit mask of its types: Base.JOINT, and its kind such as Base.HINGE_JOINT."""
+        return Base.JOINT | KIND_BITS.get(self.core.kind, 0)
 
     def GetMsgType(self) -> int:
         """The kind of joint, a number of msgs.Joint.Type: 1 for a revolute one."""
@@ -189,6 +205,11 @@ class Joint(Base):
         """The rest position of the spring."""
         return self.core.axis_at(index).reference
 
+    def GetWorldEnergyPotentialSpring(self, index: int) -> float:
+        """The energy in the spring of an axis [J]."""
+        axis = self.core.axis_at(index)
+        return 0.5 * axis.stiffness * (self.core.position(index) - axis.reference) ** 2
+
     # Parameters --------------------------------------------------------------------------------------------------
 
     def SetParam(self, key: str, index: int, value: Any) -> bool:
@@ -209,6 +230,14 @@ class Joint(Base):
         return self.core.get_param(key, index)
 
     SetAttribute, GetAttribute = SetParam, GetParam
+
+    def GetMaxForce(self, index: int) -> float:
+        """The maximum effort of its motor, the parameter ``"fmax"`` [N m] or [N]."""
+        return self.GetParam("fmax", index)
+
+    def SetMaxForce(self, index: int, force: float) -> None:
+        """Set the maximum effort of its motor, the parameter ``"fmax"`` [N m] or [N]."""
+        self.SetParam("fmax", index, force)
 
     # Geometry ----------------------------------------------------------------------------------------------------
 
@@ -234,6 +263,35 @@ class Joint(Base):
 
     GetAnchor, GetGlobalAxis, GetLocalAxis = Anchor, GlobalAxis, LocalAxis
 
+    def WorldPose(self) -> Pose3d:
+        """Global pose of the joint's frame, which is fixed to the child [m]."""
+        return Pose3d(self.core.frame())
+
+    def ParentWorldPose(self) -> Pose3d:
+        """Global pose of the frame that is fixed to the parent, and coincided with the joint's at Attach [m]."""
+        return Pose3d(self.core.parent_frame())
+
+    def AnchorErrorPose(self) -> Pose3d:
+        """The joint's frame relative to that of the parent [m]: its motion, and the error of its constraints."""
+        return Pose3d(GzCoordPoseSub(self.core.frame(), self.core.parent_frame()))
+
+    def InitialAnchorPose(self) -> Pose3d:
+        """Pose of the joint's frame in the child [m]: the `<pose>` of the joint."""
+        return Pose3d(self.core.frame_in_child)
+
+    def AxisFrame(self, index: int) -> Quaterniond:
+        """Global rotation of the frame of LocalAxis: that of the joint."""
+        self.core.axis_at(index)
+        return self.WorldPose().Rot()
+
+    def AxisFrameOffset(self, index: int) -> Quaterniond:
+        """Rotation of the frame of LocalAxis in the joint's frame: none."""
+        self.core.axis_at(index)
+        return Quaterniond()
+
+    GetWorldPose, GetParentWorldPose, GetInitialAnchorPose = WorldPose, ParentWorldPose, InitialAnchorPose
+    GetAnchorErrorPose, GetAxisFrame, GetAxisFrameOffset = AnchorErrorPose, AxisFrame, AxisFrameOffset
+
     def InertiaRatio(self, axis: VectorLike | int) -> float:
         """The parent's over the child's moment of inertia about an axis by index, or a vector in the world frame."""
         direction = self.GlobalAxis(axis) if isinstance(axis, int) else axis
@@ -243,7 +301,13 @@ class Joint(Base):
             moments.append(sum(a * GzVectorDot(row, direction) for a, row in zip(direction, rows, strict=False)))
         return moments[0] / moments[1] if moments[1] else 0.0
 
+    GetInertiaRatio = InertiaRatio
+
     # Links -------------------------------------------------------------------------------------------------------
+
+    def GetJointLink(self, index: int) -> Link | Any:
+        """The child link (0) or the parent link (1), in the engine's order; None for the world."""
+        return {0: self.GetChild, 1: self.GetParent}.get(index, lambda: None)()
 
     def GetParent(self) -> Link | Any:
         """The parent link; None for the world, and for a joint that is detached or whose link was deleted."""
@@ -292,9 +356,6 @@ class Joint(Base):
         joints[core.name] = core
         model.core.world.update_rows_changed()
         self._world.server.joint_added(self)
-
-    def Init(self) -> None:
-        """Without effect: a joint acts from Attach or Load on."""
 
     def Fini(self) -> None:
         """Remove it from its model and destroy it."""

@@ -10,8 +10,13 @@ from libgz.classic.math import Matrix3d, Pose3d, Vector3d
 from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.inertial import Inertial
+from libgz.classic.physics.insertion import described
+from libgz.classic.physics.shape import shape_of
+from libgz.classic.physics.state import LinkState
+from libgz.errors import ParameterError
 from libgz.geometry import (
     GzCoordPoseAdd,
+    GzCoordPoseSub,
     GzPose,
     GzVectorAdd,
     GzVectorDot,
@@ -19,6 +24,7 @@ from libgz.geometry import (
     rotate,
 )
 from libgz.physics.geom import Geom
+from libgz.sdfworld.model import SdfModel
 
 if TYPE_CHECKING:
     from libgz.classic.common import Battery
@@ -44,6 +50,39 @@ class Link(Entity):
     def children(self) -> list[Base]:
         """Its collisions."""
         return list(self.GetCollisions())
+
+    def Load(self, sdf: Element) -> None:
+        """Give a link of CreateLink what a `<link>` element has: pose, mass, collisions, visuals; its name stays.
+
+        Raises:
+            ParameterError: the link is one of the model's file, or a value is not allowed.
+            WorldFileError: the element has errors; the message lists them all.
+        """
+        core = self.model.core
+        if not isinstance(core, SdfModel) or not core.load_link(self.GetName(), described(sdf, "link")):
+            raise ParameterError(
+                f"link {self.GetScopedName()!r} is one of the model's file; Load takes those of CreateLink"
+            )
+        self._sdf, self._inertial = core.link_element(self.GetName()), None
+
+    def Reset(self) -> None:
+        """Return to the initial pose in the model, at rest."""
+        self.ResetPhysicsStates()
+        self.SetRelativePose(self.InitialRelativePose())
+
+    def InitialRelativePose(self) -> Pose3d:
+        """The pose in the model that a reset restores [m]."""
+        core = self.model.core
+        return Pose3d(core.first_place(self.body)) if isinstance(core, SdfModel) else self.RelativePose()
+
+    def SetInitialRelativePose(self, pose: GzPose) -> None:
+        """Set the pose in the model that a reset restores [m]; links of legacy models have none."""
+        if isinstance(self.model.core, SdfModel):
+            self.model.core.set_first_place(self.body, pose)
+
+    def IsCanonicalLink(self) -> bool:
+        """Whether it is the link that the model's frame is fixed to."""
+        return self.model.GetLink() is self
 
     # Pose and motion ---------------------------------------------------------------------------------------------
 
@@ -183,6 +222,11 @@ class Link(Entity):
     def _wake(self) -> None:
         self.body.Enable(True)
 
+    def MoveFrame(self, worldReferenceFrameSrc: GzPose, worldReferenceFrameDst: GzPose) -> None:
+        """Move it as a frame moves from one global pose to another [m], and stop it."""
+        self.SetWorldPose(GzCoordPoseAdd(GzCoordPoseSub(self.pose(), worldReferenceFrameSrc), worldReferenceFrameDst))
+        self.SetWorldTwist((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
     def ResetPhysicsStates(self) -> None:
         """Set velocities, force and torque to zero."""
         self.body.SetLinearVel((0.0, 0.0, 0.0))
@@ -236,6 +280,10 @@ class Link(Entity):
         return Matrix3d(*(turn @ inertia @ turn.T).ravel().tolist())
 
     GetWorldInertiaMatrix = WorldInertiaMatrix
+
+    def WorldAngularMomentum(self) -> Vector3d:
+        """Angular momentum about the centre of mass [kg m^2/s]."""
+        return Vector3d(*(self.WorldInertiaMatrix() * self.WorldAngularVel()))
 
     def GetWorldEnergyPotential(self) -> float:
         """Potential energy in the gravity field, relative to the world's origin [J]."""
@@ -312,13 +360,39 @@ class Link(Entity):
         """Set the fraction of angular velocity that is lost in each step."""
         self.body.set_damping(self.body.damping[0], damping)
 
+    def GetLinearDamping(self) -> float:
+        """The fraction of linear velocity that is lost in each step."""
+        return self.body.damping[0]
+
+    def GetAngularDamping(self) -> float:
+        """The fraction of angular velocity that is lost in each step."""
+        return self.body.damping[1]
+
     def SetAutoDisable(self, disable: bool) -> None:
         """Enable or disable auto-disable: sleep while at rest."""
         self.body.set_auto_disable(disable)
 
     def SetSelfCollide(self, collide: bool) -> None:
         """Enable or disable contacts with other links of its model."""
-        self.model.core.set_self_collide(self.body, collide)  # type: ignore[attr-defined]
+        if isinstance(self.model.core, SdfModel):
+            self.model.core.set_self_collide(self.body, bool(collide))
+
+    def GetSelfCollide(self) -> bool:
+        """Whether it has contacts with other links of its model."""
+        core = self.model.core
+        return isinstance(core, SdfModel) and core.self_collides(self.body)
+
+    def UpdateSurface(self) -> None:
+        """Without effect: changes of a collision's surface act at once."""
+
+    def SetScale(self, scale: VectorLike) -> None:
+        """Scale its shapes, collisions and visuals, to this multiple of their first sizes."""
+        for geom in self.body.geoms:
+            shape_of(geom).SetScale(scale)
+
+    def SetState(self, state: LinkState) -> None:
+        """Set pose and velocity to those of a state."""
+        state.apply(self)
 
     def SetCollideMode(self, mode: str) -> None:
         """Set the collide mode of its collisions; see Collision.SetCollideMode."""
@@ -368,6 +442,10 @@ class Link(Entity):
         """A collision by name or index; None if there is none."""
         found = self.GetChild(which)
         return found if isinstance(found, Collision) else None
+
+    def GetCollisionById(self, id: int) -> Collision | Any:
+        """A collision by its GetId(); None if there is none."""
+        return next((collision for collision in self.GetCollisions() if collision.GetId() == id), None)
 
     def visuals(self) -> list[Geom]:
         """The geoms that are rendered and have no contacts."""

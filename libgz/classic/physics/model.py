@@ -11,7 +11,7 @@ from libgz.classic.physics.base import Base, Entity, view_of
 from libgz.classic.physics.gripper import Gripper
 from libgz.classic.physics.joint import Joint, first_axes
 from libgz.classic.physics.link import Link
-from libgz.classic.physics.shape import shape_of
+from libgz.classic.physics.state import ModelState
 from libgz.errors import ClosedError
 from libgz.geometry import GzCoordPoseAdd, GzCoordPoseSub, GzPose, VectorLike
 from libgz.physics.geom import Geom
@@ -334,9 +334,32 @@ class Model(Entity):
 
     def SetAutoDisable(self, disable: bool) -> None:
         """Enable or disable auto-disable, sleep while at rest; without effect on models with joints."""
-        if not self.GetJointCount():
-            for link in self.family_links():
-                link.SetAutoDisable(disable)
+        for link in self._sleepers():
+            link.SetAutoDisable(disable)
+
+    def _sleepers(self) -> Iterator[Link]:
+        """The links that may be auto-disabled: of models without joints."""
+        for model in self.family():
+            if not model.GetJoints():
+                yield from (link for link in model.GetLinks() if not link.body.joints)
+
+    def GetAutoDisable(self) -> bool:
+        """Whether one of its links sleeps at rest."""
+        return any(link.body.auto_disable for link in self._sleepers())
+
+    def SetSelfCollide(self, self_collide: bool) -> None:
+        """Enable or disable contacts between its links."""
+        for link in self.family_links():
+            link.SetSelfCollide(self_collide)
+
+    def GetSelfCollide(self) -> bool:
+        """Whether all its links have contacts with each other."""
+        links = list(self.family_links())
+        return bool(links) and all(link.GetSelfCollide() for link in links)
+
+    def SetState(self, state: ModelState) -> None:
+        """Set poses and velocities of links to those of a state, those of nested models too."""
+        state.apply(self)
 
     def SetLaserRetro(self, retro: float) -> None:
         """Set the laser retro value of all its collisions."""
@@ -349,8 +372,12 @@ class Model(Entity):
         Poses, meshes and masses do not change.
         """
         for link in self.family_links():
-            for geom in link.body.geoms:
-                shape_of(geom).SetScale(scale)
+            link.SetScale(scale)
+
+    def Scale(self) -> Vector3d:
+        """The multiple of the first sizes that SetScale has set."""
+        geoms = (geom for link in self.family_links() for geom in link.body.geoms)
+        return Vector3d(*next((geom.scale for geom in geoms), (1.0, 1.0, 1.0)))
 
     def SetWindMode(self, mode: bool) -> None:
         """Put all its links into the wind, or out of it."""

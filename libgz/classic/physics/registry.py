@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING
 
 from libgz.errors import NotFoundError
@@ -12,7 +13,20 @@ from libgz.simulation.world import World as CoreWorld
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
 
-__all__ = ["get_world", "has_world", "own_world", "worlds"]
+__all__ = [
+    "getUniqueId",
+    "get_world",
+    "has_world",
+    "own_world",
+    "pause_world",
+    "pause_worlds",
+    "stop_world",
+    "stop_worlds",
+    "worlds",
+    "worlds_running",
+]
+
+_numbers = itertools.count(1)
 
 
 def worlds() -> list[World]:
@@ -47,3 +61,35 @@ def own_world() -> World | None:
     """The world of the plugin that is running; None outside plugins, and in System plugins."""
     by = owner.get()
     return next((world for world in worlds() if by is not None and by.events is world.core.events), None)
+
+
+def pause_world(world: World, pause: bool) -> None:
+    """Pause a world, or resume it."""
+    world.SetPaused(pause)
+
+
+def pause_worlds(pause: bool) -> None:
+    """Pause all worlds, or resume them."""
+    for world in worlds():
+        world.SetPaused(pause)
+
+
+def stop_world(world: World) -> None:
+    """End a world's Run, or the loop of gzserver."""
+    world.Stop()
+
+
+def stop_worlds() -> None:
+    """End the Run of all worlds."""
+    for world in worlds():
+        world.Stop()
+
+
+def worlds_running() -> bool:
+    """Whether a world was not stopped."""
+    return any(world.Running() for world in worlds())
+
+
+def getUniqueId() -> int:
+    """A number that no other call in this process returns."""
+    return next(_numbers)

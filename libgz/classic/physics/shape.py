@@ -3,27 +3,62 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from libgz.classic.math import Vector3d
-from libgz.geometry import VectorLike
+import numpy as np
+from numpy.typing import NDArray
+
+from libgz.classic.common import Image
+from libgz.classic.math import Vector2i, Vector3d
+from libgz.classic.physics.base import Base
+from libgz.errors import ParameterError
+from libgz.geometry import GzVector, VectorLike
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.sdf.value import parse
 
-__all__ = ["BoxShape", "CylinderShape", "MeshShape", "PlaneShape", "Shape", "SphereShape", "shape_of"]
+if TYPE_CHECKING:
+    from libgz.sdf.element import Element
+
+__all__ = [
+    "BoxShape",
+    "CylinderShape",
+    "HeightmapShape",
+    "MeshShape",
+    "PlaneShape",
+    "PolylineShape",
+    "Shape",
+    "SphereShape",
+    "shape_of",
+]
 
 
 class Shape:
     """Base of all shapes."""
 
-    kind: ClassVar[str] = "empty"
+    kind: ClassVar[str] = "empty"  # SDF's name
+    entity_type: ClassVar[int] = Base.SHAPE
 
-    def __init__(self, geom: Geom) -> None:
-        self.geom = geom
+    def __init__(self, geom: Geom, sdf: Element | None = None) -> None:
+        self.geom, self._sdf = geom, sdf
 
-    def GetType(self) -> str:
-        """box, sphere, cylinder, plane, mesh or empty."""
-        return self.kind
+    def GetType(self) -> int:
+        """The bit mask of its types: Base.SHAPE, Base.BOX_SHAPE and so on."""
+        return self.entity_type
+
+    def HasType(self, kind: int) -> bool:
+        """Whether it is of this type, such as Base.BOX_SHAPE."""
+        return self.entity_type & kind == kind
+
+    def GetParent(self) -> Base | Any:
+        """Its collision; None for the shape of a visual."""
+        return self.geom.facade if self.geom.space is not None else None
+
+    def Scale(self) -> Vector3d:
+        """The multiple of its first size that SetScale has set."""
+        return Vector3d(*self.geom.scale)
+
+    GetScale = Scale
 
     def SetScale(self, scale: VectorLike) -> None:
         """Scale it to this multiple of its first size; without effect on planes and meshes.
@@ -49,6 +84,7 @@ class BoxShape(Shape):
     """A box."""
 
     kind = "box"
+    entity_type = Base.SHAPE | Base.BOX_SHAPE
     geom: BoxGeom
 
     def Size(self) -> Vector3d:
@@ -73,6 +109,7 @@ class SphereShape(Shape):
     """A sphere."""
 
     kind = "sphere"
+    entity_type = Base.SHAPE | Base.SPHERE_SHAPE
     geom: SphereGeom
 
     def GetRadius(self) -> float:
@@ -95,6 +132,7 @@ class CylinderShape(Shape):
     """A cylinder along z."""
 
     kind = "cylinder"
+    entity_type = Base.SHAPE | Base.CYLINDER_SHAPE
     geom: CylinderGeom
 
     def GetRadius(self) -> float:
@@ -129,6 +167,7 @@ class PlaneShape(Shape):
     """An infinite plane."""
 
     kind = "plane"
+    entity_type = Base.SHAPE | Base.PLANE_SHAPE
     geom: PlaneGeom
 
     def Normal(self) -> Vector3d:
@@ -146,7 +185,101 @@ class MeshShape(Shape):
     """A triangle mesh."""
 
     kind = "mesh"
+    entity_type = Base.SHAPE | Base.MESH_SHAPE
     geom: TriMeshGeom
+
+    def Size(self) -> Vector3d:
+        """The lengths of its vertices' box [m]."""
+        return Vector3d(*np.ptp(self.geom.vertices, axis=0))
+
+    GetSize = Size
+
+    def GetMeshURI(self) -> str:
+        """The `<uri>` of its file; an empty string if it was not made from one."""
+        return self._text("uri")
+
+    def _text(self, key: str) -> str:
+        geometry = self._sdf.GetElement("geometry") if self._sdf is not None else None
+        shape = geometry.GetElement(self.kind) if geometry is not None and geometry.HasElement(self.kind) else None
+        return shape.Get(str, key) if shape is not None else ""
+
+
+class PolylineShape(MeshShape):
+    """A solid extruded from an outline."""
+
+    kind = "polyline"
+    entity_type = Base.SHAPE | Base.POLYLINE_SHAPE
+
+
+class HeightmapShape(MeshShape):
+    """Ground from an image; vertices are counted along +x, and along -y from the image's top row on."""
+
+    kind = "heightmap"
+    entity_type = Base.SHAPE | Base.HEIGHTMAP_SHAPE
+
+    def GetURI(self) -> str:
+        """The `<uri>` of its image."""
+        return self._text("uri")
+
+    GetMeshURI = GetURI
+
+    def Size(self) -> Vector3d:
+        """The `<size>` [m]."""
+        return Vector3d(*self._vector("size"))
+
+    def Pos(self) -> Vector3d:
+        """The `<pos>` [m]."""
+        return Vector3d(*self._vector("pos"))
+
+    def VertexCount(self) -> Vector2i:
+        """The number of vertices along x and y."""
+        rows, columns = self._heights().shape
+        return Vector2i(columns, rows)
+
+    def GetHeight(self, x: int, y: int) -> float:
+        """The height of a vertex [m], relative to the collision.
+
+        Raises:
+            ParameterError: there is no such vertex.
+        """
+        heights = self._heights()
+        if not (0 <= x < heights.shape[1] and 0 <= y < heights.shape[0]):
+            raise ParameterError(
+                f"the heightmap has no vertex ({x}, {y}); it has {heights.shape[1]} x {heights.shape[0]} of them"
+            )
+        return float(heights[y, x])
+
+    def GetMaxHeight(self) -> float:
+        """The greatest height [m], relative to the collision."""
+        return float(self._heights().max())
+
+    def GetMinHeight(self) -> float:
+        """The least height [m], relative to the collision."""
+        return float(self._heights().min())
+
+    def GetSubSampling(self) -> int:
+        """1: there is a vertex for each pixel."""
+        return 1
+
+    def GetImage(self) -> Image:
+        """The image.
+
+        Raises:
+            FileError: it is not there any more, or cannot be read.
+        """
+        return Image(self.GetURI())
+
+    GetSize, GetPos, GetVertexCount = Size, Pos, VertexCount
+
+    def _vector(self, key: str) -> GzVector:
+        return parse(GzVector, self._text(key) or "0 0 0")
+
+    def _heights(self) -> NDArray[np.float64]:
+        """Shape (rows, columns), the row at +y first."""
+        points = self.geom.vertices
+        columns = int(np.argmax(points[:, 1] != points[0, 1])) or len(points)
+        heights: NDArray[np.float64] = points[:, 2].reshape(-1, columns)[::-1]
+        return heights
 
 
 KINDS: tuple[tuple[type[Geom], type[Shape]], ...] = (
@@ -158,6 +291,11 @@ KINDS: tuple[tuple[type[Geom], type[Shape]], ...] = (
 )
 
 
-def shape_of(geom: Geom) -> Shape:
-    """The shape of a geom, by its class."""
-    return next((shape(geom) for kind, shape in KINDS if isinstance(geom, kind)), Shape(geom))
+def shape_of(geom: Geom, sdf: Element | None = None) -> Shape:
+    """The shape of a geom, by its class, and by the element of its collision."""
+    geometry = sdf.GetElement("geometry") if sdf is not None else None
+    by_file = next(
+        (s for s in (HeightmapShape, PolylineShape) if geometry is not None and geometry.HasElement(s.kind)), None
+    )
+    found = by_file or next((shape for kind, shape in KINDS if isinstance(geom, kind)), Shape)
+    return found(geom, sdf)

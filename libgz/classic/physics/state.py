@@ -1,57 +1,392 @@
-"""WorldState: poses and velocities of a world at one time; and the world as an SDF document."""
+"""States: poses and velocities of a world and its parts at one time; and the world as an SDF document."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from libgz.classic.common import Time
-from libgz.errors import WorldFileError
-from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
+from libgz.classic.math import Pose3d, Quaterniond, Vector3d
+from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
+from libgz.geometry import GzCoordPoseSub, GzPose
 from libgz.sdf.element import Element
 from libgz.sdf.upgrade import NEWEST, upgraded
 
 if TYPE_CHECKING:
-    from libgz.classic.physics.world import World
+    from libgz.classic.physics.collision import Collision
+    from libgz.classic.physics.light import Light
+    from libgz.classic.physics.world import Joint, Link, Model, World
 
-__all__ = ["WorldState", "save_world", "world_text"]
+__all__ = [
+    "CollisionState",
+    "JointState",
+    "LightState",
+    "LinkState",
+    "ModelState",
+    "State",
+    "WorldState",
+    "save_world",
+    "world_text",
+]
 
 
-class WorldState:
-    """Poses [m] and velocities [m/s], [rad/s] of all links of a world at one time, by scoped name."""
+class State:
+    """A name and the times of a state."""
 
-    def __init__(self, world: World) -> None:
-        self.name = world.Name()
-        self._time = world.SimTime()
-        self._links: dict[str, tuple[GzPose, GzVector, GzVector]] = {}
-        for model in world.all_models():
-            for link in model.GetLinks():
-                body = link.body
-                self._links[link.GetScopedName()] = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
+    def __init__(self, name: str = "", world: World | None = None) -> None:
+        self._name = name
+        self._sim = world.SimTime() if world is not None else Time()
+        self._real = world.RealTime() if world is not None else Time()
+        self._wall = Time.GetWallTime() if world is not None else Time()
+        self._iterations = world.Iterations() if world is not None else 0
+
+    def GetName(self) -> str:
+        """The name."""
+        return self._name
+
+    def SetName(self, name: str) -> None:
+        """Set the name."""
+        self._name = name
 
     def GetSimTime(self) -> Time:
         """The sim time."""
-        return self._time
+        return self._sim
 
-    SimTime = GetSimTime
+    def SetSimTime(self, time: Time) -> None:
+        """Set the sim time."""
+        self._sim = Time(time)
+
+    def GetRealTime(self) -> Time:
+        """The real time."""
+        return self._real
+
+    def SetRealTime(self, time: Time) -> None:
+        """Set the real time."""
+        self._real = Time(time)
+
+    def GetWallTime(self) -> Time:
+        """The wall time."""
+        return self._wall
+
+    def SetWallTime(self, time: Time) -> None:
+        """Set the wall time."""
+        self._wall = Time(time)
+
+    def GetIterations(self) -> int:
+        """The number of iterations."""
+        return self._iterations
+
+    def SetIterations(self, iterations: int) -> None:
+        """Set the number of iterations."""
+        self._iterations = int(iterations)
+
+    def IsZero(self) -> bool:
+        """Whether all that it holds is zero."""
+        return True
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self._name!r} at {self._sim.Double():g} s>"
+
+
+class CollisionState(State):
+    """The pose of a collision."""
+
+    def __init__(self, collision: Collision) -> None:
+        super().__init__(collision.GetName(), collision.GetWorld())
+        self._pose = collision.RelativePose()
+
+    def Pose(self) -> Pose3d:
+        """Its pose in the link [m]."""
+        return self._pose
+
+    def IsZero(self) -> bool:
+        """Whether the pose is zero."""
+        return self._pose == Pose3d()
+
+    GetPose = Pose
+
+
+class LinkState(State):
+    """Pose and motion of a link, in the world frame."""
+
+    def __init__(self, link: Link) -> None:
+        super().__init__(link.GetName(), link.GetWorld())
+        body = link.body
+        self._pose, self._linear, self._angular = body.GetPose(), body.GetLinearVel(), body.GetAngularRate()
+        self._velocity = _motion(link.WorldLinearVel(), link.WorldAngularVel())
+        self._acceleration = _motion(link.WorldLinearAccel(), link.WorldAngularAccel())
+        self._wrench = _motion(link.WorldForce(), Vector3d())
+        self._collisions = [CollisionState(collision) for collision in link.GetCollisions()]
+
+    def Pose(self) -> Pose3d:
+        """Global pose [m]."""
+        return Pose3d(self._pose)
+
+    def Velocity(self) -> Pose3d:
+        """Velocity of the origin [m/s] as the position, angular velocity [rad/s] as Euler angles, as in Gazebo."""
+        return self._velocity
+
+    def Acceleration(self) -> Pose3d:
+        """Linear [m/s^2] and angular [rad/s^2] acceleration, in the same form."""
+        return self._acceleration
+
+    def Wrench(self) -> Pose3d:
+        """The force at the centre of mass [N] as the position; the rotation is none, as in Gazebo."""
+        return self._wrench
+
+    def GetCollisionStateCount(self) -> int:
+        """The number of its collisions."""
+        return len(self._collisions)
+
+    def GetCollisionStates(self) -> list[CollisionState]:
+        """The states of its collisions."""
+        return list(self._collisions)
+
+    def GetCollisionState(self, which: int | str) -> CollisionState:
+        """The state of a collision by index or name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._collisions, which, f"link {self._name!r}", "collision")
+
+    def IsZero(self) -> bool:
+        """Whether pose, velocity, acceleration and wrench are zero."""
+        zero = Pose3d()
+        return all(value == zero for value in (self.Pose(), self._velocity, self._acceleration, self._wrench))
+
+    def apply(self, link: Link) -> None:
+        """Set a link's pose and velocities to these."""
+        link.body.SetPose(self._pose)
+        link.body.SetLinearVel(self._linear)
+        link.body.SetAngularVel(self._angular)
+
+    GetPose, GetVelocity, GetAcceleration, GetWrench = Pose, Velocity, Acceleration, Wrench
+
+
+class JointState(State):
+    """The positions of a joint."""
+
+    def __init__(self, joint: Joint) -> None:
+        super().__init__(joint.GetName(), joint.GetWorld())
+        self._positions = [joint.Position(index) for index in range(joint.DOF())]
+
+    def GetAngleCount(self) -> int:
+        """The number of positions."""
+        return len(self._positions)
+
+    def Position(self, axis: int = 0) -> float:
+        """The position of an axis [rad] or [m].
+
+        Raises:
+            ParameterError: there is no such axis.
+        """
+        if not 0 <= axis < len(self._positions):
+            raise ParameterError(f"the state of joint {self._name!r} has no axis {axis}; it has {len(self._positions)}")
+        return self._positions[axis]
+
+    def Positions(self) -> list[float]:
+        """The positions of all axes [rad] or [m]."""
+        return list(self._positions)
+
+    def IsZero(self) -> bool:
+        """Whether all positions are zero."""
+        return not any(self._positions)
+
+    GetAngle, GetAngles = Position, Positions
+
+
+class ModelState(State):
+    """Pose and motion of a model: of its links, joints and nested models."""
+
+    def __init__(self, model: Model) -> None:
+        super().__init__(model.GetName(), model.GetWorld())
+        self._pose, self._scale = model.WorldPose(), model.Scale()
+        self._links = [LinkState(link) for link in model.GetLinks()]
+        self._joints = [JointState(joint) for joint in model.GetJoints()]
+        self._nested = [ModelState(nested) for nested in model.NestedModels()]
+
+    def Pose(self) -> Pose3d:
+        """Global pose [m]."""
+        return self._pose
+
+    def Scale(self) -> Vector3d:
+        """The multiple of its first size."""
+        return self._scale
+
+    def IsZero(self) -> bool:
+        """Whether its pose and all states in it are zero."""
+        return self._pose == Pose3d() and all(part.IsZero() for part in (*self._links, *self._joints, *self._nested))
+
+    def GetLinkStateCount(self) -> int:
+        """The number of its links."""
+        return len(self._links)
+
+    def GetLinkStates(self) -> list[LinkState]:
+        """The states of its links."""
+        return list(self._links)
+
+    def HasLinkState(self, name: str) -> bool:
+        """Whether there is a link of this name."""
+        return any(link.GetName() == name for link in self._links)
+
+    def GetLinkState(self, which: int | str) -> LinkState:
+        """The state of a link by index or name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._links, which, f"model {self._name!r}", "link")
+
+    def GetJointStateCount(self) -> int:
+        """The number of its joints."""
+        return len(self._joints)
+
+    def GetJointStates(self) -> list[JointState]:
+        """The states of its joints."""
+        return list(self._joints)
+
+    def HasJointState(self, name: str) -> bool:
+        """Whether there is a joint of this name."""
+        return any(joint.GetName() == name for joint in self._joints)
+
+    def GetJointState(self, which: int | str) -> JointState:
+        """The state of a joint by index or name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._joints, which, f"model {self._name!r}", "joint")
+
+    def NestedModelStateCount(self) -> int:
+        """The number of models nested in it."""
+        return len(self._nested)
+
+    def NestedModelStates(self) -> list[ModelState]:
+        """The states of the models nested in it."""
+        return list(self._nested)
+
+    def HasNestedModelState(self, name: str) -> bool:
+        """Whether there is a nested model of this name."""
+        return any(nested.GetName() == name for nested in self._nested)
+
+    def NestedModelState(self, name: str) -> ModelState:
+        """The state of a nested model by name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._nested, name, f"model {self._name!r}", "model")
+
+    def apply(self, model: Model) -> None:
+        """Set poses and velocities of a model's links to these; links that are not in the state do not change."""
+        known = {link.GetName(): link for link in self._links}
+        for link in model.GetLinks():
+            if link.GetName() in known:
+                known[link.GetName()].apply(link)
+        models = {nested.GetName(): nested for nested in self._nested}
+        for nested in model.NestedModels():
+            if nested.GetName() in models:
+                models[nested.GetName()].apply(nested)
+
+    GetPose = Pose
+
+
+class LightState(State):
+    """The pose of a light."""
+
+    def __init__(self, light: Light) -> None:
+        super().__init__(light.GetName(), light.GetWorld())
+        self._pose = light.WorldPose()
+
+    def Pose(self) -> Pose3d:
+        """Global pose [m]."""
+        return self._pose
+
+    def IsZero(self) -> bool:
+        """Whether the pose is zero."""
+        return self._pose == Pose3d()
+
+
+class WorldState(State):
+    """Poses and motion of all models of a world, and poses of its lights, at one time."""
+
+    def __init__(self, world: World) -> None:
+        super().__init__(world.Name(), world)
+        self._models = [ModelState(model) for model in world.Models()]
+        self._lights = [LightState(light) for light in world.Lights()]
+
+    SimTime = State.GetSimTime
 
     def GetModelStateCount(self) -> int:
         """The number of models."""
-        return len({name.partition("::")[0] for name in self._links})
+        return len(self._models)
 
-    def LinkPose(self, name: str) -> GzPose:
-        """Global pose of a link by scoped name [m]."""
-        return self._links[name][0]
+    def GetModelStates(self) -> dict[str, ModelState]:
+        """The states of the models, by name."""
+        return {model.GetName(): model for model in self._models}
+
+    def HasModelState(self, name: str) -> bool:
+        """Whether there is a model of this name."""
+        return any(model.GetName() == name for model in self._models)
+
+    def GetModelState(self, which: int | str) -> ModelState:
+        """The state of a model by index or name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._models, which, f"world {self._name!r}", "model")
+
+    def LightStateCount(self) -> int:
+        """The number of lights."""
+        return len(self._lights)
+
+    def LightStates(self) -> dict[str, LightState]:
+        """The states of the lights, by name."""
+        return {light.GetName(): light for light in self._lights}
+
+    def HasLightState(self, name: str) -> bool:
+        """Whether there is a light of this name."""
+        return any(light.GetName() == name for light in self._lights)
+
+    def GetLightState(self, which: int | str) -> LightState:
+        """The state of a light by index or name.
+
+        Raises:
+            NotFoundError: there is none.
+        """
+        return _find(self._lights, which, f"world {self._name!r}", "light")
+
+    def IsZero(self) -> bool:
+        """Whether all poses, velocities and positions are zero."""
+        return all(part.IsZero() for part in (*self._models, *self._lights))
 
     def apply(self, world: World) -> None:
         """Set the poses and velocities of a world's links; links that are not in the state do not change."""
-        for model in world.all_models():
-            for link in model.GetLinks():
-                known = self._links.get(link.GetScopedName())
-                if known is not None:
-                    link.body.SetPose(known[0])
-                    link.body.SetLinearVel(known[1])
-                    link.body.SetAngularVel(known[2])
+        known = self.GetModelStates()
+        for model in world.Models():
+            if model.GetName() in known:
+                known[model.GetName()].apply(model)
+
+
+S = TypeVar("S", bound=State)
+
+
+def _find(states: Sequence[S], which: int | str, holder: str, kind: str) -> S:
+    if isinstance(which, int):
+        if 0 <= which < len(states):
+            return states[which]
+        raise NotFoundError(f"the state of {holder} has no {kind} {which}; it has {len(states)}")
+    names = [state.GetName() for state in states]
+    if which not in names:
+        raise NotFoundError(f"the state of {holder} has no {kind} {which!r}{nearest(which, names)}")
+    return states[names.index(which)]
+
+
+def _motion(linear: Vector3d, angular: Vector3d) -> Pose3d:
+    return Pose3d(linear, Quaterniond(*angular))
 
 
 MADE = ("model", "actor", "light", "population", "state")  # of what entities are made; they are written as they are now

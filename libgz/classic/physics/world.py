@@ -6,6 +6,7 @@ time each of them imports modules below it only.
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from pathlib import Path
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics.collision import Collision
     from libgz.physics.body import Body
     from libgz.physics.geom import Geom
+    from libgz.physics.lock import WorldLock
     from libgz.sdf.reader import SdfFile
     from libgz.simulation.entity import Entity as CoreModel
 
@@ -146,6 +148,8 @@ class World(Base):
             self.core.Step()
             done += 1
 
+    RunBlocking = Run
+
     def Stop(self) -> None:
         """End Run, or the loop of gzserver."""
         self.server.stopped = True
@@ -188,6 +192,31 @@ class World(Base):
         if type in (Base.BASE, Base.ENTITY, Base.MODEL):
             for model in self.Models():
                 model.Reset()
+
+    def ResetPhysicsStates(self) -> None:
+        """Set velocities, forces and torques of all links to zero."""
+        for model in self.Models():
+            model.ResetPhysicsStates()
+
+    def EnableAllModels(self) -> None:
+        """Wake all links."""
+        for model in self.Models():
+            model.SetEnabled(True)
+
+    def DisableAllModels(self) -> None:
+        """Put all links to sleep (auto-disabled)."""
+        for model in self.Models():
+            model.SetEnabled(False)
+
+    def IsLoaded(self) -> bool:
+        """Whether it is loaded: always, for a plugin's Load is called afterwards."""
+        return True
+
+    def WorldPoseMutex(self) -> WorldLock:
+        """The world's lock: ``with world.WorldPoseMutex():`` holds off steps and other threads."""
+        return self.core.lock
+
+    GetSetWorldPoseMutex = WorldPoseMutex
 
     # Models ------------------------------------------------------------------------------------------------------
 
@@ -281,6 +310,8 @@ class World(Base):
             return lights[which] if 0 <= which < len(lights) else None
         return self.LightByName(which)
 
+    GetLight, GetLights, GetLightCount = Light, Lights, LightCount
+
     def PrintEntityTree(self) -> str:
         """The names of all objects, one per line."""
         return self.Print()
@@ -326,7 +357,24 @@ class World(Base):
         """The nearest collision below a point [m]; None if there is none."""
         return self.EntityByName(self.ray_down(pt)[1])
 
-    GetEntityBelowPoint = EntityBelowPoint
+    def ModelBelowPoint(self, pt: VectorLike) -> Model | Any:
+        """The model of the nearest collision below a point [m]; None if there is none."""
+        entity = self.EntityBelowPoint(pt)
+        return entity.GetParentModel() if entity is not None else None
+
+    GetEntityBelowPoint, GetModelBelowPoint = EntityBelowPoint, ModelBelowPoint
+
+    def UniqueModelName(self, name: str) -> str:
+        """The name itself, or with ``_0``, ``_1``, ... at its end the first that no model has."""
+        numbers = itertools.count()
+        found = name
+        while self.ModelByName(found) is not None:
+            found = f"{name}_{next(numbers)}"
+        return found
+
+    def StripWorldName(self, name: str) -> str:
+        """A scoped name without the world's name before it."""
+        return name.removeprefix(f"{self.Name()}::")
 
     # Changes -----------------------------------------------------------------------------------------------------
 
@@ -348,6 +396,14 @@ class World(Base):
 
     def InsertModelSDF(self, sdf: Element | SdfFile | classic_sdf.SDF) -> None:
         """Add the models and lights of an SDF document; in a callback, at the end of the iteration.
+
+        Raises:
+            ParameterError: it is not an SDF document.
+        """
+        insert_document(self, sdf)
+
+    def LoadLight(self, sdf: Element | SdfFile | classic_sdf.SDF, parent: Base | None = None) -> None:
+        """Add the light of a `<light>` element; in a callback, at the end of the iteration.
 
         Raises:
             ParameterError: it is not an SDF document.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import logging
 import math
 import time
@@ -248,8 +249,8 @@ class Camera(Closing):
         """[px]."""
         return self.core.height
 
-    ViewportWidth = GetViewportWidth = GetImageWidth = ImageWidth
-    ViewportHeight = GetViewportHeight = GetImageHeight = ImageHeight
+    ViewportWidth = GetViewportWidth = GetImageWidth = TextureWidth = GetTextureWidth = ImageWidth
+    ViewportHeight = GetViewportHeight = GetImageHeight = TextureHeight = GetTextureHeight = ImageHeight
 
     def SetImageSize(self, width: int, height: int) -> None:
         """Change the image's size [px].
@@ -286,7 +287,35 @@ class Camera(Closing):
         """Bytes of an image."""
         return self.core.width * self.core.height * self.ImageDepth()
 
-    GetImageByteSize = ImageByteSize
+    GetImageByteSize = ImageMemorySize = ImageByteSize
+
+    def SetImageWidth(self, w: int) -> None:
+        """Change the image's width [px]."""
+        self.SetImageSize(w, self.core.height)
+
+    def SetImageHeight(self, h: int) -> None:
+        """Change the image's height [px]."""
+        self.SetImageSize(self.core.width, h)
+
+    def ShowWireframe(self, s: bool) -> None:
+        """Set whether its images show edges of triangles instead of faces."""
+        self.core.options.polygonFill = not s
+
+    def ToggleShowWireframe(self) -> None:
+        """Show edges of triangles instead of faces, or faces again."""
+        self.ShowWireframe(self.core.options.polygonFill)
+
+    def IsVisible(self, visual: Visual | str) -> bool:
+        """Whether the middle or a corner of a visual's box lies in the image; what is before it does not matter."""
+        found = self._find(visual)
+        if found is None:
+            return False
+        box, pose = found.BoundingBox(), found.WorldPose()
+        low, high = box.Min(), box.Max()
+        corners = itertools.product(*zip(low, high, strict=True))
+        points = [box.Center(), *(Vector3d(*corner) for corner in corners)]
+        pixels = (self.Project(GzCoordPositionAdd(point, pose.pos, pose.rot)) for point in points)
+        return any(0 <= pixel.x < self.core.width and 0 <= pixel.y < self.core.height for pixel in pixels)
 
     def AspectRatio(self) -> float:
         """Width over height."""
@@ -396,6 +425,23 @@ class Camera(Closing):
         """Turn it to a global rotation; its position stays."""
         self.SetWorldPose(Pose3d(self.core.pose.pos, quat))
 
+    def Roll(self, angle: float | Angle) -> None:
+        """Turn it about its viewing direction [rad]."""
+        self._turn(float(angle), 0.0, 0.0)
+
+    def Pitch(self, angle: float | Angle) -> None:
+        """Turn it about its y axis [rad]; positive is down."""
+        self._turn(0.0, float(angle), 0.0)
+
+    def Yaw(self, angle: float | Angle) -> None:
+        """Turn it about its z axis [rad]; positive is left."""
+        self._turn(0.0, 0.0, float(angle))
+
+    def _turn(self, *angles: float) -> None:
+        self.SetWorldRotation(self.WorldRotation() * Quaterniond(*angles))
+
+    RotatePitch, RotateYaw = Pitch, Yaw
+
     def Translate(self, direction: VectorLike) -> None:
         """Move it by a vector in its own frame [m]."""
         pose = self.core.pose
@@ -437,6 +483,8 @@ class Camera(Closing):
         left, up = self.core.width / 2.0 - screenx, self.core.height / 2.0 - screeny
         return self.WorldPosition(), self._axis(focal, left, up).Normalize()
 
+    GetCameraToViewportRay = CameraToViewportRay
+
     def WorldPointOnPlane(
         self, x: float, y: float, normal: VectorLike = (0.0, 0.0, 1.0), offset: float = 0.0
     ) -> Vector3d | None:
@@ -446,6 +494,8 @@ class Camera(Closing):
         slope = n.Dot(direction)
         distance = (offset - n.Dot(start)) / slope if slope else -1.0
         return start + direction * distance if distance >= 0.0 else None
+
+    GetWorldPointOnPlane = WorldPointOnPlane
 
     # Motion ------------------------------------------------------------------------------------------------------
 
@@ -469,6 +519,54 @@ class Camera(Closing):
         return self.mount.tracked
 
     GetTrackedVisual = TrackedVisual
+
+    def SetTrackIsStatic(self, isStatic: bool) -> None:
+        """Set whether it keeps to TrackPosition while it tracks a visual."""
+        self.mount.is_static = bool(isStatic)
+
+    def TrackIsStatic(self) -> bool:
+        """Whether it keeps to TrackPosition while it tracks a visual."""
+        return self.mount.is_static
+
+    def SetTrackPosition(self, pos: VectorLike) -> None:
+        """Set where it is while it tracks a visual [m], if it is static then."""
+        self.mount.position = GzVector(*pos)
+
+    def TrackPosition(self) -> Vector3d:
+        """Where it is while it tracks a visual [m], if it is static then."""
+        return Vector3d(*self.mount.position)
+
+    def SetTrackUseModelFrame(self, useModelFrame: bool) -> None:
+        """Set whether TrackPosition is relative to the visual."""
+        self.mount.in_model_frame = bool(useModelFrame)
+
+    def TrackUseModelFrame(self) -> bool:
+        """Whether TrackPosition is relative to the visual."""
+        return self.mount.in_model_frame
+
+    def SetTrackInheritYaw(self, inheritYaw: bool) -> None:
+        """Set whether TrackPosition turns with the visual's yaw."""
+        self.mount.inherit_yaw = bool(inheritYaw)
+
+    def TrackInheritYaw(self) -> bool:
+        """Whether TrackPosition turns with the visual's yaw."""
+        return self.mount.inherit_yaw
+
+    def SetTrackMinDistance(self, dist: float) -> None:
+        """Set the least distance from the visual that it tracks [m], if it is not static; 0: no limit."""
+        self.mount.least = float(dist)
+
+    def TrackMinDistance(self) -> float:
+        """The least distance from the visual that it tracks [m]."""
+        return self.mount.least
+
+    def SetTrackMaxDistance(self, dist: float) -> None:
+        """Set the largest distance from the visual that it tracks [m], if it is not static; 0: no limit."""
+        self.mount.most = float(dist)
+
+    def TrackMaxDistance(self) -> float:
+        """The largest distance from the visual that it tracks [m]."""
+        return self.mount.most
 
     def _find(self, visual: Visual | str | int) -> Visual | None:
         if not isinstance(visual, str | int):

@@ -13,13 +13,15 @@ import numpy as np
 from libgz.classic.common import Time
 from libgz.classic.math import Color
 from libgz.classic.physics import World, get_world
+from libgz.classic.rendering.aids import aids_of
 from libgz.classic.rendering.camera import Camera
+from libgz.classic.rendering.depth_camera import DepthCamera
 from libgz.classic.rendering.light import Light
 from libgz.classic.rendering.lines import DynamicLines, placed
 from libgz.classic.rendering.user_camera import UserCamera
 from libgz.classic.rendering.visual import Visual
 from libgz.errors import LibraryError, ParameterError, StateError, nearest
-from libgz.geometry import GzColor, GzPose
+from libgz.geometry import GzColor, GzPose, VectorLike
 from libgz.physics.body import Body
 from libgz.physics.geom import Geom
 from libgz.rendering.overlay import CORNERS, EDGES
@@ -80,6 +82,7 @@ class Scene:
         self.edited: dict[Visual, tuple[Any, ...]] = {}  # visuals that were changed, with their states before that
         self._cameras: list[Camera] = []
         self._highlighted: list[Visual] = []
+        self._marked: list[Visual] = []  # that show wires or aids
         self._static: Body | None = None
         self._root = Visual.of(self, "__world_node__", None, frame=GzPose, members=self._model_visuals)
         world.server.scene = self
@@ -147,7 +150,69 @@ class Scene:
         core = next((core for core in self.world.core.entities if core.GetIntId() == number), None)
         return self.model_visual(self.world.view(core)) if core is not None and not isinstance(core, SdfLight) else None
 
-    GetVisualAt = GetModelVisualAt
+    GetVisualAt = VisualAt = ModelVisualAt = GetModelVisualAt
+
+    def RemoveVisual(self, which: Visual | str | int) -> None:
+        """Remove a visual that a plugin made, by itself, name or number; others are left."""
+        found = which if isinstance(which, Visual) else self.GetVisual(which)
+        if found is not None:
+            found.Fini()
+
+    def StripSceneName(self, name: str) -> str:
+        """A full name without the world's name before it."""
+        return name.removeprefix(f"{self.Name()}::")
+
+    def PrintSceneGraph(self) -> str:
+        """The names of all visuals, one a line, indented by depth."""
+        return "".join(f"{'  ' * visual.GetDepth()}{visual.Name()}\n" for visual in self.visuals())
+
+    def DrawLine(self, start: VectorLike, end: VectorLike, name: str) -> Visual:
+        """Show a line between two global points [m], as a visual; one of this name is replaced."""
+        old = next((visual for visual in self.made if visual.Name() == name), None)
+        if old is not None:
+            old.Fini()
+        visual = self.CreateVisual(name)
+        line = visual.CreateDynamicLine()
+        line.AddPoint(start)
+        line.AddPoint(end)
+        return visual
+
+    # Aids --------------------------------------------------------------------------------------------------------
+
+    def SetWireframe(self, show: bool) -> None:
+        """Render all models as the edges of their triangles, or as faces again."""
+        for visual in self._root.children():
+            visual.SetWireframe(show)
+
+    def SetTransparent(self, show: bool) -> None:
+        """Make all models half transparent, or opaque again."""
+        for visual in self._root.children():
+            visual.SetTransparency(0.5 if show else 0.0)
+
+    def ShowCollisions(self, show: bool) -> None:
+        """Show the edges of all collisions, or hide them."""
+        for visual in self._root.children():
+            visual.ShowCollision(show)
+
+    def ShowJoints(self, show: bool) -> None:
+        """Show frames and axes of all joints, or hide them."""
+        for visual in self._root.children():
+            visual.ShowJoints(show)
+
+    def ShowCOMs(self, show: bool) -> None:
+        """Show crosses at all centres of mass, or hide them."""
+        for visual in self._root.children():
+            visual.ShowCOM(show)
+
+    def ShowInertias(self, show: bool) -> None:
+        """Show boxes with the moments of inertia of all links, or hide them."""
+        for visual in self._root.children():
+            visual.ShowInertia(show)
+
+    def ShowLinkFrames(self, show: bool) -> None:
+        """Show the axes of all links' frames, or hide them."""
+        for visual in self._root.children():
+            visual.ShowLinkFrame(show)
 
     def _model_visuals(self) -> list[Visual]:
         return [self.model_visual(model) for model in self.world.Models()]
@@ -273,6 +338,10 @@ class Scene:
     def CreateCamera(self, name: str, autoRender: bool = True) -> Camera:
         """A new camera; `render_frame` takes its images."""
         return Camera(self.world, name)
+
+    def CreateDepthCamera(self, name: str, autoRender: bool = True) -> DepthCamera:
+        """A new depth camera; `render_frame` takes its images."""
+        return DepthCamera(self.world, name)
 
     def CreateUserCamera(self, name: str, width: int = 800, height: int = 600) -> UserCamera_:
         """A new camera of a user."""
@@ -406,7 +475,17 @@ class Scene:
         if on:
             self._highlighted.append(visual)
 
+    def mark(self, visual: Visual) -> None:
+        """Note whether a visual shows lines of its own: wires, or aids."""
+        self._marked = [other for other in self._marked if other is not visual]
+        if visual.aids or visual.Wireframe():
+            self._marked.append(visual)
+
     def _lines_for(self, view: View) -> Iterator[Lines]:
+        self._marked = [visual for visual in self._marked if not visual.deleted]
+        for visual in self._marked:
+            yield from visual.wires()
+            yield from aids_of(self.world, visual.Name(), visual.body, visual.aids)
         self.lines = [line for line in self.lines if not line.visual.deleted]
         self._highlighted = [visual for visual in self._highlighted if not visual.deleted]
         if self.grid and view.options.displayGrid:

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from libgz.classic.math import AxisAlignedBox, Color, Pose3d, Quaterniond, Vector3d
+from libgz.classic.rendering.aids import edges_of
 from libgz.classic.rendering.lines import DynamicLines
 from libgz.classic.rendering.meshes import attach_mesh, base_size, corners_of
-from libgz.errors import NotFoundError, nearest
+from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzVector, QuaternLike, VectorLike, place_of
 from libgz.physics.geom import Geom
+from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
 from libgz.simulation.state import get_state, set_state
@@ -40,7 +42,10 @@ class Visual:
     """
 
     # Of the shapes' own looks and places the engine has the state.
-    STATE = ("_offset", "_scale", "_transparency", "_visible", "_shadows", "_highlighted", "_material")
+    STATE = (
+        *("_offset", "_scale", "_transparency", "_visible", "_shadows", "_highlighted", "_material"),
+        *("_wireframe", "aids"),
+    )
 
     def __init__(self, name: str, parent: Visual | Scene) -> None:
         above = parent if isinstance(parent, Visual) else parent.WorldVisual()
@@ -60,7 +65,8 @@ class Visual:
         self.members: Callable[[], Sequence[Visual]] = tuple  # children from the world's file
         self._offset = GzPose()  # of a group, from its frame
         self._transparency, self._visible, self._highlighted = 0.0, True, False
-        self._shadows = True
+        self._shadows, self._wireframe = True, False
+        self.aids: list[str] = []  # names of `AIDS` that are shown
         self._scale = Vector3d(1.0, 1.0, 1.0)  # of a group
         self._material = ""
         self._lines: list[DynamicLines] = []
@@ -122,6 +128,62 @@ class Visual:
         while found._parent is not None and found._parent._parent is not None:
             found = found._parent
         return found
+
+    def GetDepth(self) -> int:
+        """How many visuals contain it: 0 for that of the world."""
+        return 0 if self._parent is None else self._parent.GetDepth() + 1
+
+    def GetNthAncestor(self, n: int) -> Visual | Any:
+        """The visual around it, or itself, whose depth is n; None if there is none."""
+        found: Visual | None = self
+        while found is not None and found.GetDepth() != n:
+            found = found._parent
+        return found
+
+    def IsAncestorOf(self, visual: Visual) -> bool:
+        """Whether it contains another one."""
+        return visual.IsDescendantOf(self)
+
+    def IsDescendantOf(self, visual: Visual) -> bool:
+        """Whether another one contains it."""
+        above = self._parent
+        while above is not None and above is not visual:
+            above = above._parent
+        return above is not None
+
+    def AttachVisual(self, visual: Visual) -> None:
+        """Take a visual that a plugin made into this one; its pose in its parent stays.
+
+        Raises:
+            ParameterError: it is one of the world's file, or contains this one.
+        """
+        if visual._parent is None or visual not in visual._parent.made:
+            raise ParameterError(f"visual {visual.Name()!r} was not made by a plugin; it stays where the file has it")
+        if visual is self or visual.IsAncestorOf(self):
+            raise ParameterError(f"visual {visual.Name()!r} contains {self._name!r}; it cannot become a part of it")
+        pose, looks = visual.Pose(), [geom.appearance for geom in visual.geoms]
+        visual._parent.made.remove(visual)
+        visual._parent = self
+        self.made.append(visual)
+        visual.shape_again()
+        for geom, look in zip(visual.geoms, looks, strict=True):
+            geom.appearance = look
+            look.version += 1
+        visual.SetPose(pose)
+
+    def DetachVisual(self, which: Visual | str) -> None:
+        """Take a visual that a plugin made out of this one, into the world's; its pose in its parent stays.
+
+        Raises:
+            NotFoundError: there is none in it.
+        """
+        found = next((part for part in self.made if part is which or part.Name() == which), None)
+        if found is None:
+            names = [part.Name() for part in self.made]
+            raise NotFoundError(
+                f"visual {self._name!r} has no visual {which!r} of a plugin{nearest(str(which), names)}"
+            )
+        self._scene.WorldVisual().AttachVisual(found)
 
     def children(self) -> list[Visual]:
         """The visuals in it."""
@@ -185,6 +247,7 @@ class Visual:
         own, lines = state
         set_state(self, own)
         self._scene.highlight(self, self._highlighted)
+        self._scene.mark(self)
         for line in self._lines[len(lines) :]:
             self.DeleteDynamicLine(line)
         for _ in lines[len(self._lines) :]:
@@ -333,6 +396,23 @@ class Visual:
         shape = self.sdf.child("geometry").GetFirstElement() if self.sdf is not None else None
         return shape.name if shape is not None else ""
 
+    def GetMeshName(self) -> str:
+        """The file of its mesh, or the shape that was attached; empty for none."""
+        if self.meshes:
+            return self.meshes[0]
+        kind = self.GetGeometryType()
+        if kind == "mesh" and self.sdf is not None:
+            return self.sdf.child("geometry").child("mesh").Get(str, "uri")
+        return {"box": "unit_box", "sphere": "unit_sphere", "cylinder": "unit_cylinder"}.get(kind, "")
+
+    def IsPlane(self) -> bool:
+        """Whether its shape is a plane."""
+        return self.GetGeometryType() == "plane"
+
+    def InitialRelativePose(self) -> Pose3d:
+        """The pose in its parent that the file gives [m]."""
+        return self.sdf.Get(Pose3d, "pose") if self.sdf is not None else Pose3d()
+
     def GetGeometrySize(self) -> Vector3d:
         """Size of its shape [m], as in `Scale`."""
         return self.Scale()
@@ -444,6 +524,8 @@ class Visual:
         above = self._parent.DerivedTransparency() if self._parent is not None else 0.0
         return 1.0 - (1.0 - above) * (1.0 - self._transparency)
 
+    GetDerivedTransparency = DerivedTransparency
+
     def Visible(self) -> bool:
         """Whether it is shown."""
         return self._visible
@@ -455,9 +537,12 @@ class Visual:
         for part in self.tree() if cascade else iter((self,)):
             part._edit()
             part._visible = bool(visible)
-            for geom in part.geoms:
-                geom.appearance.visible = part._visible
-                geom.appearance.version += 1
+            part._show()
+
+    def _show(self) -> None:
+        """Render its shapes if it is visible, and not as wires."""
+        for geom in self.geoms:
+            geom.appearance.change(visible=self._visible and not self._wireframe)
 
     def ToggleVisible(self) -> None:
         """Show it if it is hidden, hide it if it is shown."""
@@ -487,6 +572,56 @@ class Visual:
         return self._highlighted
 
     Highlighted = GetHighlighted
+
+    def SetWireframe(self, show: bool) -> None:
+        """Render it, and all in it, as the edges of its triangles, or as faces again."""
+        for part in self.tree():
+            part._edit()
+            part._wireframe = bool(show)
+            part._show()
+            self._scene.mark(part)
+
+    def Wireframe(self) -> bool:
+        """Whether it is rendered as the edges of its triangles."""
+        return self._wireframe
+
+    GetWireframe = Wireframe
+
+    def wires(self) -> Iterator[Lines]:
+        """The edges of its triangles, if it is rendered as them."""
+        if self._wireframe and self._visible:
+            color = self.Diffuse()
+            for geom in self.geoms:
+                yield Lines(edges_of(geom).astype(np.float32), (color.r, color.g, color.b))
+
+    def _aid(self, name: str, show: bool) -> None:
+        self._edit()
+        self.aids = [aid for aid in self.aids if aid != name] + ([name] if show else [])
+        self._scene.mark(self)
+
+    def ShowCollision(self, show: bool) -> None:
+        """Show the edges of the collisions of the links that it shows, or hide them."""
+        self._aid("collision", show)
+
+    def ShowJoints(self, show: bool) -> None:
+        """Show frames and axes of joints, or hide them."""
+        self._aid("joints", show)
+
+    def ShowCOM(self, show: bool) -> None:
+        """Show crosses at the centres of mass, or hide them."""
+        self._aid("com", show)
+
+    def ShowInertia(self, show: bool) -> None:
+        """Show boxes of even density that have the links' moments of inertia, or hide them."""
+        self._aid("inertia", show)
+
+    def ShowLinkFrame(self, show: bool) -> None:
+        """Show the axes of the links' frames, or hide them."""
+        self._aid("frame", show)
+
+    def ShowBoundingBox(self, show: bool = True) -> None:
+        """Show the boxes of the links' collisions, along the world's axes, or hide them."""
+        self._aid("box", show)
 
     # Shapes and lines --------------------------------------------------------------------------------------------
 

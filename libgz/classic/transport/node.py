@@ -112,6 +112,21 @@ class Node:
         self._ends.add(publisher)
         return publisher
 
+    def Publish(self, topic: str, message: Message) -> None:
+        """Publish one message on a topic, which is then advertised no longer.
+
+        Raises:
+            ParameterError: the topic is published with another type, or it is not a message.
+            ClosedError: before Init.
+        """
+        self._once = self.Advertise(type(message), topic)
+        self._once.Publish(message)
+
+    def TryInit(self, maxWait: object = None) -> bool:
+        """Init without a name; True: the world of this process, or of the server, is there."""
+        self.Init()
+        return True
+
     def Subscribe(self, topic: str, callback: Callable[[Any], Any], latching: bool = False) -> Subscriber:
         """Return a subscriber, which must be kept: the subscription ends when it is dropped.
 

@@ -183,6 +183,9 @@ BEFORE: dict[type, dict[str, tuple]] = {
 ARGUMENTS: dict[type, dict[str, tuple]] = {
     physics.World: {
         "BaseByName": ("robot",),
+        "GetModelBelowPoint": ((0, 0, 9),),
+        "StripWorldName": ("default::robot",),
+        "UniqueModelName": ("robot",),
         "EntityBelowPoint": ((0, 0, 9),),
         "EntityByName": ("robot::base",),
         "ModelByName": ("robot",),
@@ -198,8 +201,12 @@ ARGUMENTS: dict[type, dict[str, tuple]] = {
     physics.Atmosphere: {"GetParam": ("temperature",), "Param": ("temperature",)},
     physics.PresetManager: {"CreateProfile": ("made",), "ProfileParam": ("default_physics", "iters")},
     physics.ContactManager: {"CreateFilter": ("made", "robot::base::box"), "HasFilter": ("made",)},
-    physics.WorldState: {"LinkPose": ("robot::base",)},
-    rendering.Scene: {"CreateUserCamera": ("made",)},
+    rendering.Scene: {
+        "CreateDepthCamera": ("deep",),
+        "CreateUserCamera": ("made",),
+        "DrawLine": ((0, 0, 0), (1, 0, 0), "way"),
+        "StripSceneName": ("default::robot",),
+    },
     rendering.Camera: {
         "MoveToPosition": (Pose3d(), 1.0),
         "MoveToPositions": ([Pose3d()], 1.0),
@@ -209,7 +216,11 @@ ARGUMENTS: dict[type, dict[str, tuple]] = {
 # Methods that return a value and are not called here, with the reason.
 NOT_CALLED: dict[type, dict[str, str]] = {
     physics.Wind: dict.fromkeys(("RelativeLinearVel", "WorldLinearVel"), "test_air.py calls them for links"),
-    rendering.Visual: {"AttachMesh": "tests of rendering attach meshes"},
+    rendering.Visual: {
+        "AttachMesh": "tests of rendering attach meshes",
+        "IsAncestorOf": "test_aids.py has visuals in visuals",
+        "IsDescendantOf": "test_aids.py has visuals in visuals",
+    },
     rendering.Scene: {"GetModelVisualAt": "tests of rendering pick visuals"},
     rendering.Camera: {"SaveFrame": "there is no frame"},
     sensors.CameraSensor: {"SaveFrame": "there is no frame"},
@@ -221,7 +232,15 @@ NOT_HELD = {
     physics.Base,  # base classes
     physics.Entity,
     physics.Shape,
-    physics.MeshShape,  # it has no accessors of its own
+    physics.MeshShape,  # test_more_names.py has worlds with them
+    physics.HeightmapShape,
+    physics.PolylineShape,
+    physics.State,  # test_more_names.py has what they add to State, whose accessors WorldState shares
+    physics.CollisionState,
+    physics.JointState,
+    physics.LightState,
+    physics.LinkState,
+    physics.ModelState,
     physics.Contact,  # dataclasses
     physics.JointWrench,
     physics.TrajectoryInfo,

@@ -94,7 +94,11 @@ def test_a_state_is_restored(world):
     world.SetState(state)
     assert tuple(box.WorldPose().Pos()) == (0, 0, 1)
     assert box.WorldLinearVel() == Vector3d()
-    assert (state.GetModelStateCount(), state.SimTime(), tuple(state.LinkPose("b::link").pos)) == (2, Time(), (3, 0, 1))
+    assert (
+        state.GetModelStateCount(),
+        state.SimTime(),
+        tuple(state.GetModelState("b").GetLinkState("link").Pose().pos),
+    ) == (2, Time(), (3, 0, 1))
 
 
 def test_models_and_lights_are_removed(world):

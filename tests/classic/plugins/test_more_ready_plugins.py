@@ -371,6 +371,84 @@ def test_a_missing_light_is_named(run, caplog):
     assert "did you mean 'link/lamp'" in caplog.text
 
 
+def test_leds_glow_with_their_lights(run):
+    """Red for 0.2 s, blue for 0.2 s, dark for 0.6 s: the visual glows, the light shines."""
+    blocks = (
+        "<block><duration>0.2</duration><interval>0</interval><color>1 0 0</color></block>"
+        "<block><duration>0.2</duration><interval>0.6</interval><color>0 0 1</color></block>"
+    )
+    look = "<visual name='led'><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>"
+    light = "<light name='led' type='point'><attenuation><range>7</range></attenuation></light>"
+    element = plugin("LedPlugin", light=f"<light_id>link/led</light_id>{blocks}")
+    core, world = run(body("post", gravity="false", link=look + light, inside=element))
+    geoms = world.ModelByName("post").GetLink("link").body.geoms
+    (lamp,) = (geom for geom in geoms if hasattr(geom, "spot"))
+    (led,) = (geom for geom in geoms if not hasattr(geom, "spot"))
+    seen = []
+    for _ in range(10):
+        core.run(0.1)
+        glow = led.appearance.emission
+        seen.append((lamp.range, (glow.r, glow.g, glow.b)))
+    red, blue, dark = (7.0, (1.0, 0.0, 0.0)), (7.0, (0.0, 0.0, 1.0)), (0.0, (0.0, 0.0, 0.0))
+    assert [seen[i] for i in (0, 2, 5, 8)] == [red, blue, dark, dark]
+    assert set(seen) == {red, blue, dark}
+
+
+def test_a_led_may_be_a_visual_alone(run, caplog):
+    look = "<visual name='led'><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>"
+    element = plugin("LedPlugin", light="<light_id>link/led</light_id><duration>0.1</duration><interval>9</interval>")
+    core, world = run(body("post", gravity="false", link=look, inside=element))
+    (led,) = world.ModelByName("post").GetLink("link").body.geoms
+    core.run(0.05)
+    assert tuple(led.appearance.emission) == tuple(led.appearance.diffuse)
+    core.run(0.1)
+    assert led.appearance.emission.r == 0.0
+    wrong = plugin("LedPlugin", light="<light_id>link/lad</light_id>")
+    run(body("post", link=look, inside=wrong))
+    assert "neither a light nor a visual of this name; did you mean 'link/led'" in caplog.text
+
+
+def actor(inside, obstacle=""):
+    skin = "<skin><filename>walk.dae</filename></skin>"
+    animation = "<animation name='walking'><filename>walk.dae</filename><interpolate_x>true</interpolate_x></animation>"
+    return f"<actor name='man'><pose>0 1 0.95 1.5707963 0 0</pose>{skin}{animation}{inside}</actor>{obstacle}"
+
+
+def test_an_actor_walks_to_its_target(run):
+    """0.8 m/s times the target weight; the time of its animation grows with the way."""
+    element = plugin("ActorPlugin", target="0 -5 0.95", target_weight=1.0, animation_factor=4.5, area="-9 -9 9 9")
+    core, world = run(actor(element))
+    man = world.ModelByName("man")
+    start = man.WorldPose()
+    core.run(3.0)  # it turns to its target, and walks
+    before, time = man.WorldPose().Pos().Y(), man.ScriptTime()
+    core.run(1.0)
+    walked = before - man.WorldPose().Pos().Y()
+    assert walked == pytest.approx(0.8, abs=0.005)
+    assert man.WorldPose().Pos().X() == pytest.approx(0.0, abs=1e-3)
+    assert man.WorldPose().Pos().Z() == pytest.approx(0.95)
+    assert man.ScriptTime() - time == pytest.approx(4.5 * walked, rel=0.01)
+    world.Reset()
+    core.run(0.001)
+    assert man.WorldPose().Pos().Y() == pytest.approx(start.Pos().Y(), abs=0.01)
+
+
+def test_an_actor_walks_around_models(run):
+    element = plugin("ActorPlugin", target="0 -3 0.95", obstacle_weight=0.5, area="-9 -9 9 9")
+    stone = "<model name='stone'><static>1</static><pose>0.1 -1 0.95 0 0 0</pose><link name='l'/></model>"
+    core, world = run(actor(element, stone))
+    man, nearest = world.ModelByName("man"), 9.0
+    for _ in range(30):
+        core.run(0.2)
+        nearest = min(nearest, man.WorldPose().Pos().Distance(world.ModelByName("stone").WorldPose().Pos()))
+    assert 0.3 < nearest < 2.0
+
+
+def test_the_actor_plugin_moves_actors_only(run, caplog):
+    run(body("box", inside=plugin("ActorPlugin")))
+    assert "this plugin moves an <actor>; 'box' is a model" in caplog.text
+
+
 def test_link_plot_adds_points_where_the_link_was(run):
     from libgz.classic import rendering
 

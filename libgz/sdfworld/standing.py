@@ -70,9 +70,11 @@ def set_down(added: Iterable[SdfModel], present: Iterable[SdfModel]) -> None:
     for solid in moving:
         foot = _foot(solid)
         near = below[bisect.bisect_left(tops, foot - ROUNDING) : bisect.bisect_right(tops, foot + ROUNDING)]
-        gaps = [foot - _top(b) + lowered.get(id(b), 0.0) for b in near if b is not solid and solid.is_above(b)]
-        if gaps and min(gaps) > 0.0:
-            lowered[id(solid)] = down = min(gaps) + OVERLAP
+        under = [b for b in near if b is not solid and solid.is_above(b)]
+        gap = min((foot - _top(b) + lowered.get(id(b), 0.0) for b in under), default=-1.0)
+        # What stands on the ground to the bit stays, and touches it at depth 0.
+        if gap > 0.0 or (gap > -OVERLAP and all(b.mass for b in under)):
+            lowered[id(solid)] = down = gap + OVERLAP
             pose = solid.model.GetPose()
             x, y, z = pose.pos
             solid.model.SetPose(GzPose(GzVector(x, y, z - down), pose.rot))

@@ -8,7 +8,7 @@ from typing import ClassVar
 from libgz.classic.math import Vector3d
 from libgz.geometry import VectorLike
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 
 __all__ = ["BoxShape", "CylinderShape", "MeshShape", "PlaneShape", "Shape", "SphereShape", "shape_of"]
 
@@ -36,7 +36,9 @@ class Shape:
         self.geom.scale = new
 
     def ComputeVolume(self) -> float:
-        """The volume [m^3]: exact for box, sphere and cylinder, 0 for planes; for all others of the bounding box."""
+        """The volume [m^3]: exact for box, sphere, cylinder and capsule, 0 for planes; for all others of the bounding box."""
+        if isinstance(self.geom, CapsuleGeom):
+            return math.pi * self.geom.radius**2 * (self.geom.length + 4.0 / 3.0 * self.geom.radius)
         low, high = self.geom.bounds()
         volume = math.prod(b - a for a, b in zip(low, high, strict=True))
         return volume if 0.0 < volume < math.inf else 0.0

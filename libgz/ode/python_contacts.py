@@ -261,7 +261,7 @@ class FullContacts:
         wave = 6.0 * p[0] + 8.45 * p[1] + 11.35 * p[2]
         wave = 2.0 * math.fabs(wave % 1.0 - 0.5)
         point.surface.soft_cfm = point.surface.soft_cfm * (1.0 + _SOFTNESS_SPREAD * wave)
-        kept = max(0.0, _REST_DEPTH - min_depth) - _REST_DEPTH * _DEPTH_SPREAD * self._context.step * wave
+        kept: float = max(0.0, _REST_DEPTH - min_depth) - _REST_DEPTH * _DEPTH_SPREAD * self._context.step * wave
         point.geom.depth = max(0.0, point.geom.depth - kept)
         return kept
 

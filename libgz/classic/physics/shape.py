@@ -36,7 +36,7 @@ class Shape:
         self.geom.scale = new
 
     def ComputeVolume(self) -> float:
-        """The volume [m^3]: exact for round shapes and boxes, 0 for planes, else of the bounding box."""
+        """The volume [m^3]: of box, sphere, cylinder, capsule; 0 for planes; else of the bounding box."""
         if isinstance(self.geom, CapsuleGeom):
             return math.pi * self.geom.radius**2 * (self.geom.length + 4.0 / 3.0 * self.geom.radius)
         low, high = self.geom.bounds()

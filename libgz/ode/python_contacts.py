@@ -35,6 +35,7 @@ _ROUND = {GeomClass.CAPSULE, GeomClass.CYLINDER}
 _PATCH_LEVER = 0.58904862254808621  # 3 pi / 16: mean lever of friction in a patch under Hertz's pressure
 # Explained in step.c.
 _SOFT_RATIO, _REST_DEPTH, _REST_ERP, _REST_CFM = 0.25, 3e-6, 0.2, 1e-7  # -, [m], -, [s]
+_SOFTNESS_SPREAD, _DEPTH_SPREAD = 0.3, 0.05  # -, [1/s]
 
 
 def make_surface(context: StepContext, a: list[float], b: list[float]) -> SurfaceParameters:
@@ -159,22 +160,21 @@ class FullContacts:
         count = self._find_points(geom1, geom2, MOST_CONTACTS if classic else MAX_CONTACTS)
         if not count:
             return
-        surface, ghost, limits, kept = make_surface(context, a, b), False, (math.inf, 0.0), 0.0
+        surface, ghost, limits, rigid = make_surface(context, a, b), False, (math.inf, 0.0), False
         if classic:
             ghost = a[Surface.GHOST] != 0.0 or b[Surface.GHOST] != 0.0
             count = self._deepest(a, b, count)
             max_vel, min_depth = _limits(a, b, body1, body2)
             limits = max_vel, max(min_depth, context.surface_layer)
-            kept = self._make_rigid(a, b, (body1, body2), limits[1], surface)
+            rigid = self._make_rigid(a, b, (body1, body2), surface)
             if not ghost:
                 self.touches.append((body1 or body2, body2 if body1 else 0, count))
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
             found = point.geom.depth
-            if kept > 0.0:
-                point.geom.depth = max(0.0, found - kept)
             point.surface = surface
+            kept = self._vary(limits[1], point) if rigid else 0.0
             if classic:
                 self._refine(a, b, (geom1, geom2), (body1, body2), (*limits, kept), count, found, point)
             if not ghost:
@@ -255,21 +255,29 @@ class FullContacts:
             surface.motionN = surface.soft_erp * (found - kept) / self._context.step
             surface.mode |= ContactMode.MOTION_N
 
-    def _make_rigid(
-        self, a: list[float], b: list[float], bodies: tuple[int, int], min_depth: float, surface: Any
-    ) -> float:
-        """make_rigid in step.c: the depth that is kept."""
+    def _vary(self, min_depth: float, point: Any) -> float:
+        """vary in step.c: the depth that is kept."""
+        p = point.geom.pos
+        wave = 6.0 * p[0] + 8.45 * p[1] + 11.35 * p[2]
+        wave = 2.0 * math.fabs(wave % 1.0 - 0.5)
+        point.surface.soft_cfm = point.surface.soft_cfm * (1.0 + _SOFTNESS_SPREAD * wave)
+        kept: float = max(0.0, _REST_DEPTH - min_depth) - _REST_DEPTH * _DEPTH_SPREAD * self._context.step * wave
+        point.geom.depth = max(0.0, point.geom.depth - kept)
+        return kept
+
+    def _make_rigid(self, a: list[float], b: list[float], bodies: tuple[int, int], surface: Any) -> bool:
+        """make_rigid in step.c: whether the springs stand for rigid surfaces."""
         context = self._context
         if not context.exact_rest or all(body in self.held for body in bodies if body):
-            return 0.0
+            return False
         mass = min(self._mass(body) for body in bodies if body)
         if context.step * context.step <= _SOFT_RATIO * mass * (1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]):
-            return 0.0
+            return False
         if surface.soft_erp > _REST_ERP and all(is_calm(context, self._ode, body) for body in bodies if body):
             surface.soft_cfm = surface.soft_cfm * (_REST_ERP / surface.soft_erp)
             surface.soft_erp = _REST_ERP
         surface.soft_cfm = max(surface.soft_cfm, _REST_CFM / mass)
-        return max(0.0, _REST_DEPTH - min_depth)
+        return True
 
     def _mass(self, body: int) -> float:
         mass = Mass()

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import functools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,6 +56,7 @@ class Description:
     attributes: dict[str, AttributeDescription] = field(default_factory=dict)
     own_children: dict[str, Description] = field(default_factory=dict)
     any_children: bool = False
+    path: str = ""  # of names, from a block on
     block: str = ""  # a block that gives its attributes and children
     blocks: Mapping[str, Description] = field(default_factory=dict)
 
@@ -73,6 +74,16 @@ class Description:
     def open(self) -> bool:
         """Whether any children are allowed, as in a plugin."""
         return self.blocks[self.block].open if self.block else self.any_children
+
+    def later(self, version: str) -> Iterator[tuple[str, Description]]:
+        """What versions after `version` have at its place: pairs of a version and a description."""
+        head, *steps = (self.block or self.path).split("/")
+        for newer in VERSIONS[VERSIONS.index(version) + 1 :]:
+            found = describe(newer).get(head)
+            for step in steps:
+                found = found.children.get(step) if found is not None else None
+            if found is not None:
+                yield newer, found
 
     @property
     def required(self) -> bool:
@@ -120,14 +131,14 @@ def _add(blocks: dict[str, Description], path: str, kind: str, default: str, cou
     """Add one row; rows of parents come before those of their children."""
     where, _, attribute = path.partition("@")
     head, *steps = where.split("/")
-    node = blocks.setdefault(head, Description(head))
+    node = blocks.setdefault(head, Description(head, path=head))
     for i, step in enumerate(steps):
         last = i == len(steps) - 1
         if step == "*":
             node.any_children = True
             return
         if last and not attribute:
-            node.own_children[step] = Description(step)
+            node.own_children[step] = Description(step, path=where)
         elif step not in node.own_children:
             return  # its parent is absent in this version
         node = node.own_children[step]

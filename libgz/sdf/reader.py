@@ -37,6 +37,8 @@ REPEATED = {
 }
 # Later names of sensors and of their elements -> those of Gazebo classic.
 SENSORS = {"lidar": "ray", "gpu_lidar": "gpu_ray", "depth_camera": "depth", "navsat": "gps"}
+# Other names of joints, which SDF has had or Gazebo classic accepted.
+JOINTS = {"continuous": "revolute", "hinge": "revolute", "hinge2": "revolute2", "slider": "prismatic"}
 NEEDED = (("joint", "parent"), ("joint", "child"))  # without which an element has no meaning
 HOLDERS = ("world", "model")  # of includes, in all versions
 
@@ -125,6 +127,7 @@ class SdfFile:
         if given is None:
             self._error(xml, "version is missing and must be given")
             return NEWEST
+        given = given.strip()
         if given in VERSIONS:
             return given
         try:
@@ -158,6 +161,9 @@ class SdfFile:
         if name == "sensor":
             kind = element.attributes["type"]
             kind.text = SENSORS.get(kind.text, kind.text)
+        if name == "joint" and "type" in element.attributes:
+            kind = element.attributes["type"]
+            kind.text = JOINTS.get(kind.text, kind.text)
         self._read_value(xml, element)
         for child in xml:
             if isinstance(child.tag, str):
@@ -170,7 +176,12 @@ class SdfFile:
         description = element.description
         for key, text in xml.attrib.items():
             name = str(key).rpartition("}")[2]
-            if description is not None and not description.open and name not in element.attributes:
+            later = description.later(self.version) if description is not None and not description.open else ()
+            if name not in element.attributes and any(name in described.all_attributes for _, described in later):
+                self._warn(
+                    xml, f"attribute {name!r} is of a later version than SDF {self.version}; it is read all the same"
+                )
+            elif description is not None and not description.open and name not in element.attributes:
                 self.diagnostics.no_effect(self._place(xml), functools.partial(self._unknown_attribute, name, element))
                 continue
             if name == "frame" and not text.strip():
@@ -262,6 +273,7 @@ class SdfFile:
             and description is not None
             and not description.open
             and description.children
+            and (known := self._later(xml, name, parent)) is None
         ):
             names = description.children
             self.diagnostics.no_effect(
@@ -269,6 +281,16 @@ class SdfFile:
                 lambda: f"is not part of SDF {self.version} in <{parent.name}> and has no effect{nearest(name, names)}",
             )
         parent.InsertElement(self._element(xml, known))
+
+    def _later(self, xml: etree._Element, name: str, parent: Element) -> Description | None:
+        """What a later version has of that name, with a warning: Gazebo classic read older files as its own version."""
+        if parent.description is None:
+            return None
+        for version, described in parent.description.later(self.version):
+            if name in described.children:
+                self._warn(xml, f"is part of SDF {version}, not of {self.version}; it is read all the same")
+                return described.children[name]
+        return None
 
     def _check_required(self, xml: etree._Element, element: Element, description: Description) -> None:
         """Create missing required children with their defaults; a missing one without a default is an error."""

@@ -16,6 +16,8 @@ PARTS = {
     "audio_sink": "sound is not simulated",
     "audio_source": "sound is not simulated",
     "projector": "projectors are not simulated: nothing is projected",
+    "particle_emitter": "particles are not simulated",
+    "pbr": "its textures and reflections are not rendered; the plain colours of the material are",
     "distortion": "images are rendered without it",
     "lens": "images are rendered without it",
 }

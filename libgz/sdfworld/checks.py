@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable
 
 from libgz.errors import Diagnostics
 from libgz.ode.types import Surface
@@ -13,6 +12,7 @@ from libgz.physics.engine import Engine
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import CylinderGeom, SphereGeom
 from libgz.sdfworld.model import SdfModel
+from libgz.sdfworld.standing import Solid, family_geoms, solids
 
 __all__ = ["warn_of_contacts"]
 
@@ -26,20 +26,11 @@ ITERATIONS = 300  # that hold taller stacks still to 0.5 mm/s
 def warn_of_contacts(models: Iterable[SdfModel], diagnostics: Diagnostics) -> None:
     """Warn of models that sink into what they rest on, and of stacks that the quick solver does not hold."""
     moving = [model for model in models if not model.static and model.parent is None]
-    solids: list[_Solid] = []
+    moving = [model for model in moving if model.world.engine.gravity[2] < 0.0]
     for model in moving:
-        engine = model.world.engine
-        if engine.gravity[2] < 0.0:
-            _warn_of_sinking(model, engine, diagnostics)
-            solids.extend(_solids(model))
-    if solids and solids[0].engine.solver == "quick":
-        _warn_of_stacks(solids, diagnostics)
-
-
-def _family_geoms(model: SdfModel) -> Iterator[Geom]:
-    for member in model.nested_family():
-        for body in member.bodies:
-            yield from (geom for geom in body.geoms if geom.id and geom.space is not None)
+        _warn_of_sinking(model, model.world.engine, diagnostics)
+    if moving and moving[0].world.engine.solver == "quick":
+        _warn_of_stacks(list(solids(moving)), diagnostics)
 
 
 def _points(geom: Geom) -> int:
@@ -51,7 +42,7 @@ def _warn_of_sinking(model: SdfModel, engine: Engine, diagnostics: Diagnostics) 
     """A contact carries max_vel (h kp + kd) at most; a model that is heavier sinks for ever."""
     bodies = [body for member in model.nested_family() for body in member.bodies if not body.dummy]
     anchored = any(None in joint.bodies for body in bodies for joint in body.joints)
-    geoms = list(_family_geoms(model))
+    geoms = list(family_geoms(model))
     weight = -engine.gravity[2] * sum(body.mass for body in bodies if body.GetGravityMode())
     if anchored or not geoms or weight <= 0.0 or any(body.kinematic for body in bodies):
         return
@@ -82,38 +73,19 @@ def _round_up(value: float) -> float:
     return math.ceil(value / unit) * unit
 
 
-@dataclass(frozen=True)
-class _Solid:
-    """A model of one body that nothing but contacts holds."""
-
-    model: SdfModel
-    engine: Engine
-    mass: float
-    low: tuple[float, ...]
-    high: tuple[float, ...]
-
-
-def _solids(model: SdfModel) -> Iterator[_Solid]:
-    geoms = list(_family_geoms(model))
-    if len(model.bodies) != 1 or model.nested or not geoms or model.bodies[0].joints or model.bodies[0].dummy:
+def _warn_of_stacks(found: list[Solid], diagnostics: Diagnostics) -> None:
+    if not found:
         return
-    corners = [geom.bounds() for geom in geoms]
-    low = tuple(min(corner[0][k] for corner in corners) for k in range(3))
-    high = tuple(max(corner[1][k] for corner in corners) for k in range(3))
-    yield _Solid(model, model.world.engine, model.bodies[0].mass, low, high)
-
-
-def _warn_of_stacks(solids: list[_Solid], diagnostics: Diagnostics) -> None:
-    engine = solids[0].engine
-    order = sorted(solids, key=lambda solid: solid.low[2])
-    by_top = sorted(solids, key=lambda solid: solid.high[2])
+    engine = found[0].engine
+    order = sorted(found, key=lambda solid: solid.low[2])
+    by_top = sorted(found, key=lambda solid: solid.high[2])
     tops = [solid.high[2] for solid in by_top]
     height: dict[int, int] = {}  # of the tallest stack that ends with a solid
     carrying: set[int] = set()
     most = EXACT if engine.exact_rest else 0
     for solid in order:
         near = by_top[bisect.bisect_left(tops, solid.low[2] - GAP) : bisect.bisect_right(tops, solid.low[2] + GAP)]
-        under = [b for b in near if id(b) in height and _stands_on(solid, b)]
+        under = [b for b in near if id(b) in height and solid.is_above(b)]
         carrying.update(map(id, under))
         height[id(solid)] = 1 + max((height[id(b)] for b in under), default=0)
         light = min((b.mass for b in under), default=math.inf)
@@ -132,7 +104,3 @@ def _warn_of_stacks(solids: list[_Solid], diagnostics: Diagnostics) -> None:
                 f"{engine.iterations} iterations do not hold still; <solver><iters> {ITERATIONS} would "
                 "(docs/contacts.md)",
             )
-
-
-def _stands_on(a: _Solid, b: _Solid) -> bool:
-    return all(a.low[k] < b.high[k] and b.low[k] < a.high[k] for k in (0, 1))

@@ -71,6 +71,7 @@ class SdfJoint:
     Attributes:
         dof: how many positions there are.
         acts: whether `update` has anything to do.
+        on_acts: called when that changes.
 
     Raises:
         ParameterError: the kind is unknown, an axis is missing, or a value is not allowed.
@@ -86,6 +87,7 @@ class SdfJoint:
         self.name, self.kind, self.axes = plan.name, plan.kind, plan.axes
         self.implicit = plan.implicit
         self.acts = False
+        self.on_acts: Callable[[], None] | None = None
         self.facade: Any = None
         self._mechanism: Mechanism | None = None
         self._applied, self._applied_at = [0.0, 0.0], -1  # efforts, and the number of the step they are of
@@ -174,7 +176,7 @@ class SdfJoint:
         if self._mechanism is not None:
             self._mechanism.close()
         self._mechanism = None
-        self.acts = False
+        self._set_acts(False)
 
     close = detach
 
@@ -578,7 +580,13 @@ class SdfJoint:
         springs = any(axis.springs for axis in self.axes) and (self.implicit or not self._engine_springs)
         turning = mechanism is None or mechanism.turns(0)
         wide = turning and any(axis.wide for axis in self.axes)
-        self.acts = (mechanism is not None and mechanism.must_update) or springs or wide
+        self._set_acts((mechanism is not None and mechanism.must_update) or springs or wide)
+
+    def _set_acts(self, value: bool) -> None:
+        if value != self.acts:
+            self.acts = value
+            if self.on_acts is not None:
+                self.on_acts()
 
     def _gentle(self, axis: Axis) -> bool:
         """Whether spring and damper are far from what would be unstable with steps of this length."""

@@ -389,7 +389,8 @@ class SdfModel(Entity):
             return None
         joint = SdfJoint(self.world.engine, plan)
         self.sdf_joints[plan.name] = joint
-        self.world.update_rows_changed()
+        joint.on_acts = self.world.update_rows_changed
+        joint.on_acts()
         for body in (plan.parent, plan.child):
             if body is not None and body.auto_disable:
                 body.set_auto_disable(False)
@@ -413,8 +414,9 @@ class SdfModel(Entity):
         return True
 
     def MasterRows(self, rows: UpdateRows) -> None:
-        """Joints, grippers and what a subclass does are updated in Python; other models are not updated."""
-        if self.sdf_joints or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
+        """Joints that act by themselves, grippers and what a subclass does are updated in Python; others are not."""
+        acting = any(joint.acts for joint in self.sdf_joints.values())
+        if acting or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
             rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
@@ -577,9 +579,11 @@ def load_joints(world: World, joints: dict[str, SdfJoint], state: Iterable[tuple
         if joint is None:
             joint = SdfJoint(world.engine, SdfJoint.saved_plan(name, one, find))
         joints[name] = joint
+        joint.on_acts = world.update_rows_changed
         joint.load(one, find)
     for joint in before.values():
         joint.close()
+    world.update_rows_changed()
 
 
 def model_pose(element: Element) -> GzPose:

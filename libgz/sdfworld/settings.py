@@ -47,7 +47,7 @@ def apply_settings(world: World, element: Element, diagnostics: Diagnostics) -> 
     settings = SdfSettings(element, chosen, dict(reversed(profiles.items())))
     # Gravity and magnetic field moved out of <physics> in 1.6.
     outside = element.description is None or "gravity" in element.description.children
-    holder = element if outside else chosen
+    holder = element if outside or element.HasElement("gravity") else chosen
     try:
         world.engine.gravity = tuple(holder.Get(GzVector, "gravity"))
     except ParameterError as error:

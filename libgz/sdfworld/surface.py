@@ -83,7 +83,10 @@ def set_body_surface(geoms: Iterable[Geom], last: Element, *, still: bool) -> No
     `still` things, static models and height maps, have a speed of 0; a contact with them goes by the other body.
     """
     ode = last.child("surface").child("contact").child("ode")
-    speed = 0.0 if still else max(0.0, finite(ode.Get(float, "max_vel"), "max_vel [m/s]"))
+    speed = ode.Get(float, "max_vel")
+    if math.isnan(speed):
+        raise ParameterError("max_vel [m/s] is not a number")
+    speed = 0.0 if still else max(0.0, speed)
     for geom in geoms:
         geom.set_surface(Surface.MAX_VEL, speed)
         geom.set_surface(Surface.MIN_DEPTH, _size(ode, "min_depth"))

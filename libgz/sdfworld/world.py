@@ -23,6 +23,7 @@ from libgz.sdfworld.model import SdfModel, model_pose
 from libgz.sdfworld.physics import apply_physics
 from libgz.sdfworld.population import populate
 from libgz.sdfworld.settings import SdfSettings, apply_settings, default_settings
+from libgz.sdfworld.standing import set_down
 from libgz.sdfworld.state import apply_state
 from libgz.sdfworld.world_joints import WorldJoints
 from libgz.simulation.entity import Entity
@@ -145,7 +146,10 @@ class SdfWorld(Era):
             self._add(document, range(first, len(document.elements)), diagnostics)
             apply_state(world, state, diagnostics)
         if not diagnostics.errors:
-            warn_of_contacts((model for model in world.entities if isinstance(model, SdfModel)), diagnostics)
+            models = [model for model in world.entities if isinstance(model, SdfModel)]
+            if state is None:
+                set_down(models, models)
+            warn_of_contacts(models, diagnostics)
 
     def insert(self, file: SdfFile) -> list[Entity]:
         """Add the models and lights of a document to a running world, between two steps; all of them, or none.
@@ -170,9 +174,10 @@ class SdfWorld(Era):
             file.diagnostics.raise_errors()
             if len(world.entities) == before:
                 raise WorldFileError(f"{root.where}: Unable to find a model or light in it")
-            warn_of_contacts(
-                (model for model in world.entities[before:] if isinstance(model, SdfModel)), file.diagnostics
-            )
+            models = [model for model in world.entities if isinstance(model, SdfModel)]
+            added = [model for model in world.entities[before:] if isinstance(model, SdfModel)]
+            set_down(added, models)
+            warn_of_contacts(added, file.diagnostics)
         except BaseException:
             world.remove(world.entities[before:])
             del self._documents[known:]

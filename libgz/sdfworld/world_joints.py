@@ -15,6 +15,7 @@ from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import load_joints
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 
 __all__ = ["WorldJoints"]
@@ -40,7 +41,8 @@ class WorldJoints(Entity):
         for element in elements:
             try:
                 plan = read_joint(element, self.find_link, GzPose(), diagnostics.warn)
-                self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
+                joint = self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)
+                joint.on_acts = world.update_rows_changed
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
 
@@ -51,6 +53,11 @@ class WorldJoints(Entity):
     def LoadState(self, state: list[tuple[str, Any]]) -> None:
         """Take what SaveState returned."""
         load_joints(self.world, self.sdf_joints, state)
+
+    def MasterRows(self, rows: UpdateRows) -> None:
+        """Updated in Python while a joint acts by itself."""
+        if any(joint.acts for joint in self.sdf_joints.values()):
+            rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:
         """Apply damping, springs, threads and gears of the joints."""

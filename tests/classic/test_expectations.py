@@ -41,6 +41,8 @@ SHAPES = {
     "<box><size>1 2 3</size></box>": 6.0,
     "<sphere><radius>0.5</radius></sphere>": math.pi / 6,
     "<cylinder><radius>0.5</radius><length>2</length></cylinder>": math.pi / 2,
+    "<capsule><radius>0.5</radius><length>2</length></capsule>": math.pi / 6 + math.pi / 2,
+    "<ellipsoid><radii>0.5 1 1.5</radii></ellipsoid>": 6.0,  # its box, as of all meshes
     "<plane><normal>0 0 1</normal></plane>": 0.0,
     "<polyline><point>0 0</point><point>2 0</point><point>0 1</point><height>3</height></polyline>": 6.0,  # its box
 }

@@ -242,3 +242,21 @@ def test_parameters_that_were_set_outlive_a_new_anchor_and_axis(load):
     joint.set_axis(0, (1, 0, 0))
     made.run(0.2)
     assert joint.velocity() == pytest.approx(2.0, abs=1e-3)
+
+
+def test_a_joint_that_begins_to_act_is_updated_from_the_next_step_on(load):
+    """Models are updated in Python only while a joint acts by itself."""
+    implicit = "<physics><ode><implicit_spring_damper>1</implicit_spring_damper></ode></physics>"
+    made = load(world(two_links(joint("j", "revolute", "a", "b", "0 1 0", implicit)), gravity="0 0 0"))
+    hinge = made.model("m").sdf_joints["j"]
+    made.step()
+    assert not hinge.acts
+    assert not made.rows.updating
+    hinge.set_velocity(1.0)
+    hinge.set_spring(0, 1e7, 0.0)
+    made.step(200)
+    assert hinge.acts
+    assert abs(hinge.position()) < 0.01  # [rad]; 0.2 without the spring
+    hinge.set_spring(0, 0.0, 0.0)
+    made.step()
+    assert not made.rows.updating

@@ -5,6 +5,9 @@ import pytest
 from engine_parts import in_both_forms
 from sdf_worlds import GROUND, Loader, collision, friction, inertial, joint, link, model, world
 
+from libgz.sdf.reader import SdfFile
+from libgz.sdfworld.world import SdfWorld
+
 STEPS = (0.001, 0.002, 0.01, 0.02)
 SHAKING = 1e-2  # [m/s^2] and [rad/s^2], at most
 AWAKE = "<allow_auto_disable>0</allow_auto_disable>"
@@ -30,8 +33,8 @@ def block(name, size, place, mass=1.0, surface="", more=AWAKE):
     return model(name, more, link("link", inertial(mass, moments), collision(geometry, surface)), pose=place)
 
 
-def stack(count, mass=1.0):
-    return "".join(block(f"b{i}", (0.5, 0.5, 0.5), (0, 0, 0.25 + 0.5 * i), mass) for i in range(count))
+def stack(count, mass=1.0, size=0.5):
+    return "".join(block(f"b{i}", (size,) * 3, (0, 0, size / 2 + size * i), mass) for i in range(count))
 
 
 def wheel(name, x, y, radius=0.11, surface=""):
@@ -85,6 +88,38 @@ def test_what_rests_does_not_accelerate(load, scene, step):
     heights = made.engine.states[:, 9].copy()
     assert accelerations(made) < SHAKING
     assert made.engine.states[:, 9] == pytest.approx(heights, abs=2e-4)
+
+
+@pytest.mark.parametrize("step", [0.01, 0.02])
+@pytest.mark.parametrize(("size", "mass"), [(0.3, 1.0), (0.3, 20.0), (1.0, 20.0), (0.1, 0.1)])
+def test_stacks_whose_places_are_rounded_rest_from_the_first_step(load, size, mass, step):
+    made = load(world(GROUND, stack(10, mass, size), physics=physics(step)))
+    for _ in range(2):
+        made.step()
+        assert made.engine.contact_count >= 38  # a box that stands on the ground to the bit may lack a corner
+        assert np.abs(made.engine.states[:, 10:16]).max() < 1e-3  # [m/s]; free fall of a step is 0.1
+        made.run(0.6)
+        assert accelerations(made, 0.1) < SHAKING
+        made.Reset()
+
+
+def test_solids_are_set_down_by_less_than_a_micrometre_on_what_they_stand_on(load):
+    high = block("high", (0.3, 0.3, 0.3), (3, 0, 0.15 + 2e-6))
+    sill = model(
+        "sill", "<static>1</static>", link("link", collision("<box><size>1 1 0.7</size></box>")), pose="6 0 .35 0 0 0"
+    )
+    text = world(
+        GROUND, stack(3, size=0.3), high, sill, block("on", (0.3, 0.3, 0.3), (6, 0, 0.85 + 1e-8)), physics=physics()
+    )
+    made = load(text)
+    found = {name: made.body(name).GetPosition().z for name in ("b0", "b1", "b2", "high", "on")}
+    assert found == pytest.approx({"b0": 0.15, "b1": 0.45, "b2": 0.75, "high": 0.15 + 2e-6, "on": 0.85}, abs=1e-7)
+    assert found["high"] == 0.15 + 2e-6
+    late = f"<sdf version='1.6'>{block('late', (0.3, 0.3, 0.3), (0, 0, 1.05 + 5e-8))}</sdf>"
+    made.extension(SdfWorld).insert(SdfFile.from_string(late))
+    assert made.body("late").GetPosition().z < 1.05
+    made.step()
+    assert made.engine.contact_count >= 19
 
 
 def test_ten_boxes_by_the_exact_solver_do_not_creep(load):

@@ -354,7 +354,8 @@ class Joint(Base):
             core.name += "_"
         self._parent = model
         joints[core.name] = core
-        model.core.world.update_rows_changed()
+        core.on_acts = model.core.world.update_rows_changed
+        core.on_acts()
         self._world.server.joint_added(self)
 
     def Fini(self) -> None:

@@ -14,7 +14,7 @@ from libgz.classic.physics.base import Base
 from libgz.errors import ParameterError
 from libgz.geometry import GzVector, VectorLike
 from libgz.physics.geom import Geom
-from libgz.physics.geoms import BoxGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
+from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.sdf.value import parse
 
 if TYPE_CHECKING:
@@ -71,7 +71,9 @@ class Shape:
         self.geom.scale = new
 
     def ComputeVolume(self) -> float:
-        """The volume [m^3]: exact for box, sphere and cylinder, 0 for planes; for all others of the bounding box."""
+        """The volume [m^3]: of box, sphere, cylinder, capsule; 0 for planes; else of the bounding box."""
+        if isinstance(self.geom, CapsuleGeom):
+            return math.pi * self.geom.radius**2 * (self.geom.length + 4.0 / 3.0 * self.geom.radius)
         low, high = self.geom.bounds()
         volume = math.prod(b - a for a, b in zip(low, high, strict=True))
         return volume if 0.0 < volume < math.inf else 0.0

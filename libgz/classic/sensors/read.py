@@ -10,6 +10,7 @@ from libgz.sdf.element import Element
 
 __all__ = ["UNSET", "choice", "clip", "count", "custom_topic", "first", "known_children", "number", "wrong"]
 
+FARTHEST = 1e6  # [m], of a range without limit
 UNSET = ("", "__default__", "__default_topic__")
 
 
@@ -46,12 +47,13 @@ def number(element: Element, key: str, least: float = -math.inf, most: float = m
 
 
 def clip(element: Element, low: str, high: str) -> tuple[float, float]:
-    """Two distances [m], the second beyond the first.
+    """Two distances [m], the second beyond the first, and no more than `FARTHEST`: ``inf`` means no limit.
 
     Raises:
         ParameterError: they are not, or one is negative.
     """
-    near, far = number(element, low, 0.0, unit="m"), number(element, high, 0.0, unit="m")
+    near, far = number(element, low, 0.0, unit="m"), element.Get(float, high)
+    far = FARTHEST if far == math.inf else number(element, high, 0.0, unit="m")
     if not far > near:
         raise wrong(element, high, f"is {far:g} m; it must be beyond <{low}>, {near:g} m")
     return near, far

@@ -37,6 +37,8 @@ class SdfModel(Entity):
     when all models of a file stand, for joints reach into other models.
     """
 
+    STATE = ("_parts",)
+
     def __init__(
         self, world: World, element: Element, diagnostics: Diagnostics, parent: SdfModel | None = None
     ) -> None:
@@ -361,8 +363,11 @@ class SdfModel(Entity):
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def SaveState(self) -> tuple[Any, ...]:
-        """Links that were added, joints, grippers, and where the frame is of a model without links."""
+    @property
+    def _parts(self) -> tuple[Any, ...] | None:
+        """Links that were added, joints, grippers, and where the frame is of a model without links, as plain data."""
+        if not (self._canonical is None or self._added or self.sdf_joints or self.grippers):
+            return None
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
@@ -378,9 +383,10 @@ class SdfModel(Entity):
         bodies = list(self.world.engine.bodies.values())
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
-    def LoadState(self, state: Sequence[Any]) -> None:
-        """Take what SaveState returned: links and joints that came since go, those that went are made again."""
-        frame, added, joints, grippers = state
+    @_parts.setter
+    def _parts(self, state: Sequence[Any] | None) -> None:
+        """Links and joints that came since go, those that went are made again."""
+        frame, added, joints, grippers = state or (None, None, None, None)
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())

@@ -363,6 +363,15 @@ class SdfModel(Entity):
 
     # State -------------------------------------------------------------------------------------------------------
 
+    def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
+        """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
+        places = next(places for body, *places in self._places if body is self.links[name])
+        return (*((*place.pos, *place.rot) for place in places), self._number_of(name))
+
+    def _number_of(self, name: str) -> int:
+        bodies = list(self.world.engine.bodies.values())
+        return bodies.index(self.links[name]) if self.links[name] in bodies else -1
+
     @property
     def _parts(self) -> tuple[Any, ...] | None:
         """Links that were added, joints, grippers, and where the frame is of a model without links, as plain data."""
@@ -373,15 +382,6 @@ class SdfModel(Entity):
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
         grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
         return frame, added, joints, grippers
-
-    def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
-        """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
-        places = next(places for body, *places in self._places if body is self.links[name])
-        return (*((*place.pos, *place.rot) for place in places), self._number_of(name))
-
-    def _number_of(self, name: str) -> int:
-        bodies = list(self.world.engine.bodies.values())
-        return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
     @_parts.setter
     def _parts(self, state: Sequence[Any] | None) -> None:

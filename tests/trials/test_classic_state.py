@@ -6,12 +6,15 @@ import logging
 import os
 from pathlib import Path
 
+import pytest
 from classic_runs import Run, first_difference, opened
 from trials.table import trial
 
 from libgz import World
 from libgz.classic.math import Rand
 from libgz.errors import GazeboError
+
+pytestmark = pytest.mark.trial
 
 ROOT = Path(__file__).parents[2]
 STEPS = 500

@@ -40,7 +40,5 @@ def ratio_text(rounds: list[tuple[float, float]]) -> str:
     reach = 0.98 * len(ratios) ** 0.5
     low, high = ratios[max(0, int(len(ratios) / 2 - reach))], ratios[min(len(ratios) - 1, int(len(ratios) / 2 + reach))]
     before, after = (fastest(list(times)) for times in zip(*rounds, strict=True))
-    return (
-        f"{100 * (statistics.median(ratios) - 1):+6.2f} %, 95 % interval {100 * (low - 1):+.2f} to {100 * (high - 1):+.2f}"
-        f"; of the fastest {100 * (after / before - 1):+6.2f} %"
-    )
+    median, low, high, best = (100 * (x - 1) for x in (statistics.median(ratios), low, high, after / before))
+    return f"{median:+6.2f} %, 95 % interval {low:+.2f} to {high:+.2f}; of the fastest {best:+6.2f} %"

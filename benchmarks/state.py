@@ -89,12 +89,9 @@ def main() -> None:
     for path in (*(installed_worlds() / f"{name}.world" for name in LEGACY), *sorted(PLUGINS.glob("*/*.world"))):
         with libgz.World.from_file(path) as world:
             shares[path.parent.name + "/" + path.stem] = measure(path.stem, world)
-    for which, limit in enumerate((MOST_GET, MOST_SET)):
+    for which, (what, limit) in enumerate((("get_state", MOST_GET), ("set_state", MOST_SET))):
         beyond = [name for name, both in shares.items() if both[which] > limit]
-        print(
-            f"{('get_state', 'set_state')[which]}: {len(shares) - len(beyond)} of {len(shares)} worlds within {limit:g} steps; not",
-            *beyond,
-        )
+        print(f"{what}: {len(shares) - len(beyond)} of {len(shares)} worlds within {limit:g} steps; not", *beyond)
 
 
 if __name__ == "__main__":

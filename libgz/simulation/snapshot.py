@@ -90,20 +90,21 @@ class Snapshots:
         listed = None if saved["list"] == self._list() else state.decode(saved["list"])
         if listed is not None:
             _restore_entities(world, listed)
+            now = state.decode(self._list())
+            if (now["kinds"], now["fields"]) != (listed["kinds"], listed["fields"]):
+                raise StateError(
+                    "models of this state are of other classes now, or their classes declare another STATE"
+                )
         for companion in world.companions:
             companion.entities_rebuilt()
         state.set_values(world, saved["world"])
         spawned, world.journal.inserted = saved["random"]
         if spawned != world.random.n_children_spawned or world.random.entropy != world.seed:
             world.random = np.random.SeedSequence(world.seed, n_children_spawned=spawned)
-        if listed is not None:
-            self._list()
         own = dict(zip(chain(*self._kinds.values()), chain(*saved["entities"]), strict=True))
-        for entity, kept in zip(
-            world.entities, listed["entities"] if listed is not None else world.entities, strict=True
-        ):
+        for index, entity in enumerate(world.entities):
             if listed is not None:
-                _load_relatives(world, entity, kept)
+                _load_relatives(world, entity, listed["entities"][index])
             _load_own_state(entity, own[entity])
         world.update_rows_changed()
         if listed is not None:
@@ -126,6 +127,10 @@ class Snapshots:
         places = [parent.bodies.index(body) for _, parent, body, *_ in rows if parent is not None and body is not None]
         collected = [entities, rows, places, world.followers]
         if collected != self._collected:
+            self._kinds = {}
+            for entity in entities:
+                self._kinds.setdefault(type(entity), []).append(entity)
+            kinds = list(self._kinds)
             number = {entity: index for index, entity in enumerate(entities)}
             origins = [entity.origin for entity in entities]
             sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
@@ -133,13 +138,12 @@ class Snapshots:
                 {
                     "sources": [tuple(source) for source in sources],
                     "entities": [_listed_entity(entity, sources, number) for entity in entities],
+                    "kinds": [kinds.index(type(entity)) for entity in entities],
+                    "fields": [state.fields(_type(entity)) for entity in entities],
                     "followers": [number[entity] for entity in world.followers],
                 }
             )
             self._collected = [list(entities), rows, places, list(world.followers)]
-            self._kinds = {}
-            for entity in entities:
-                self._kinds.setdefault(type(entity), []).append(entity)
         return self._listed
 
 
@@ -177,7 +181,6 @@ def _listed_entity(entity: Entity, sources: dict[Source, int], number: dict[Enti
     return {
         "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
-        "fields": state.fields(_type(entity)),
         "parent": parent,
         "body": body,
         "failed": _text_of(entity.failed),
@@ -215,8 +218,6 @@ def _described(entity: Entity) -> str:
 
 
 def _load_relatives(world: World, entity: Entity, kept: dict[str, Any]) -> None:
-    if list(state.fields(_type(entity))) != list(kept["fields"]):
-        raise StateError(f"{_described(entity)} declares another state now: {', '.join(kept['fields'])} in this one")
     parent = world.entities[kept["parent"]] if kept["parent"] is not None else None
     body = parent.bodies[kept["body"]] if parent is not None and kept["body"] is not None else None
     if parent is not entity.parent or body is not entity.parentBody:

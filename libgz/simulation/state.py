@@ -70,7 +70,7 @@ _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
 _WRITTEN: set[type] = set()  # classes of values that were found to be plain
 _MADE: list[type] = []  # base classes of what allowed functions make
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
-_EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values cannot be told apart
+_EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
 # Written as their class and numbers: that is what their constructors take, and five times as quick as by default.
 _STRUCTS: dict[type, Callable[[Any], tuple[Any, ...]]] = {
     **dict.fromkeys((GzVector, GzQuatern, GzColor), tuple),

@@ -477,7 +477,7 @@ def made(world, name, **values):
 @pytest.mark.parametrize(
     ("before", "after"), [(0.0, -0.0), (1, True), (True, 1.0), (2**70, 2.0**70), ("", b""), ((), []), ((0.0,), (-0.0,))]
 )
-def test_values_that_are_only_equal_are_told_apart(world, before, after):
+def test_values_that_are_only_equal_are_distinguished(world, before, after):
     class Plain(libgz.Model):
         STATE = ("value", "last")
 

@@ -21,7 +21,7 @@ from laser_robots import drive, ratio_text, world_text
 
 import libgz
 
-ROBOTS, STEPS, ROUNDS = 50, 5, 150  # five steps are one period of the lasers
+ROBOTS, STEPS, ROUNDS = 50, 5, 400  # five steps are one period of the lasers
 SERVER_ID = 910_000 + os.getpid()
 
 OBSERVER = f"""

@@ -24,7 +24,6 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation import snapshot
 from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
@@ -330,7 +329,7 @@ class WorldServer:
             reload_all([plugin for *_, plugin in found])
         except PluginError:
             if before is not None:
-                snapshot.restore(self.core, before)
+                self.core.snapshots.restore(before)
             raise
         for kind, holder, filename, own in absent:
             errors = len(self.core.problems.errors)
@@ -345,7 +344,7 @@ class WorldServer:
         """The state to return to if a plugin fails; None if this world's state cannot be saved."""
         self._reloading = True
         try:
-            return snapshot.save(self.core)
+            return self.core.snapshots.save()
         except GazeboError as error:
             log.debug("the world's state cannot be saved: %s", error)
             return None

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 from libgz.classic import msgs
 from libgz.classic.physics.world import World
 from libgz.errors import GazeboError, ParameterError
-from libgz.simulation import snapshot
 
 __all__ = ["Handlers", "UserCommands"]
 
@@ -64,7 +63,7 @@ class UserCommands:
         numbered = kinds()
         numbered.CopyFrom(message)
         numbered.id = next(self._numbers)
-        before = snapshot.save(self._world.core)
+        before = self._world.core.snapshots.save()
         if message.type in (kinds.MOVING, kinds.SCALING):
             for model in message.model:
                 self._handlers.model(model)
@@ -97,7 +96,7 @@ class UserCommands:
         wanted = message.id if message.HasField("id") else numbers[-1]
         if wanted not in numbers:
             raise ParameterError(f"command {wanted} cannot be {what}; those that can are {numbers}")
-        now = snapshot.save(self._world.core)
+        now = self._world.core.snapshots.save()
         self._restore(source[numbers.index(wanted)].before if undo else source[numbers.index(wanted)].after)
         later = now
         while True:
@@ -113,7 +112,7 @@ class UserCommands:
         core = self._world.core
         paused = core.paused
         try:
-            snapshot.restore(core, state)
+            core.snapshots.restore(state)
         except GazeboError:
             self._done.clear()
             self._undone.clear()

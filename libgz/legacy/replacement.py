@@ -9,6 +9,7 @@ from libgz.legacy.loader import ModelLoader
 from libgz.legacy.model import Model
 from libgz.physics.body import Body
 from libgz.simulation.plugins import own_place, own_traceback
+from libgz.simulation.state import carry_state, get_state
 
 __all__ = ["Replacement"]
 
@@ -38,7 +39,7 @@ class Replacement:
         interfaces = [one for one in world.gz_server.interfaces.values() if one.model_id == old.GetIntId()]
         holders = [(child, child.parentBody) for child in old.children]
         try:
-            state = old.MasterSaveState()
+            state = get_state(old)
             new = self._loader.load_again(old)
             with world.gz_server.hand_over(interfaces):
                 try:
@@ -86,9 +87,7 @@ class Replacement:
     @staticmethod
     def _carry(new: Model, state: Any) -> None:
         number, initialized = new.GetIntId(), new.initialized
-        if isinstance(state, dict):
-            state = {name: value for name, value in state.items() if name or hasattr(new, "LoadState")}
-        new.MasterLoadState(state)
+        carry_state(new, state)
         new._number, new.initialized = number, initialized
 
     def _undo(self, new: Model, holders: list[tuple[Any, Body | None]]) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from libgz.geometry import GzColor, GzPose, GzVector
 
@@ -66,8 +66,6 @@ class Appearance:
 @dataclass
 class Backdrop:
     """What frames show beside the geoms; the sky's colour and the fog's density are those of the world."""
-
-    STATE: ClassVar[tuple[str, ...]] = ("fog_kind", "shadows")  # the world keeps the numbers
 
     ambient: GzColor = field(default_factory=lambda: GzColor(0.2, 0.2, 0.2))  # light from everywhere
     fog_color: GzColor | None = None  # None: the sky's

@@ -1,8 +1,8 @@
 """EngineState: what an engine's next steps depend on, as plain data.
 
 ODE's own memory is copied by the step (`Step.get_state`), the tables are copied as arrays. What Python knows besides
-(names, sizes, stops, who is attached to whom) changes rarely: it is collected as tuples at each call, and only encoded
-again when one of them differs from the last time.
+(names, sizes, stops, who is attached to whom) changes rarely: it is collected as tuples at each call, by getters that
+are made once for all objects of a class, and only encoded again when one of them differs from the last time.
 
 Objects are numbered in the order of their construction, so that a state fits another process that built the same world.
 """
@@ -15,6 +15,7 @@ import functools
 import json
 import struct
 import weakref
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
@@ -54,7 +55,7 @@ SETTINGS = (
     "surface_layer",
 )
 _POSE = struct.Struct("7d")
-_settings = attrgetter(*SETTINGS)
+_settings = attrgetter(*(f"_context.{name}" if name == "contact_rule" else name for name in SETTINGS))
 _counters = attrgetter(*COUNTERS)
 _solver = attrgetter("iterations", "over_relaxation")
 _constraints = attrgetter("erp", "cfm", "correcting_velocity")
@@ -73,6 +74,12 @@ def _getter(kind: Any) -> Callable[[Any], tuple[Any, ...]]:
 
 
 @functools.cache
+def _watcher(kind: Any, *more: str) -> Callable[[Any], Any]:
+    """Reads what a class keeps, and more attributes."""
+    return attrgetter(*_kept(kind), *more)
+
+
+@functools.cache
 def _kept(kind: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("KEPT", ())))
 
@@ -88,7 +95,7 @@ class _Present:
     Attributes:
         changes: of the tables, then.
         rows: of bodies, joints and geoms.
-        readers: what reads the values that a body, geom or joint keeps, each with the object.
+        watched: getters of what decides how objects are encoded, each with the objects of its class.
     """
 
     def __init__(self, engine: Any) -> None:
@@ -96,12 +103,15 @@ class _Present:
         of_each = (tables.bodies, tables.joints, tables.geoms)
         self.changes = tables.changes
         self.rows = [_rows(table) for table in of_each]
-        self.censuses = [table.census() for table in of_each]
         self.bodies, self.geoms, self.joints = (
             list(table.values()) for table in (engine.bodies, engine.geoms, engine.joints)
         )
-        things = (*self.bodies, *self.geoms, *self.joints)
-        self.readers = [(_getter(_type(thing)), thing) for thing in things]
+        watched: dict[Any, list[Any]] = {}
+        looks = ((self.bodies, ()), (self.geoms, ("appearance.edits",)), (self.joints, ("bodies", "_feedback")))
+        for things, more in looks:
+            for thing in things:
+                watched.setdefault(_watcher(_type(thing), "_id", *more), []).append(thing)
+        self.watched = list(watched.items())
 
 
 class EngineState:
@@ -137,66 +147,61 @@ class EngineState:
         _refresh(tables.bodies)
         if not turning:  # else reading would count turns
             _refresh(tables.joints)
-        present = self._present()
+        present = self._present(engine)
+        objects = self._objects(engine, present)
         body_rows, joint_rows, geom_rows = present.rows
+        joints, dummies, couplings = present.joints, engine.dummies, engine.couplings
         return {
             "ode": layout().digest,
-            "settings": [int(value) if isinstance(value, ContactRule) else value for value in _settings(engine)],
+            "settings": _settings(engine),
             "counters": _counters(engine),
             "solver": _solver(engine),
             "constraints": _constraints(engine),
             "context": _progress(self._context),
             "quirks": sorted(engine.quirks),
-            "objects": self._objects(),
-            "memory": engine.step_form.get_state(self._present_parts()),
+            "objects": objects,
+            "memory": engine.step_form.get_state(self._present_parts(engine, present)),
             "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
             "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
             "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
-            "fresh": bytes([tables.joints.fresh[joint.row] for joint in present.joints]) if turning else b"",
+            "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
             "surfaces": tables.geoms.surface[geom_rows].tobytes(),
-            "dummies": b"".join(_pose_bytes(dummy._pose) for dummy in engine.dummies),
-            "couplings": [list(_plain_values(coupling)) for coupling in engine.couplings if not coupling.broken],
-            "feedback": b"".join(bytes(joint._feedback) for joint in present.joints if joint._feedback is not None),
+            "dummies": b"".join([_pose_bytes(dummy._pose) for dummy in dummies]) if dummies else b"",
+            "couplings": [list(_plain_values(one)) for one in couplings if not one.broken] if couplings else [],
+            "feedback": b"".join([bytes(joint._feedback) for joint in joints if joint._feedback is not None]),
             "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
         }
 
-    def _present(self) -> _Present:
-        tables = self._engine.tables
-        if self._now is None or self._now.changes != tables.changes:
-            self._now = _Present(self._engine)
+    def _present(self, engine: Any) -> _Present:
+        if self._now is None or self._now.changes != engine.tables.changes:
+            self._now = _Present(engine)
         return self._now
 
-    def _present_parts(self) -> Parts:
-        engine = self._engine
-        geoms = [0] * engine.tables.geoms.used
-        for row, geom in engine.geoms.items():
-            geoms[row] = geom._id or 0
-        handles = (
-            [body._id for body in engine.bodies.values()],
-            [joint._id for joint in engine.joints.values()],
-            geoms,
-            [engine.top.id, *(space._id for space in engine.spaces)],
-        )
-        if self._parts is None or self._parts.handles != handles:
-            self._parts = Parts(layout(), *handles)
+    def _present_parts(self, engine: Any, present: _Present) -> Parts:
+        """For the step; to be called after `_objects`, which notices other handles."""
+        if self._parts is None:
+            geoms = [0] * engine.tables.geoms.used
+            for row, geom in engine.geoms.items():
+                geoms[row] = geom._id or 0
+            self._parts = Parts(
+                layout(),
+                [body._id for body in present.bodies],
+                [joint._id for joint in present.joints],
+                geoms,
+                [engine.top.id, *(space._id for space in engine.spaces)],
+            )
         return self._parts
 
-    def _objects(self) -> bytes:
-        """What Python knows of the objects, as JSON."""
-        engine, present = self._engine, self._present()
-        geoms, joints = present.geoms, present.joints
+    def _objects(self, engine: Any, present: _Present) -> bytes:
+        """What Python knows of the objects, as compressed JSON."""
         dummies, attached = list(engine.dummies), list(engine.attached)
-        collected = [
-            present,
-            *(dummies, attached, list(engine.spaces)),
-            [get(thing) for get, thing in present.readers],
-            [_getter(_type(dummy))(dummy) for dummy in dummies],
-            [geom.appearance.edits for geom in geoms],
-            [(joint._feedback is not None, joint.bodies) for joint in joints],
-        ]
+        collected: list[Any] = [present, dummies, attached, list(engine.spaces)]
+        collected += [list(map(get, things)) for get, things in present.watched]
+        collected += [_getter(_type(dummy))(dummy) for dummy in dummies]
         if collected != self._collected:
-            self._block = self._encode(present.bodies, dummies, geoms, joints, attached)
-            self._collected = collected
+            text = self._encode(present.bodies, dummies, present.geoms, present.joints, attached)
+            self._block = zlib.compress(text, 1)
+            self._collected, self._parts = collected, None
         return self._block
 
     def _encode(
@@ -229,13 +234,15 @@ class EngineState:
         engine = self._engine
         if state.get("ode") != layout().digest:
             raise StateError("this state was made with another build of ODE")
-        block = state["objects"]
-        if block != self._objects():
-            self._restore_objects(json.loads(block))
+        block, present = state["objects"], self._present(engine)
+        if block != self._objects(engine, present):
+            self._restore_objects(_decoded(block))
+            present = self._present(engine)
+            self._objects(engine, present)
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._present_parts(), state["memory"]):
+        if not engine.step_form.set_state(self._present_parts(engine, present), state["memory"]):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
-        self._restore_tables(state)
+        self._restore_tables(state, present)
         self._restore_parts(state)
         engine.tables.disturb()
 
@@ -256,23 +263,22 @@ class EngineState:
             engine.set_range(max_distance)
         context.steps, context.contact_count = steps, contact_count
 
-    def _restore_tables(self, state: dict[str, Any]) -> None:
+    def _restore_tables(self, state: dict[str, Any], present: _Present) -> None:
         engine, tables = self._engine, self._engine.tables
         bodies, joints, geoms = tables.bodies, tables.joints, tables.geoms
-        rows = _rows(bodies)
+        body_rows, joint_rows, geom_rows = present.rows
         for table, data in zip((bodies.com, bodies.state), state["bodies"], strict=True):
-            _put(table, rows, data)
+            _put(table, body_rows, data)
         if state["motion"]:
-            _put(bodies.motion, rows, state["motion"])
-        rows = _rows(joints)
+            _put(bodies.motion, body_rows, state["motion"])
         for table, data in zip((joints.state, joints.springs), state["joints"], strict=True):
-            _put(table, rows, data)
+            _put(table, joint_rows, data)
         joints.find_sprung()
         bodies.fresh[:] = b"\1" * len(bodies.fresh)
         joints.fresh[:] = b"\1" * len(joints.fresh)
         for joint, fresh in zip(engine.joints.values(), state["fresh"], strict=bool(state["fresh"])):
             joints.fresh[joint.row] = fresh
-        _put(geoms.surface, _rows(geoms), state["surfaces"])
+        _put(geoms.surface, geom_rows, state["surfaces"])
         geoms.edits += 1
         tables.touched = True
 
@@ -437,9 +443,10 @@ def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:
 def _rows(table: Any) -> Any:
     """The rows in use, in order of construction: a slice where that is the same."""
     rows = list(table.objects)
-    if rows and rows == list(range(rows[0], rows[0] + len(rows))):
-        return slice(rows[0], rows[0] + len(rows))
-    return rows
+    first = rows[0] if rows else 0
+    if rows == list(range(first, first + len(rows))):
+        return slice(first, first + len(rows))
+    return np.array(rows)
 
 
 def _put(table: Any, rows: Any, data: bytes) -> None:
@@ -453,6 +460,13 @@ def _refresh(table: Any) -> None:
         for row in table.objects:
             if not fresh[row]:
                 table.read(row)
+
+
+def _decoded(block: bytes) -> Any:
+    try:
+        return json.loads(zlib.decompress(block))
+    except (zlib.error, ValueError) as error:
+        raise StateError(f"the state is damaged: {error}") from error
 
 
 # Plain data ---------------------------------------------------------------------------------------------------------

@@ -343,16 +343,13 @@ class SdfActor(SdfModel):
     # State -------------------------------------------------------------------------------------------------------
 
     def SaveState(self) -> tuple[Any, ...]:
-        """As of all models, and where it is in its script; the bones' poses are the engine's."""
+        """Where it is in its script; the bones' poses are the engine's."""
         last = None if self._last is None else (self._last[0], (*self._last[1],))
-        script = (self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom)
-        return super().SaveState(), script
+        return (self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom)
 
     def LoadState(self, state: Sequence[Any]) -> None:
         """Take what SaveState returned."""
-        model, script = state
-        super().LoadState(model)
-        self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom = script
+        self.active, self.script_time, self._played, self._framed, self._distance, last, self.custom = state
         self._last = None if last is None else (last[0], GzVector(*last[1]))
 
     def MasterDescribe(self, store: Any) -> dict[str, Any]:

@@ -26,8 +26,6 @@ class Wind:
         enabled: while it is not, there is no wind.
     """
 
-    STATE = ("velocity", "enabled")
-
     velocity: GzVector = field(default_factory=GzVector)
     enabled: bool = True
     facade: Any = None  # by which the API of a layer above presents it; set by that layer
@@ -43,8 +41,6 @@ class Atmosphere:
         pressure: at altitude 0 [Pa].
         enabled: kept for what asks; the numbers do not depend on it.
     """
-
-    STATE = ("temperature", "gradient", "pressure", "enabled")
 
     temperature: float = 288.15
     gradient: float = -0.0065

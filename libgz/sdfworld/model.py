@@ -38,6 +38,8 @@ class SdfModel(Entity):
     when all models of a file stand, for joints reach into other models.
     """
 
+    STATE = ("_parts",)
+
     def __init__(
         self, world: World, element: Element, diagnostics: Diagnostics, parent: SdfModel | None = None
     ) -> None:
@@ -437,15 +439,6 @@ class SdfModel(Entity):
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def SaveState(self) -> tuple[Any, ...]:
-        """Links that were added, joints, grippers, and where the frame is of a model without links."""
-        frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
-        joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
-        added = [(name, self._start_of(name)) for name in self._added] if self._added else None
-        grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
-        colliding = [name for name, body in self.links.items() if body in self._self_colliding]
-        return frame, added, joints, grippers, colliding
-
     def _start_of(self, name: str) -> tuple[tuple[float, ...] | int, ...]:
         """Where a link that was added began: in the model frame, and global; and its number among all bodies."""
         places = next(places for body, *places in self._places if body is self.links[name])
@@ -455,9 +448,22 @@ class SdfModel(Entity):
         bodies = list(self.world.engine.bodies.values())
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
-    def LoadState(self, state: Sequence[Any]) -> None:
-        """Take what SaveState returned: links and joints that came since go, those that went are made again."""
-        frame, added, joints, grippers, colliding = state
+    @property
+    def _parts(self) -> tuple[Any, ...] | None:
+        """Links that were added, joints, grippers, and where the frame is of a model without links, as plain data."""
+        if not (self._canonical is None or self._added or self.sdf_joints or self.grippers or self._self_colliding):
+            return None
+        frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
+        joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
+        added = [(name, self._start_of(name)) for name in self._added] if self._added else None
+        grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
+        colliding = [name for name, body in self.links.items() if body in self._self_colliding]
+        return frame, added, joints, grippers, colliding
+
+    @_parts.setter
+    def _parts(self, state: Sequence[Any] | None) -> None:
+        """Links and joints that came since go, those that went are made again."""
+        frame, added, joints, grippers, colliding = state or (None, None, None, None, None)
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())
@@ -472,7 +478,7 @@ class SdfModel(Entity):
             local, whole = (GzPose(GzVector(*place[:3]), GzQuatern(*place[3:])) for place in start)
             self._places = [row for row in self._places if row[0] is not body] + [(body, local, whole)]
         for name, body in self.links.items():
-            self.set_self_collide(body, name in colliding)
+            self.set_self_collide(body, name in (colliding or ()))
         load_joints(self.world, self.sdf_joints, joints or ())
         for gripper, one in zip(self.grippers.values(), grippers or (), strict=False):
             gripper.load(one)

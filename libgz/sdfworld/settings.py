@@ -21,8 +21,6 @@ __all__ = ["SdfSettings", "apply_settings", "default_settings"]
 class SdfSettings:
     """What a `<world>` says beside its entities."""
 
-    STATE = ("magnetic_field", "wind", "atmosphere")
-
     element: Element  # the `<world>`
     physics: Element  # the profile that is applied
     profiles: dict[str, Element] = field(default_factory=dict)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import struct
 import zlib
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -11,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from libgz.errors import Diagnostics, NotFoundError, StateError, WorldFileError, nearest
-from libgz.geometry import GzPose
+from libgz.geometry import GzPose, GzVector
 from libgz.ode.types import ContactRule
 from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
@@ -34,6 +35,8 @@ from libgz.simulation.world import World
 __all__ = ["SdfWorld"]
 
 log = logging.getLogger("libgz.simulation")
+
+_AIR = struct.Struct("6d?3d?")
 
 BUILDER = "sdf"  # in the journal
 BUILT = ("model", "actor", "light")
@@ -62,7 +65,7 @@ class SdfWorld(Era):
         settings: what its `<world>` says beside the entities; SDF's defaults before.
     """
 
-    STATE = ("settings", "profile")
+    STATE = ("_air", "profile")
 
     name = "classic"
     counts_at_start = True
@@ -88,6 +91,22 @@ class SdfWorld(Era):
     @profile.setter
     def profile(self, name: str) -> None:
         self.settings.physics = self.settings.profiles.get(name, self.settings.physics)
+
+    @property
+    def _air(self) -> bytes:
+        """Magnetic field, wind and atmosphere as they are now, as the bytes of their numbers."""
+        field, wind, air = self.settings.magnetic_field, self.settings.wind, self.settings.atmosphere
+        blows = wind.velocity
+        return _AIR.pack(
+            *(field.x, field.y, field.z, blows.x, blows.y, blows.z, wind.enabled),
+            *(air.temperature, air.gradient, air.pressure, air.enabled),
+        )
+
+    @_air.setter
+    def _air(self, packed: bytes) -> None:
+        numbers, wind, air = _AIR.unpack(packed), self.settings.wind, self.settings.atmosphere
+        self.settings.magnetic_field, wind.velocity = GzVector(*numbers[:3]), GzVector(*numbers[3:6])
+        wind.enabled, air.temperature, air.gradient, air.pressure, air.enabled = numbers[6:]
 
     # Loading ---------------------------------------------------------------------------------------------------------
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from typing import ClassVar
 
 from libgz.physics.check import finite
 from libgz.records import ClockRecord
@@ -21,8 +20,6 @@ class Clock(ClockRecord):
         running: whether the world has started, and not ended.
         day_time: time since midnight at the start [s]; negative for the local clock's.
     """
-
-    STATE: ClassVar[tuple[str, ...]] = ("sim_time", "pause_time", "iterations", "day_time")
 
     def __init__(self) -> None:
         super().__init__()

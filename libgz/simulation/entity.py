@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import struct
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from libgz.errors import USER_ERRORS, NotFoundError, ParameterError, StateError, nearest, pass_interrupt
@@ -11,7 +12,6 @@ from libgz.physics.space import Space
 from libgz.simulation.description import Store, describe_joint, describe_rays
 from libgz.simulation.plugins import own_traceback
 from libgz.simulation.problems import NOTED, note
-from libgz.simulation.state import get_state, set_state
 from libgz.simulation.updates import UpdateRows, replaced
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ log = logging.getLogger("libgz.simulation")
 
 CANONICAL = "canonical"
 STILL = (0.0, 0.0, 0.0)
+_HOMES = struct.Struct("14d")
 
 
 class _Error:
@@ -136,23 +137,16 @@ class Entity:
     # State -----------------------------------------------------------------------------------------------------------
 
     @property
-    def _homes(self) -> tuple[float, ...]:
-        """The initial pose and the one in the parent body, as plain numbers."""
+    def _homes(self) -> bytes:
+        """The initial pose and the one in the parent body, as the bytes of their numbers."""
         a, b, c, d = self.initPose.pos, self.initPose.rot, self.relPose.pos, self.relPose.rot
-        return a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z
+        return _HOMES.pack(a.x, a.y, a.z, b.u, b.x, b.y, b.z, c.x, c.y, c.z, d.u, d.x, d.y, d.z)
 
     @_homes.setter
-    def _homes(self, numbers: tuple[float, ...]) -> None:
+    def _homes(self, packed: bytes) -> None:
+        numbers = _HOMES.unpack(packed)
         self.initPose = GzPose(GzVector(*numbers[:3]), GzQuatern(*numbers[3:7]))
         self.relPose = GzPose(GzVector(*numbers[7:10]), GzQuatern(*numbers[10:]))
-
-    def MasterSaveState(self) -> object:
-        """Its state as plain data, beside what the engine has: what the classes declare as `STATE` or save."""
-        return get_state(self)
-
-    def MasterLoadState(self, state: Any) -> None:
-        """Take a state that `MasterSaveState` returned. Bodies and joints get theirs from the engine, later."""
-        set_state(self, state)
 
     def MasterAttach(self, parent: Entity | None, body: Body | None) -> None:
         """Attach it to the body of another entity that a state has as its parent, or to none.

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+from collections.abc import Sequence
+from itertools import chain
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
@@ -16,84 +20,135 @@ if TYPE_CHECKING:
     from libgz.simulation.world import World
     from libgz.transport.interface import Interface
 
-__all__ = ["restore", "save"]
+__all__ = ["Snapshots"]
 
 
 class StoppedError(GazeboError):
     """What an entity had raised in the world that a state was saved of."""
 
 
-def save(world: World) -> bytes:
-    """The state of a world between two steps.
+class Snapshots:
+    """Takes the states of a world, and brings it back to them.
 
-    Raises:
-        ParameterError: an object declares something as its state that is not plain data, or cannot be read.
-    """
-    number = {entity: index for index, entity in enumerate(world.entities)}
-    origins = [entity.origin for entity in world.entities]
-    sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
-    plain = {
-        "file": world.era.digest,
-        "world": state.get_state(world),
-        "spawned": world.spawned,
-        "inserted": world.journal.inserted,
-        "sources": [tuple(source) for source in sources],
-        "entities": [_saved_entity(entity, sources, number) for entity in world.entities],
-        "followers": [number[entity] for entity in world.followers],
-        "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
-        "extensions": {_name(e): state.get_state(e) for e in world.extensions if _declares(e)},
-        "engine": world.engine.get_state(),
-        "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
-    }
-    try:
-        return state.encode(plain)
-    except ParameterError as error:
-        for entity in world.entities:
-            try:
-                state.encode(entity.MasterSaveState())
-            except ParameterError as own:
-                raise ParameterError(f"{_described(entity)}: {own}") from error
-        raise
-
-
-def restore(world: World, data: bytes, *, anew: bool = False) -> None:
-    """Bring a world into a state that `save` returned, of itself or of another world of the same file.
+    Which entities there are, where they come from and what is attached to what changes rarely: it is collected for each
+    state, and only encoded again when something differs from the last time.
 
     Args:
-        world: the world.
-        data: the state.
-        anew: whether all entities are built again, also those that are there.
-
-    Raises:
-        StateError: the state is of another file, or something that cannot be built again is missing.
-        ParameterError: these bytes are no state.
+        world: the World.
     """
-    saved = state.decode(data)
-    if saved["file"] != world.era.digest:
-        raise StateError("this state is of another world: its file has another text than this world's")
-    if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
-        world.attach_era()
-        for name in saved["companions"].keys() - set(map(_name, world.companions)):
-            raise StateError(f"this state has a part that this world has not: {name}")
-    _restore_entities(world, saved, anew)
-    for companion in world.companions:
-        companion.entities_rebuilt()
-    state.set_state(world, saved["world"])
-    world.restart_random(saved["spawned"])
-    world.journal.inserted = saved["inserted"]
-    for entity, kept in zip(world.entities, saved["entities"], strict=True):
-        _load_entity(world, entity, kept)
-    world.update_rows_changed()
-    world.followers[:] = [world.entities[index] for index in saved["followers"]]
-    for companion in world.companions:
-        companion.set_state(saved["companions"].get(_name(companion)))
-    for extension in world.extensions:
-        if _name(extension) in saved["extensions"]:
-            state.set_state(extension, saved["extensions"][_name(extension)])
-    world.engine.set_state(saved["engine"])
-    for key, interface in _interfaces(world):
-        if key in saved["interfaces"]:
-            interface.set_bytes(saved["interfaces"][key])
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._collected: list[Any] = []  # at the last encoding of the list of entities
+        self._listed = b""  # that encoding
+        self._kinds: dict[type[Entity], list[Entity]] = {}  # the entities of it by their classes
+
+    def save(self) -> bytes:
+        """The state between two steps.
+
+        Raises:
+            ParameterError: an object declares something as its state that is not plain data, or cannot be read.
+        """
+        world = self._world
+        plain = {
+            "file": world.era.digest,
+            "list": self._list(),
+            "world": state.get_values(world),
+            "random": (world.spawned, world.journal.inserted),
+            "entities": [_own_states(kind, entities) for kind, entities in self._kinds.items()],
+            "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+            "extensions": {_name(e): state.get_values(e) for e in world.extensions if _declares(e)},
+            "engine": world.engine.get_state(),
+            "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
+        }
+        try:
+            return state.encode(plain)
+        except ParameterError as error:
+            for entity in world.entities:
+                try:
+                    state.encode(_own_state(entity))
+                except ParameterError as own:
+                    raise ParameterError(f"{_described(entity)}: {own}") from error
+            raise
+
+    def restore(self, data: bytes, *, anew: bool = False) -> None:
+        """Bring the world into a state that `save` returned, of itself or of another world of the same file.
+
+        Args:
+            data: the state.
+            anew: whether all entities are built again, also those that are there.
+
+        Raises:
+            StateError: the state is of another file, or something that cannot be built again is missing.
+            ParameterError: these bytes are no state.
+        """
+        world, saved = self._world, state.decode(data)
+        if saved["file"] != world.era.digest:
+            raise StateError("this state is of another world: its file has another text than this world's")
+        if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
+            world.attach_era()
+            for name in saved["companions"].keys() - set(map(_name, world.companions)):
+                raise StateError(f"this state has a part that this world has not: {name}")
+        listed = state.decode(saved["list"]) if anew or saved["list"] != self._list() else None
+        if listed is not None:
+            _restore_entities(world, listed, anew)
+            now = state.decode(self._list())
+            if (now["kinds"], now["fields"]) != (listed["kinds"], listed["fields"]):
+                raise StateError(
+                    "models of this state are of other classes now, or their classes declare another STATE"
+                )
+        for companion in world.companions:
+            companion.entities_rebuilt()
+        state.set_values(world, saved["world"])
+        spawned, world.journal.inserted = saved["random"]
+        world.restart_random(spawned)
+        own = dict(zip(chain(*self._kinds.values()), chain(*saved["entities"]), strict=True))
+        for index, entity in enumerate(world.entities):
+            if listed is not None:
+                _load_relatives(world, entity, listed["entities"][index])
+            _load_own_state(entity, own[entity])
+        world.update_rows_changed()
+        if listed is not None:
+            world.followers[:] = [world.entities[index] for index in listed["followers"]]
+        for companion in world.companions:
+            companion.set_state(saved["companions"].get(_name(companion)))
+        for extension in world.extensions:
+            if _name(extension) in saved["extensions"]:
+                state.set_values(extension, saved["extensions"][_name(extension)])
+        world.engine.set_state(saved["engine"])
+        for key, interface in _interfaces(world):
+            if key in saved["interfaces"]:
+                interface.set_bytes(saved["interfaces"][key])
+
+    def _list(self) -> bytes:
+        """Which entities there are, where they come from, what is attached to what, and who has stopped; encoded."""
+        world = self._world
+        entities = world.entities
+        rows = list(map(_relatives, entities))
+        places = [parent.bodies.index(body) for _, parent, body, *_ in rows if parent is not None and body is not None]
+        collected = [entities, rows, places, world.followers]
+        if collected != self._collected:
+            self._kinds = {}
+            for entity in entities:
+                self._kinds.setdefault(type(entity), []).append(entity)
+            kinds = list(self._kinds)
+            number = {entity: index for index, entity in enumerate(entities)}
+            origins = [entity.origin for entity in entities]
+            sources = {source: i for i, source in enumerate(dict.fromkeys(o.source for o in origins if o is not None))}
+            self._listed = state.encode(
+                {
+                    "sources": [tuple(source) for source in sources],
+                    "entities": [_listed_entity(entity, sources, number) for entity in entities],
+                    "kinds": [kinds.index(type(entity)) for entity in entities],
+                    "fields": [state.fields(_type(entity)) for entity in entities],
+                    "followers": [number[entity] for entity in world.followers],
+                }
+            )
+            self._collected = [list(entities), rows, places, list(world.followers)]
+        return self._listed
+
+
+_type: Any = type  # mypy takes a class for no key of a cache
 
 
 def _saved_companion(companion: Companion) -> tuple[str, object]:
@@ -106,24 +161,31 @@ def _declares(thing: Any) -> bool:
 
 
 def _name(thing: Any) -> str:
-    return f"{type(thing).__module__}.{type(thing).__qualname__}"
+    return _name_of(_type(thing))
+
+
+@functools.cache
+def _name_of(kind: Any) -> str:
+    return f"{kind.__module__}.{kind.__qualname__}"
 
 
 # Entities -----------------------------------------------------------------------------------------------------------
 
 
-def _saved_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
+# What decides how an entity is listed.
+_relatives = attrgetter("origin", "parent", "parentBody", "_id", "failed", "plugin_error")
+
+
+def _listed_entity(entity: Entity, sources: dict[Source, int], number: dict[Entity, int]) -> dict[str, Any]:
     origin = entity.origin
-    parent, body = (None, None) if entity.parent is None else _holder(entity, number)
-    failed, plugin_error = entity.failed, entity.plugin_error
+    parent, body = _holder(entity, number)
     return {
         "origin": (sources[origin.source], origin.place) if origin is not None else None,
         "id": entity.GetId(),
         "parent": parent,
         "body": body,
-        "failed": None if failed is None else _text_of(failed),
-        "plugin_error": None if plugin_error is None else _text_of(plugin_error),
-        "state": _own_state(entity),
+        "failed": _text_of(entity.failed),
+        "plugin_error": _text_of(entity.plugin_error),
     }
 
 
@@ -135,9 +197,16 @@ def _holder(entity: Entity, number: dict[Entity, int]) -> tuple[int | None, int 
     return number.get(parent), parent.bodies.index(body) if body is not None else None
 
 
-def _own_state(entity: Entity) -> object:
+def _own_states(kind: Any, entities: Sequence[Entity]) -> Sequence[Any]:
     try:
-        return entity.MasterSaveState()
+        return state.get_rows(kind, entities)
+    except (GazeboError, *USER_ERRORS):
+        return [_own_state(entity) for entity in entities]  # reports whose it is
+
+
+def _own_state(entity: Entity) -> Sequence[Any]:
+    try:
+        return state.get_values(entity)
     except GazeboError:
         raise
     except USER_ERRORS as error:
@@ -149,7 +218,7 @@ def _described(entity: Entity) -> str:
     return f"model {entity.GetId()!r} ({type(entity).__name__})"
 
 
-def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
+def _load_relatives(world: World, entity: Entity, kept: dict[str, Any]) -> None:
     parent = world.entities[kept["parent"]] if kept["parent"] is not None else None
     body = parent.bodies[kept["body"]] if parent is not None and kept["body"] is not None else None
     if parent is not entity.parent or body is not entity.parentBody:
@@ -157,8 +226,11 @@ def _load_entity(world: World, entity: Entity, kept: dict[str, Any]) -> None:
     for name in ("failed", "plugin_error"):
         if _text_of(getattr(entity, name)) != kept[name]:
             setattr(entity, name, StoppedError(kept[name]) if kept[name] is not None else None)
+
+
+def _load_own_state(entity: Entity, own: Sequence[Any]) -> None:
     try:
-        entity.MasterLoadState(kept["state"])
+        state.set_values(entity, own)
     except GazeboError:
         raise
     except USER_ERRORS as error:
@@ -173,16 +245,16 @@ def _text_of(error: object) -> str | None:
     return str(error) if isinstance(error, StoppedError) else f"{type(error).__name__}: {error}"
 
 
-def _restore_entities(world: World, saved: dict[str, Any], anew: bool) -> None:
+def _restore_entities(world: World, listed: dict[str, Any], anew: bool) -> None:
     """Make the world's entities those of a state: from the first one that differs, all are built again, in order."""
-    sources = [Source(*fields) for fields in saved["sources"]]
+    sources = [Source(*fields) for fields in listed["sources"]]
     wanted = [
         Origin(sources[kept["origin"][0]], kept["origin"][1]) if kept["origin"] is not None else None
-        for kept in saved["entities"]
+        for kept in listed["entities"]
     ]
     number = {entity: index for index, entity in enumerate(world.entities)}
     present = [(entity.origin, *_holder(entity, number)) for entity in world.entities]
-    then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, saved["entities"], strict=True)]
+    then = [(origin, kept["parent"], kept["body"]) for origin, kept in zip(wanted, listed["entities"], strict=True)]
     if present == then and not anew:
         return
     pairs = enumerate(zip(present, then, strict=False))
@@ -193,7 +265,7 @@ def _restore_entities(world: World, saved: dict[str, Any], anew: bool) -> None:
     ) is not None:
         same = held
     missing: list[Origin] = []
-    for kept, origin in zip(saved["entities"][same:], wanted[same:], strict=True):
+    for kept, origin in zip(listed["entities"][same:], wanted[same:], strict=True):
         if origin is None:
             raise StateError(f"model {kept['id']!r} cannot be built again: it was made by code, not from a file")
         if origin.source.builder not in world.journal.builders:

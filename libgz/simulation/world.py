@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import itertools
 import logging
+import struct
 import sys
 import time
 from collections.abc import Callable, Iterable
@@ -34,7 +35,6 @@ from libgz.physics.engine import Engine
 from libgz.physics.joint import Joint
 from libgz.physics.lock import exclusive
 from libgz.physics.space import Space
-from libgz.simulation import snapshot
 from libgz.simulation.agenda import Agenda
 from libgz.simulation.batch import Batch, Columns
 from libgz.simulation.clock import Clock
@@ -50,6 +50,7 @@ from libgz.simulation.reloading import Reloader, reload
 from libgz.simulation.rewind import Rewind
 from libgz.simulation.running import add_running, remove_running, running_worlds
 from libgz.simulation.running_code import names, report_wait
+from libgz.simulation.snapshot import Snapshots
 from libgz.simulation.state import undeclared
 from libgz.simulation.updates import Exchange, UpdateRows
 from libgz.transport.guard import Guard
@@ -88,6 +89,8 @@ J = TypeVar("J", bound=Joint)
 LOWEST = -1000.0  # [m]; a body that falls further is reported
 FALL_PERIOD = 256  # steps between two looks
 _clones = itertools.count(1)
+_SURROUNDINGS = struct.Struct("16d?4d")
+_NO_FOG = (0.0, 0.0, 0.0, 0.0)
 NAMED = 5  # bodies in one such message
 
 
@@ -112,19 +115,20 @@ class World(Closing):
         journal: where entities come from, and what was inserted.
         followers: the entities that are moved along with their parents after each step.
         rows: what the entities do in a step, for native code.
+        snapshots: takes and restores its states, without the checks of `get_state` and `set_state`.
         clone_name: a name of its own, such as ``default_clone1``, if this is a clone; else empty.
         facade: the object by which the API of a layer above presents this world; set by that layer.
     """
 
     STATE: ClassVar[tuple[str, ...]] = (
         "name",
-        "clock",
+        *("clock.sim_time", "clock.pause_time", "clock.iterations", "clock.day_time"),
         "simSpeed",
         "utcOffset",
         "fogEnable",
         "fogDensity",
         "_surroundings",
-        "backdrop",
+        *("backdrop.fog_kind", "backdrop.shadows"),
         "physics_enabled",
         "starts_paused",
         "_fallen_rows",
@@ -177,6 +181,7 @@ class World(Closing):
         self._start: bytes | GazeboError | None = None  # the state at the end of Initialize
         self._start_is_old = False  # since a model's class was edited
         self._rewind: Rewind | None = None
+        self.snapshots = Snapshots(self)
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
@@ -480,7 +485,7 @@ class World(Closing):
         self.gz_server.post()
         self.problems.check()
         try:
-            self._start = snapshot.save(self)
+            self._start = self.snapshots.save()
         except GazeboError as error:  # of a model's own state; only a reset needs it
             self._start = error
         return 0
@@ -671,7 +676,7 @@ class World(Closing):
         if self.problems.failure is not None:
             self.problems.check()
         if self._rewind is not None and self._rewind.due(self.clock.sim_time):
-            self._rewind.keep(self.clock.sim_time, snapshot.save(self))
+            self._rewind.keep(self.clock.sim_time, self.snapshots.save())
 
     @property
     def present_step(self) -> tuple[int, float] | None:
@@ -958,7 +963,7 @@ class World(Closing):
         with self.lock:
             self._check_ready("saved")
             self._warn_of_models()
-            return snapshot.save(self)
+            return self.snapshots.save()
 
     def set_state(self, state: bytes) -> None:
         """Bring the world into a state of itself, or of another world of the same file, in any process.
@@ -976,7 +981,7 @@ class World(Closing):
         with self.lock:
             self._check_ready("restored")
             with self.hold():
-                snapshot.restore(self, state)
+                self.snapshots.restore(state)
 
     def keep_rewind(self, seconds: float, interval: float = 0.1, megabytes: float = 512.0) -> None:
         """Keep the states of the last seconds of sim time from now on, for `rewind`; 0 seconds end that.
@@ -1135,7 +1140,7 @@ class World(Closing):
             raise start
         self._warn_of_models()
         # After a class was edited, the order of the engine's objects is another one.
-        snapshot.restore(self, start, anew=self._start_is_old)
+        self.snapshots.restore(start, anew=self._start_is_old)
         self._start, self._start_is_old = start, False
 
     def _first_state(self) -> bytes | GazeboError | None:
@@ -1145,37 +1150,37 @@ class World(Closing):
             return twin._start
 
     @property
-    def _surroundings(self) -> tuple[tuple[float, ...], ...]:
-        """Vectors and colours as plain numbers."""
+    def _surroundings(self) -> bytes:
+        """Vectors and colours, as the bytes of their numbers."""
         backdrop, zone, offset, sky = self.backdrop, self.utmZone, self.utmOffset, self.skyColor
         ambient, fog = backdrop.ambient, backdrop.fog_color
-        return (
-            (zone.x, zone.y, zone.z),
-            (offset.x, offset.y, offset.z),
-            (sky.r, sky.g, sky.b, sky.a),
-            (ambient.r, ambient.g, ambient.b, ambient.a),
-            () if fog is None else (fog.r, fog.g, fog.b, fog.a),
-            (backdrop.fog_start, backdrop.fog_end),
+        return _SURROUNDINGS.pack(
+            *(zone.x, zone.y, zone.z, offset.x, offset.y, offset.z),
+            *(sky.r, sky.g, sky.b, sky.a, ambient.r, ambient.g, ambient.b, ambient.a),
+            *(backdrop.fog_start, backdrop.fog_end, fog is not None),
+            *(_NO_FOG if fog is None else (fog.r, fog.g, fog.b, fog.a)),
         )
 
     @_surroundings.setter
-    def _surroundings(self, numbers: tuple[tuple[float, ...], ...]) -> None:
-        zone, offset, sky, ambient, fog, reach = numbers
-        backdrop = self.backdrop
-        self.utmZone, self.utmOffset = GzVector(*zone), GzVector(*offset)
-        self.skyColor, backdrop.ambient = GzColor(*sky), GzColor(*ambient)
-        backdrop.fog_color = GzColor(*fog) if fog else None
-        backdrop.fog_start, backdrop.fog_end = reach
+    def _surroundings(self, packed: bytes) -> None:
+        numbers, backdrop = _SURROUNDINGS.unpack(packed), self.backdrop
+        self.utmZone, self.utmOffset = GzVector(*numbers[:3]), GzVector(*numbers[3:6])
+        self.skyColor, backdrop.ambient = GzColor(*numbers[6:10]), GzColor(*numbers[10:14])
+        backdrop.fog_start, backdrop.fog_end, foggy, *fog = numbers[14:]
+        backdrop.fog_color = GzColor(*fog) if foggy else None
 
     @property
-    def _fallen_rows(self) -> tuple[int, ...]:
-        """The rows of the bodies that were reported as fallen."""
-        fallen = self._fallen
-        return tuple(sorted(row for row, body in self.engine.bodies.items() if body.number in fallen)) if fallen else ()
+    def _fallen_rows(self) -> bytes:
+        """The rows of the bodies that were reported as fallen, as the bytes of 64-bit integers."""
+        if not self._fallen:
+            return b""
+        rows = [row for row, body in self.engine.bodies.items() if body.number in self._fallen]
+        return np.sort(np.array(rows, np.int64)).tobytes()
 
     @_fallen_rows.setter
-    def _fallen_rows(self, rows: tuple[int, ...]) -> None:
-        self._fallen = {self.engine.bodies[row].number for row in rows if row in self.engine.bodies}
+    def _fallen_rows(self, packed: bytes) -> None:
+        rows, bodies = np.frombuffer(packed, np.int64).tolist(), self.engine.bodies
+        self._fallen = {bodies[row].number for row in rows if row in bodies}
 
     def warn_of_undeclared(self, what: str, kind: type) -> None:
         """Warn once of a class of users that does not declare its state; `what` is what it is, such as ``model``."""

@@ -451,3 +451,93 @@ def test_the_time_of_day_of_a_sky():
         assert dome.day_share != share
         world.set_state(state)
         assert dome.day_share == share
+
+
+def made(world, name, **values):
+    """A model made by code, whose class declares these values; `loaded` counts calls of its LoadState."""
+
+    class Made(libgz.Model):
+        STATE = tuple(values)
+        loaded = 0
+
+        def SaveState(self):
+            return None
+
+        def LoadState(self, state):
+            self.loaded += 1
+
+    model = Made(world)
+    vars(model).update(values)
+    model.SetId(name)
+    model.AddBody(libgz.Body(world, dummy=True), True)
+    world.adopt(model)
+    return model
+
+
+@pytest.mark.parametrize(
+    ("before", "after"), [(0.0, -0.0), (1, True), (True, 1.0), (2**70, 2.0**70), ("", b""), ((), []), ((0.0,), (-0.0,))]
+)
+def test_values_that_are_only_equal_are_distinguished(world, before, after):
+    class Plain(libgz.Model):
+        STATE = ("value", "last")
+
+    model = Plain(world)
+    model.value, model.last = before, 3
+    model.AddBody(libgz.Body(world, dummy=True), True)
+    world.adopt(model)
+    state = world.get_state()
+    model.value = after
+    changed = world.get_state()
+    assert changed != state
+    world.set_state(state)
+    assert repr(model.value) == repr(before)
+    assert world.get_state() == state
+    world.set_state(changed)
+    assert repr(model.value) == repr(after)
+
+
+def test_values_of_classes_that_alternate_reach_their_models(world):
+    models = [made(world, f"m{i}", value=float(i)) if i % 3 else made(world, f"m{i}", other=i) for i in range(7)]
+    state = world.get_state()
+    for model in models:
+        vars(model).update(value=-1.0, other=-1)
+    world.set_state(state)
+    assert [model.value if i % 3 else model.other for i, model in enumerate(models)] == list(range(7))
+
+
+def test_load_state_is_called_though_the_state_is_the_present_one(world):
+    model = made(world, "made", value=1)
+    world.set_state(world.get_state())
+    assert model.loaded == 1
+
+
+def test_classes_that_declare_other_values_since_are_refused(world, tmp_path):
+    plugin = tmp_path / "Changes.py"
+    text = (
+        "from libgz import Body, Model, GZ_REGISTER_PLUGIN\n"
+        "class Changes(Model):\n"
+        "    STATE = ('a', 'b')\n"
+        "    a = b = 0\n"
+        "    def Load(self, file, node):\n"
+        "        self.AddBody(Body(self.world, dummy=True), True)\n"
+        "GZ_REGISTER_PLUGIN('Changes', Changes)\n"
+    )
+    source = f"{HEAD}<model:Changes><id>c</id><plugin>{plugin}</plugin></model:Changes></gz:world>"
+    states = []
+    for declared in ("('a', 'b')", "('b', 'a')"):
+        plugin.write_text(text.replace("('a', 'b')", declared))
+        with libgz.World.from_string(source) as other:
+            states.append(other.get_state())
+            if len(states) > 1:
+                with pytest.raises(StateError, match="their classes declare another STATE"):
+                    other.set_state(states[0])
+
+
+def test_a_body_that_was_added_before_the_one_that_holds_a_model(world):
+    laser, one = world.model("laser"), world.model("one")
+    state = world.get_state()
+    one.bodies.insert(0, libgz.Body(world, dummy=True))
+    assert one.bodies.index(laser.parentBody) == 1
+    assert world.get_state() != state
+    one.bodies.pop(0).close()
+    assert world.get_state() == state

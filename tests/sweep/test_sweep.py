@@ -12,8 +12,6 @@ import pytest
 
 from libgz.sweep.results import read_results
 
-pytestmark = pytest.mark.trial  # they take long; other tests run most of it
-
 LIBGZ = [sys.executable, "-m", "libgz", "sweep"]
 TIMED = {"wall_time", "attempts", "host"}
 
@@ -40,6 +38,23 @@ def measured(rows):
     return [{name: value for name, value in row.items() if name not in TIMED} for row in rows]
 
 
+def test_a_sweep_continues_where_its_file_was_truncated(folder):
+    change(folder, ("duration = 1.0", "duration = 0.2"), ('"controller/speed" = [0.2, 0.4]\n', ""))
+    done = sweep(folder, "-j", "1")
+    assert (done.returncode, done.stdout) == (0, "4 runs in push.results\n"), done.stderr
+    rows = rows_of(folder)
+    assert {row["state"] for row in rows} == {"ok"}
+    assert {row["calls"] for row in rows} == {2}
+    file = folder / "push.results" / "results.csv"
+    lines = file.read_text().splitlines(keepends=True)
+    file.write_text("".join(lines[:3]) + lines[3][:9])
+    assert sweep(folder, "-j", "2").returncode == 0
+    again = rows_of(folder)
+    assert again[:2] == rows[:2]
+    assert measured(again) == measured(rows)
+
+
+@pytest.mark.trial
 def test_a_grid_into_csv_and_plots(folder):
     done = sweep(folder, "-j", "2")
     assert (done.returncode, done.stdout) == (0, "8 runs in push.results\n"), done.stderr
@@ -65,6 +80,7 @@ def test_a_grid_into_csv_and_plots(folder):
     assert all((folder / name).read_bytes().startswith(b"\x89PNG") for name in names)
 
 
+@pytest.mark.trial
 def test_other_studies_do_not_mix(folder):
     assert sweep(folder, "--dry-run").stdout == "8 runs of 1 s\n"
     change(folder, ("duration = 1.0", "duration = 0.1"))
@@ -85,6 +101,7 @@ FAILURES = [
 ]
 
 
+@pytest.mark.trial
 def test_failed_runs_are_retried_and_recorded(folder):
     names = ", ".join(f'{name} = "drive.py:{name}"' for name, *_ in FAILURES)
     change(
@@ -104,6 +121,7 @@ def test_failed_runs_are_retried_and_recorded(folder):
         assert rows[name]["distance"] != rows[name]["distance"]  # NaN
 
 
+@pytest.mark.trial
 def test_a_retry_can_succeed_and_a_controller_can_end_its_run(folder):
     change(
         folder,
@@ -119,6 +137,7 @@ def test_a_retry_can_succeed_and_a_controller_can_end_its_run(folder):
     assert stop["sim_time"] == pytest.approx(0.4)
 
 
+@pytest.mark.trial
 def test_client_programs_drive_too(folder):
     (folder / "client.py").write_text(
         "import sys, libgz\n"
@@ -149,6 +168,7 @@ def test_client_programs_drive_too(folder):
     assert "ended with exit code 3" in rows["bad"]["message"]
 
 
+@pytest.mark.trial
 def test_runs_from_one_state_are_as_runs_from_the_start(folder):
     sweep(folder, "--results", "whole")
     change(folder, ("duration = 1.0", "duration = 1.4\nstart = 0.4"))
@@ -176,7 +196,8 @@ def kill_when(process, path, lines, number=signal.SIGKILL):
     process.wait(60)
 
 
-@pytest.mark.parametrize("format", ["csv", pytest.param("parquet", marks=pytest.mark.trial)])
+@pytest.mark.trial
+@pytest.mark.parametrize("format", ["csv", "parquet"])
 def test_a_killed_sweep_goes_on_and_loses_nothing(folder, format):
     change(
         folder,
@@ -202,6 +223,7 @@ def test_a_killed_sweep_goes_on_and_loses_nothing(folder, format):
     assert all(row == before[row["run"]] for row in rows if row["run"] in before)
 
 
+@pytest.mark.trial
 def test_two_commands_do_not_write_the_same_results(folder):
     change(
         folder,
@@ -219,6 +241,7 @@ def test_two_commands_do_not_write_the_same_results(folder):
     assert process.returncode == 130
 
 
+@pytest.mark.trial
 def test_dask_workers_give_what_one_process_gives_and_may_be_killed(folder):
     pytest.importorskip("distributed")
     from distributed import LocalCluster

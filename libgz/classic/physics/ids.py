@@ -33,6 +33,8 @@ class Ids:
 
     def save(self) -> tuple[Any, ...]:
         """The ids as plain data."""
+        if not self._numbers:
+            return self._last, []
         rows = ((self._place(view), number) for view, number in self._numbers.items())
         return self._last, sorted((row for row in rows if row[0] is not None), key=lambda row: row[1])
 

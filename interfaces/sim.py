@@ -31,7 +31,7 @@ class SimData(Data):
     real_time: float = double(SERVER, "s", "wall-clock time since the server started")
     pause: int = int32(BOTH, "", "1: paused; the server writes the worldfile's value at the start, then only reads")
     reset: int = int32(CLIENT, "", "1: reset all models to their initial poses; the server clears it")
-    save: int = int32(CLIENT, "", "1: write the worldfile with the present models and poses; the server clears it")
+    save: int = int32(CLIENT, "", "1: write the poses of top-level models to the worldfile; the server clears it")
 
 
 class Sim(Interface[SimData]):
@@ -90,7 +90,7 @@ class Sim(Interface[SimData]):
             data.reset = 1
 
     def save(self) -> None:
-        """Request that the server writes the worldfile with the present models and their poses."""
+        """Request that the server writes the poses of all top-level models to the worldfile."""
         with self.locked() as data:
             data.save = 1
 

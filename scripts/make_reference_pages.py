@@ -99,6 +99,8 @@ NO_EFFECT: dict[str, str] = {
     "road": "kept, not simulated",
     "physics/real_time_factor": "kept; Gazebo did not use it, either",
     "physics/bullet": "ODE only",
+    "physics/simbody": "ODE only",
+    "physics/dart": "ODE only",
     "physics/ode/solver/min_step_size": "kept",
     "physics/ode/solver/island_threads": "kept",
     "physics/ode/solver/precon_iters": "kept",

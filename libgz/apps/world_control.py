@@ -137,7 +137,7 @@ class WorldControl:
         """Save the world: a legacy one to its file, an SDF one to a file of another name beside it."""
         world = self.world
         if world.sdf is None:
-            if world.Save() != 0:
+            if world.Save(whole=True) != 0:
                 raise GazeboError("the world could not be saved; the server's log says why")
             return str(world.file.filename) if world.file is not None else ""
         path = Path(content.get("file") or f"{world.name}_saved.world").absolute()

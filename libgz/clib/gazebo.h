@@ -591,7 +591,7 @@ typedef struct gz_sim_data {
     double real_time; /* [S] wall-clock time since the server started [s] */
     int pause; /* [S/C] 1: paused; the server writes the worldfile's value at the start, then only reads */
     int reset; /* [C] 1: reset all models to their initial poses; the server clears it */
-    int save; /* [C] 1: write the worldfile with the present models and poses; the server clears it */
+    int save; /* [C] 1: write the poses of top-level models to the worldfile; the server clears it */
 } gz_sim_data_t;
 
 typedef struct gz_sim {

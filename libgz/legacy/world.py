@@ -265,11 +265,10 @@ class LegacyWorld(Era):
         cameras = [model for model in world.models if model.GetName() == "ObserverCam"]
         return cameras[0].initPose if cameras and cameras[0].parent is None else None
 
-    def save(self, world: World) -> int:
-        """Make the present poses of top-level models their initial ones, and write the worldfile; 0 or -1.
+    def save(self, world: World, whole: bool = False) -> int:
+        """Write the worldfile, as `World.Save` describes; 0 or -1.
 
-        Models that were deleted are left out, inserted ones are added at the end. Worlds of libgz that were found by
-        name are not written to.
+        Worlds of libgz that were found by name are not written to.
         """
         if self.file is None:
             return -1
@@ -283,9 +282,10 @@ class LegacyWorld(Era):
             model.initPose = model.GetPose()
             node.SetPosition("xyz", pose.pos, add=True)
             node.SetRotation("rpy", pose.rot, add=True)
-        added = [node for node, _ in top if node.file is not self.file]
+        added = [node for node, _ in top if whole and node.file is not self.file]
+        removed = self.loader.built - present.keys() if whole else ()
         try:
-            self.file.Save(removed=self.loader.built - present.keys(), added=added)
+            self.file.Save(removed=removed, added=added)
         except WorldFileError as error:
             log.error("%s", error)
             return -1

@@ -499,8 +499,9 @@ def _plain(value: Any) -> Any:
     """A value as JSON has them; others than numbers, texts and lists as {kind: data}."""
     if isinstance(value, GzPose):
         return {"pose": [*value.pos, *value.rot]}
-    if isinstance(value, (GzVector, GzQuatern, GzColor)):
-        return {type(value).__name__: list(value)}
+    for kind in (GzVector, GzQuatern, GzColor):  # also where a layer above has a class of its own for them
+        if isinstance(value, kind):
+            return {kind.__name__: list(value)}
     if isinstance(value, Mass):
         return {"mass": [value.mass, *value.c, *value.I]}
     if isinstance(value, np.ndarray):

@@ -416,9 +416,9 @@ class SdfModel(Entity):
         return True
 
     def MasterRows(self, rows: UpdateRows) -> None:
-        """Joints that act by themselves, grippers and what a subclass does are updated in Python; others are not."""
+        """A row in Python, where joints act by themselves or follow others, for grippers, and for what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
-        if acting or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
+        if acting or self.mimics or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
             rows.python(self.MasterUpdate)
 
     def MasterUpdate(self, step: float) -> None:

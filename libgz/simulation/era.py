@@ -48,6 +48,6 @@ class Era:
         """
         raise StateError("this world was not loaded from a file, so there is nothing to make a second one from")
 
-    def save(self, world: World) -> int:
+    def save(self, world: World, whole: bool = False) -> int:
         """Write the present poses to the world's file; 0, or -1 if there is none or it cannot be written."""
         return -1

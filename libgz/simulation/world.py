@@ -1275,9 +1275,14 @@ class World(Closing):
     reset = Reset
 
     @exclusive
-    def Save(self) -> int:
-        """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1."""
-        return self.era.save(self)
+    def Save(self, *, whole: bool = False) -> int:
+        """Make the present poses of top-level models their initial ones, and write them to the file; 0 or -1.
+
+        Args:
+            whole: whether models that were deleted are left out, and inserted ones are added at the end; without it
+                the file keeps its models, as the button `save` of interface `sim` always did.
+        """
+        return self.era.save(self, whole)
 
 
 def _of_kind(found: E, kind: type[Any], what: str) -> E:

@@ -29,8 +29,8 @@ def test_inserted_and_deleted_models_are_saved(path):
         world.interface("position", "new").command(vx=0.3)
         world.run(1.0)
         kept, place = ids(world), tuple(world.model("new").GetPose().pos)
-        assert world.Save() == 0
-        assert world.Save() == 0
+        assert world.Save(whole=True) == 0
+        assert world.Save(whole=True) == 0
     with libgz.World.from_file(path) as world:
         assert ids(world) == kept
         assert world.model("scanner").parent is world.model("new")
@@ -44,13 +44,13 @@ def test_states_and_resets_are_independent_of_saves(path):
         world.InsertModel(ROBOT)
         world.DeleteModel("crate")
         world.model("barrel").SetPose(libgz.GzPose((1, 2, 0)))
-        assert world.Save() == 0
+        assert world.Save(whole=True) == 0
         world.set_state(state)
         assert ids(world) == before
         assert world.get_state() == state
         world.DeleteModel("crate")
         world.reset()
         assert sorted(ids(world)) == sorted(before)
-        assert world.Save() == 0
+        assert world.Save(whole=True) == 0
     with libgz.World.from_file(path) as world:
         assert sorted(ids(world)) == sorted(before)

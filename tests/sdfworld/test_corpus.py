@@ -34,6 +34,10 @@ def run(path, steps, caplog):
             )
         if not expectations(text, "warns"):
             assert warned == []
+        for expected in expectations(text, "axis"):
+            model, joint, *axis = expected.split()
+            found = tuple(world.model(model).sdf_joints[joint].axis(0))
+            assert found == pytest.approx(numbers(axis), abs=1e-6)
         world.step(steps)
         bodies = [body for entity in world.entities for body in entity.bodies if not body.dummy]
         for body in bodies:
@@ -44,10 +48,6 @@ def run(path, steps, caplog):
             scoped, *place = expected.rsplit(" ", 3)
             model, _, link = scoped.rpartition("::")
             assert tuple(world.model(model).GetBody(link).GetPosition()) == pytest.approx(numbers(place), abs=0.01)
-        for expected in expectations(text, "axis"):
-            model, joint, *axis = expected.split()
-            found = tuple(world.model(model).sdf_joints[joint].axis(0))
-            assert found == pytest.approx(numbers(axis), abs=1e-6)
         for expected in expectations(text, "range"):
             sensor, index, distance = expected.split()
             sensors.get_sensor(sensor).Update(True)

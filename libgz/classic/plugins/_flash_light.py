@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from libgz.classic.event import Events
 from libgz.classic.math import Color
@@ -72,7 +72,7 @@ class FlashLightPlugin(ModelPlugin):
             block: a part of a rhythm of several: `duration`, `interval` and `color`; several.
     """
 
-    STATE = ("running", "since")
+    STATE: ClassVar[tuple[str, ...]] = ("running", "since")
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the lights.

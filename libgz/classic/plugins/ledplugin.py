@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
 from libgz.classic.plugins._flash_light import FlashLightPlugin
@@ -25,6 +25,8 @@ class LedPlugin(FlashLightPlugin):
     The visual glows in the colour of the block; without one, in its own emissive colour, or else its diffuse one. There
     may be a visual without a light. Elements are those of FlashLightPlugin.
     """
+
+    STATE: ClassVar[tuple[str, ...]] = ()
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find lights and visuals.

@@ -416,7 +416,7 @@ class SdfModel(Entity):
         return True
 
     def MasterRows(self, rows: UpdateRows) -> None:
-        """A row in Python, where joints act by themselves or follow others, for grippers, and for what a subclass does."""
+        """A row in Python for joints that act or follow others, grippers, and what a subclass does."""
         acting = any(joint.acts for joint in self.sdf_joints.values())
         if acting or self.mimics or self.grippers or replaced(self, SdfModel, "MasterUpdate"):
             rows.python(self.MasterUpdate)

@@ -104,11 +104,11 @@ class Connection:
         found.ParseFromString(receive(self.socket))
         return found
 
-    def wait(self, kind, name, condition=lambda message: True):
-        """The next message of a kind of packet for which a condition holds."""
+    def wait(self, kinds, name, condition=lambda message: True):
+        """The next message of a kind of packet, or one of several, for which a condition holds."""
         while True:
             found = self.packet()
-            if found.type == kind:
+            if found.type in kinds.split():
                 message = types()[name].FromString(found.serialized_data)
                 if condition(message):
                     return message
@@ -132,7 +132,9 @@ class Subscription:
         self.name = name
         own = new("Subscribe", topic=topic, host="127.0.0.1", port=1, msg_type=f"gazebo.msgs.{name}", latching=latching)
         master.send("subscribe", own)
-        at = master.wait("publisher_subscribe", "Publish", lambda found: found.topic == topic)
+        # The first one if it is advertised already, the second one if that is on its way.
+        kinds = "publisher_subscribe publisher_advertise"
+        at = master.wait(kinds, "Publish", lambda found: found.topic == topic)
         assert at.msg_type == f"gazebo.msgs.{name}"
         self.socket = socket.create_connection((at.host, at.port), timeout=PATIENCE)
         _opened.append(self)

@@ -23,6 +23,7 @@ __all__ = ["Connection", "SocketLoop"]
 
 CONNECTIONS = 500  # that are accepted at the same time
 BURST = 0.03  # [s] of handling what comes in at once, before the share counts
+DEBT = 0.06  # [s] of it that is counted at most: more is Python's, such as a collection of garbage, not the clients'
 CHUNK = 1 << 16  # [bytes] received at once from one connection
 EVENTS = 32  # connections that are handled before others have their turn
 STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
@@ -154,7 +155,7 @@ class SocketLoop:
     def _count(self, spent: float) -> None:
         now = time.monotonic()
         if self._share is not None:
-            self._credit = min(BURST, self._credit + self._share * (now - self._counted)) - spent
+            self._credit = max(min(BURST, self._credit + self._share * (now - self._counted)) - spent, -DEBT)
         self._counted = now
 
     def _handle_inputs(self, _mask: int) -> None:

@@ -28,6 +28,7 @@ from libgz.classic.transport import (
     serve,
     stop,
 )
+from libgz.classic.transport.loop import SocketLoop
 from libgz.errors import ParameterError, ServerError
 
 manager = TopicManager.Instance()
@@ -396,3 +397,22 @@ def test_nothing_is_sent_to_a_subscriber_that_never_reads_until_it_reads(uri, no
         finally:
             enough.set()
             thread.join()
+
+
+def test_a_collection_of_garbage_does_not_make_a_server_deaf():
+    """It may take a second, in the thread that handles what comes in, and is none of the clients' doing."""
+    loop, found, looked = SocketLoop(0.02), [], threading.Event()
+
+    def look():
+        loop._reading = False
+        loop._count(2.0)
+        found.append(loop._pause())
+        loop._reading = True
+        looked.set()
+
+    try:
+        loop.call(look)
+        assert looked.wait(PATIENCE)
+        assert 2.9 < found[0] < 3.1
+    finally:
+        loop.close(0.0)

@@ -17,7 +17,7 @@ from libgz.interfaces.stereo import Stereo
 from libgz.models.camera import eye_of
 from libgz.rendering.framing import free_camera
 
-__all__ = ["FreeView", "ImageSource", "cameras_of"]
+__all__ = ["FreeView", "ImageSource", "camera_sensors", "cameras_of"]
 
 Image: TypeAlias = NDArray[np.uint8]
 _EMPTY: Image = np.zeros((0, 0, 3), np.uint8)
@@ -95,6 +95,10 @@ def cameras_of(world: World, shadows: bool = False) -> dict[str, ImageSource]:
     if world.sdf is None:
         served = world.gz_server.interfaces.values()
         return {i.id: _ModelCamera(world, i, shadows) for i in served if isinstance(i, Camera | Guicam | Stereo)}
+    return {sensor.ScopedName(): _SensorCamera(sensor, shadows) for sensor in camera_sensors(world)}
+
+
+def camera_sensors(world: World) -> list[CameraSensor]:
+    """The camera sensors of a world of SDF."""
     manager = attach(world).sensors
-    sensors = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
-    return {sensor.ScopedName(): _SensorCamera(sensor, shadows) for sensor in sensors}
+    return [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]

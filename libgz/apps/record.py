@@ -68,11 +68,9 @@ def _sensors_of(world: World) -> dict[str, CameraSensor]:
     """The camera sensors of a world of SDF by their full names and, the first of each, by their short ones."""
     if world.sdf is None:
         return {}
-    from libgz.classic.sensors import CameraSensor
-    from libgz.classic.server import attach  # legacy worlds do without
+    from libgz.images import camera_sensors  # it loads classic, which legacy worlds do without
 
-    manager = attach(world).sensors
-    found = [s for s in (manager.sensors.values() if manager is not None else ()) if isinstance(s, CameraSensor)]
+    found = camera_sensors(world)
     short = {sensor.Name(): sensor for sensor in reversed(found)}
     return {**short, **{sensor.ScopedName(): sensor for sensor in found}}
 

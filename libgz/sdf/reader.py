@@ -158,7 +158,7 @@ class SdfFile:
         name = description.name if description is not None else tag_name(xml)
         element = Element(name, description, file=self.label, line=line_of(xml))
         self._read_attributes(xml, element)
-        if name == "sensor":
+        if name == "sensor" and "type" in element.attributes:
             kind = element.attributes["type"]
             kind.text = SENSORS.get(kind.text, kind.text)
         if name == "joint" and "type" in element.attributes:
@@ -388,5 +388,6 @@ class SdfFile:
 
 def _repeated(parent: Element, name: str) -> bool:
     """Whether further elements of this name have an effect."""
-    what = parent.attributes["type"].text if parent.name == "sensor" else parent.name
+    kind = parent.attributes.get("type") if parent.name == "sensor" else None
+    what = kind.text if kind is not None else parent.name
     return (what, name) in REPEATED

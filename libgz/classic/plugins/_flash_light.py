@@ -66,7 +66,7 @@ class FlashLightPlugin(ModelPlugin):
     Elements:
         enable: whether the lights flash from the start on (true).
         light: one a light.
-            light_id: `link/light`, the names of link and light.
+            id: `link/light`, the names of link and light.
             duration, interval: [s] (1, 1).
             enable: for this light.
             block: a part of a rhythm of several: `duration`, `interval` and `color`; several.
@@ -86,7 +86,7 @@ class FlashLightPlugin(ModelPlugin):
         self.start: dict[str, bool] = {}
         together = sdf.Get(bool, "enable", True)[0]
         for element in sdf.named("light"):
-            name = element.Get(str, "light_id").strip()
+            name = element.Get(str, "id").strip()
             geom = self._find(element, name)
             reach, color = (geom.range, geom.GetDiffuseColor()) if geom is not None else (0.0, None)
             self.lamps[name] = Lamp(name, geom, reach, color, self._blocks(element))
@@ -108,7 +108,7 @@ class FlashLightPlugin(ModelPlugin):
         if name not in found:
             known = ", ".join(found) or "no light"
             raise NotFoundError(
-                f"{element.where}: <light_id> is {f'{link_name}/{light_name}'!r}; model {self.model.GetName()!r} has "
+                f"{element.where}: <id> is {f'{link_name}/{light_name}'!r}; model {self.model.GetName()!r} has "
                 f"{known}{nearest(name, found)}"
             )
         return found[name]

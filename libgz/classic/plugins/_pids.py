@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from libgz.classic.math.pid import PID
-
-if TYPE_CHECKING:
-    from libgz.sdf.element import Element
+from libgz.sdf.element import Element
 
 __all__ = ["pid_of"]
 
 _NAMES = ("p", "i", "d", "i_max", "i_min", "cmd_max", "cmd_min")
 
 
-def pid_of(element: Element, *, p: float = 0.0, i: float = 0.0, d: float = 0.0, limit: float = 0.0) -> PID:
+def pid_of(parent: Element, tag: str, *, p: float = 0.0, i: float = 0.0, d: float = 0.0, limit: float = 0.0) -> PID:
     """A PID of `<p>`, `<i>`, `<d>`, `<i_max>`, `<i_min>`, `<cmd_max>` and `<cmd_min>` in an element.
 
     Args:
-        element: it may lack any of them.
+        parent, tag: the element is the first of this name in its parent; it may be missing, or lack any of its parts.
         p, i, d: defaults of the gains.
         limit: default of the command's limits, in both directions; 0: none.
     """
     defaults = (p, i, d, 0.0, 0.0, limit, -limit) if limit > 0.0 else (p, i, d, 0.0, 0.0, -1.0, 0.0)
+    element = next(parent.named(tag), Element(tag))
     return PID(*(element.Get(float, name, default)[0] for name, default in zip(_NAMES, defaults, strict=True)))

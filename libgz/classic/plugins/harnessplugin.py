@@ -50,8 +50,8 @@ class HarnessPlugin(ModelPlugin):
         winch = sdf.child("winch")
         self.winch = self._name(sdf, winch.Get(str, "joint").strip(), "winch><joint")
         self.loose = self._name(sdf, sdf.Get(str, "detach").strip(), "detach")
-        self.pos_pid = pid_of(winch.child("pos_pid"), p=1000.0, d=500.0)
-        self.vel_pid = pid_of(winch.child("vel_pid"), p=1000.0)
+        self.pos_pid = pid_of(winch, "pos_pid", p=1000.0, d=500.0)
+        self.vel_pid = pid_of(winch, "vel_pid", p=1000.0)
         for element in self.elements.values():
             if model.CreateJoint(element) is None:
                 raise ParameterError(f"{element.where}: joint {element.Get(str, 'name')!r} cannot be made")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from libgz.classic import msgs, transport
 from libgz.classic.common import gzwarn
-from libgz.classic.math import Pose3d, clamp
+from libgz.classic.math import Pose3d, Vector3d, clamp
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 
 if TYPE_CHECKING:
@@ -24,12 +24,13 @@ KEYS = {
 
 
 class KeysToCmdVelPlugin(ModelPlugin):
-    """Subscribes to ~/keyboard/keypress and publishes a Pose with speed and turn rate, for libDiffDrivePlugin.
+    """Subscribes to ~/keyboard/keypress and publishes speed and turn rate: a Pose for libDiffDrivePlugin, or a Twist.
 
     Each press changes the command by a step. As in Gazebo, the key for left makes the yaw smaller.
 
     Elements:
         cmd_vel_topic: topic of the commands (~/cmd_vel); `~/<model>/vel_cmd` for libDiffDrivePlugin.
+        publish_as_twist: whether the commands are of type Twist (false).
         max_linear_vel, min_linear_vel: [m/s] (1, and -max_linear_vel).
         max_angular_vel: [rad/s] (1).
         linear_increment, angular_increment: change per key press [m/s] (0.5), [rad/s] (0.5).
@@ -57,7 +58,8 @@ class KeysToCmdVelPlugin(ModelPlugin):
         self.Reset()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.publisher = self.node.Advertise(msgs.Pose, topic)
+        self.kind = msgs.Twist if self.LoadParam(sdf, "publish_as_twist", False) else msgs.Pose
+        self.publisher = self.node.Advertise(self.kind, topic)
         self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress)
 
     def OnKeyPress(self, message: Any) -> None:
@@ -72,9 +74,16 @@ class KeysToCmdVelPlugin(ModelPlugin):
             right = ("right" in pressed) - ("left" in pressed)
             self.speed = clamp(self.speed + faster * self.increment, self.min_speed, self.max_speed)
             self.turn = clamp(self.turn + right * self.turn_increment, -self.max_turn, self.max_turn)
-        command = msgs.Pose()
-        msgs.Set(command, Pose3d(self.speed, 0.0, 0.0, 0.0, 0.0, self.turn))
-        self.publisher.Publish(command)
+        self.publisher.Publish(self._command())
+
+    def _command(self) -> Any:
+        command = self.kind()
+        if self.kind is msgs.Pose:
+            msgs.Set(command, Pose3d(self.speed, 0.0, 0.0, 0.0, 0.0, self.turn))
+        else:
+            msgs.Set(command.linear, Vector3d(self.speed, 0.0, 0.0))
+            msgs.Set(command.angular, Vector3d(0.0, 0.0, self.turn))
+        return command
 
     def Reset(self) -> None:
         """Set the command to zero; it is not published, as the drive plugin is reset, too."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
-from libgz.errors import NotFoundError
+from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Model
@@ -20,6 +20,7 @@ class TouchPlugin(ModelPlugin):
     Then it is disabled. An Int on /<namespace>/enable enables (1) and disables (0) it.
 
     Elements:
+        sensor: the name of a contact sensor of the model, whose collisions count; several. None: all collisions count.
         target: the name of a model, or the beginning of scoped names of collisions.
         time: how long [s].
         namespace: of the topics.
@@ -32,7 +33,7 @@ class TouchPlugin(ModelPlugin):
         """Read the elements, and subscribe.
 
         Raises:
-            NotFoundError: an element is missing.
+            NotFoundError: an element, or a contact sensor, is missing.
         """
         for tag in ("target", "time", "namespace"):
             if not sdf.HasElement(tag):
@@ -40,6 +41,7 @@ class TouchPlugin(ModelPlugin):
         self.model, self.target = model, sdf.Get(str, "target").strip()
         self.time, space = sdf.Get(float, "time"), sdf.Get(str, "namespace").strip().strip("/")
         self.start = sdf.Get(bool, "enabled", False)[0]
+        self.watched = [name for element in sdf.named("sensor") for name in self._collisions(element)]
         self.contacts = model.GetWorld().Physics().GetContactManager()
         self.contacts.SetNeverDropContacts(True)
         self.node = transport.Node()
@@ -48,6 +50,23 @@ class TouchPlugin(ModelPlugin):
         self.subscriber = self.node.Subscribe(f"/{space}/enable", self.OnEnable)
         self.Reset()
         self.connection = Events.ConnectWorldUpdateEnd(self.OnUpdate)
+
+    def _collisions(self, element: Element) -> list[str]:
+        """Scoped names of the collisions of the contact sensor that a `<sensor>` of the plugin names."""
+        name, known = element.Get(str).strip(), []
+        for link in self.model.family_links():
+            described = link.GetSDF()
+            for sensor in described.named("sensor") if described is not None else ():
+                if sensor.Get(str, "type") != "contact":
+                    continue
+                known.append(sensor.Get(str, "name"))
+                if known[-1] == name:
+                    parts = sensor.child("contact").named("collision")
+                    return [f"{link.GetScopedName()}::{part.Get(str).strip()}" for part in parts]
+        raise NotFoundError(
+            f"{element.where}: <sensor> is {name!r}; model {self.model.GetName()!r} has the contact sensors "
+            f"{', '.join(known) or 'none'}{nearest(name, known)}"
+        )
 
     def Reset(self) -> None:
         """Return to the state of the start."""
@@ -79,7 +98,9 @@ class TouchPlugin(ModelPlugin):
         for contact in self.contacts.GetContacts():
             one, two = (collision.GetScopedName() for collision in (contact.collision1, contact.collision2))
             if one.startswith(mine) != two.startswith(mine):
-                found.add(two if one.startswith(mine) else one)
+                own, other = (one, two) if one.startswith(mine) else (two, one)
+                if not self.watched or own in self.watched:
+                    found.add(other)
         return found
 
     def _is_target(self, name: str) -> bool:

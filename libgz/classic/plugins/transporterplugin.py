@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     from libgz.sdf.element import Element
 
 
+NOWHERE = Vector3d(math.nan, math.nan, math.nan)  # no place is between two of these
+
+
 @dataclass
 class Pad:
     """A place that models leave from and arrive at.
@@ -23,14 +27,14 @@ class Pad:
     Attributes:
         low, high: corners of the box that models leave from [m].
         arrival: the pose at which models arrive [m], [rad].
-        outgoing: the name of the pad that models go to; "" for none.
+        destination: the name of the pad that models go to; "" for none.
         manual: whether models leave only when the topic names the pad.
     """
 
     low: Vector3d
     high: Vector3d
     arrival: Pose3d
-    outgoing: str
+    destination: str
     manual: bool
 
     def holds(self, model: Model) -> bool:
@@ -45,9 +49,10 @@ class TransporterPlugin(WorldPlugin):
     Elements:
         activation_topic: of GzString messages, each the name of a pad whose models leave now.
         pad: with an attribute `name`.
-            outgoing: the name of the pad that it leads to.
-            outgoing_box: `<min>` and `<max>`, corners of the box that models leave from, in the world frame [m].
-            incoming_pose: where models arrive, in the world frame [m], [rad].
+            destination: the name of the pad that it leads to.
+            outgoing: `<min>` and `<max>`, corners of the box that models leave from, in the world frame [m]; without
+                it none leave.
+            incoming: `<pose>`, at which models arrive, in the world frame [m], [rad].
             activation: auto, or manual: by the topic (auto).
     """
 
@@ -63,10 +68,10 @@ class TransporterPlugin(WorldPlugin):
         self.world = world
         self.pads = {element.Get(str, "name").strip(): self._pad(element) for element in sdf.named("pad")}
         for name, pad in self.pads.items():
-            if pad.outgoing and pad.outgoing not in self.pads:
+            if pad.destination and pad.destination not in self.pads:
                 raise NotFoundError(
-                    f"{sdf.where}: pad {name!r} leads to {pad.outgoing!r}; there are {', '.join(self.pads)}"
-                    + nearest(pad.outgoing, self.pads)
+                    f"{sdf.where}: pad {name!r} leads to {pad.destination!r}; there are {', '.join(self.pads)}"
+                    + nearest(pad.destination, self.pads)
                 )
         self.called: list[str] = []
         topic = sdf.Get(str, "activation_topic").strip()
@@ -81,13 +86,13 @@ class TransporterPlugin(WorldPlugin):
         activation = element.Get(str, "activation", "auto")[0].strip()
         if activation not in ("auto", "manual"):
             raise ParameterError(f"{element.where}: <activation> is {activation!r}; it must be auto or manual")
-        box = element.child("outgoing_box")
-        one, two = box.Get(Vector3d, "min"), box.Get(Vector3d, "max")
+        outgoing, incoming = (next(element.named(tag), None) for tag in ("outgoing", "incoming"))
+        one, two = (outgoing.Get(Vector3d, tag) if outgoing is not None else NOWHERE for tag in ("min", "max"))
         return Pad(
             Vector3d(*map(min, one, two)),
             Vector3d(*map(max, one, two)),
-            element.Get(Pose3d, "incoming_pose"),
-            element.Get(str, "outgoing").strip(),
+            incoming.Get(Pose3d, "pose") if incoming is not None else Pose3d(),
+            element.Get(str, "destination").strip(),
             activation == "manual",
         )
 
@@ -103,9 +108,9 @@ class TransporterPlugin(WorldPlugin):
         """Move the models that leave; one that arrives leaves again in the next iteration at the earliest."""
         models = [model for model in self.world.Models() if not model.IsStatic()]
         leaving = [
-            (model, self.pads[pad.outgoing])
+            (model, self.pads[pad.destination])
             for name, pad in self.pads.items()
-            if pad.outgoing and (not pad.manual or name in self.called)
+            if pad.destination and (not pad.manual or name in self.called)
             for model in models
             if pad.holds(model)
         ]

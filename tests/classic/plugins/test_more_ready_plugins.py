@@ -208,6 +208,16 @@ def test_an_elevator_comes_opens_waits_and_closes(run):
     assert kept
 
 
+def test_an_elevator_without_gains_has_the_default_ones(run, caplog):
+    lift, doors = slider("lift", "0 0 1", 0, 10, 100.0), slider("doors", "0 1 0", 0, 1, 5.0, "lift_link")
+    element = plugin("ElevatorPlugin", lift_joint="lift", door_joint="doors", topic="~/elevator")
+    core, world = run(f"<model name='house'>{lift}{doors}{element}</model>")
+    kept = send("~/elevator", msgs.GzString(data="1"))
+    core.run(5.0)
+    assert world.ModelByName("house").GetJoint("lift").Position(0) == pytest.approx(3.0, abs=0.05)
+    assert kept and not caplog.records
+
+
 def test_a_harness_holds_lowers_and_detaches(run):
     joint = (
         "<joint name='rope' type='prismatic'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz>"
@@ -289,12 +299,37 @@ def test_touch_reports_after_the_time_of_one_touch(run):
     assert world
 
 
+def test_touch_counts_the_collisions_of_its_contact_sensors(run):
+    sensor = "<sensor name='finger' type='contact'><contact><collision>finger</collision></contact></sensor>"
+    finger = collision(BOX, "0 0 0.5 0 0 0", "finger")
+    element = (
+        "<plugin name='t' filename='libTouchPlugin.so'><sensor>finger</sensor><target>lid</target><time>0.1</time>"
+        "<namespace>finger</namespace><enabled>true</enabled></plugin>"
+    )
+    floor, lid = (
+        f"<model name='{name}'><static>true</static><pose>0 0 {z} 0 0 0</pose>"
+        f"<link name='l'>{collision(BOX)}</link></model>"
+        for name, z in (("floor", -0.99), ("lid", 1.49))
+    )
+    heard = Heard("/finger/touched")
+    core, _ = run(floor + lid, body("hand", link=collision(BOX) + finger + sensor, inside=element, gravity="false"))
+    core.run(0.3)
+    assert [message.data for message in heard] == [1]  # the floor that the other collision touches does not count
+
+
+def test_touch_names_a_missing_contact_sensor(run, caplog):
+    element = plugin("TouchPlugin", sensor="fingr", target="x", time=1, namespace="n")
+    sensor = "<sensor name='finger' type='contact'><contact><collision>c</collision></contact></sensor>"
+    run(body("hand", link=collision(BOX) + sensor, inside=element))
+    assert "<sensor> is 'fingr'; model 'hand' has the contact sensors finger; did you mean 'finger'?" in caplog.text
+
+
 def test_a_transporter_moves_models_to_the_other_pad(run):
     def pad(name, x, outgoing, activation):
-        box = f"<outgoing_box><min>{x - 0.5} -1 -1</min><max>{x + 0.5} 1 1</max></outgoing_box>"
+        box = f"<outgoing><min>{x - 0.5} -1 -1</min><max>{x + 0.5} 1 1</max></outgoing>"
         return (
-            f"<pad name='{name}'><outgoing>{outgoing}</outgoing>{box}<incoming_pose>{x} 3 0 0 0 0</incoming_pose>"
-            f"<activation>{activation}</activation></pad>"
+            f"<pad name='{name}'><destination>{outgoing}</destination>{box}<activation>{activation}</activation>"
+            f"<incoming><pose>{x} 3 0 0 0 0</pose></incoming></pad>"
         )
 
     pads = pad("a", 0, "b", "auto") + pad("b", 5, "a", "manual")
@@ -350,7 +385,7 @@ def test_stop_world_ends_a_run(run):
 
 def test_a_flash_light_is_on_and_off_in_its_rhythm(run):
     light = "<light name='lamp' type='point'><attenuation><range>7</range></attenuation></light>"
-    flash = "<light><light_id>link/lamp</light_id><duration>0.3</duration><interval>0.2</interval></light>"
+    flash = "<light><id>link/lamp</id><duration>0.3</duration><interval>0.2</interval></light>"
     element = f"<plugin name='f' filename='libFlashLightPlugin.so'>{flash}</plugin>"
     core, world = run(body("post", gravity="false", link=light, inside=element))
     (geom,) = (g for g in world.ModelByName("post").GetLink("link").body.geoms if hasattr(g, "spot"))
@@ -365,7 +400,7 @@ def test_a_flash_light_is_on_and_off_in_its_rhythm(run):
 
 
 def test_a_missing_light_is_named(run, caplog):
-    inside = "<light><light_id>link/lmap</light_id></light>"
+    inside = "<light><id>link/lmap</id></light>"
     element = f"<plugin name='f' filename='libFlashLightPlugin.so'>{inside}</plugin>"
     run(body("post", link="<light name='lamp' type='point'/>", inside=element))
     assert "did you mean 'link/lamp'" in caplog.text
@@ -379,7 +414,7 @@ def test_leds_glow_with_their_lights(run):
     )
     look = "<visual name='led'><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>"
     light = "<light name='led' type='point'><attenuation><range>7</range></attenuation></light>"
-    element = plugin("LedPlugin", light=f"<light_id>link/led</light_id>{blocks}")
+    element = plugin("LedPlugin", light=f"<id>link/led</id>{blocks}")
     core, world = run(body("post", gravity="false", link=look + light, inside=element))
     geoms = world.ModelByName("post").GetLink("link").body.geoms
     (lamp,) = (geom for geom in geoms if hasattr(geom, "spot"))
@@ -396,14 +431,14 @@ def test_leds_glow_with_their_lights(run):
 
 def test_a_led_may_be_a_visual_alone(run, caplog):
     look = "<visual name='led'><geometry><sphere><radius>0.1</radius></sphere></geometry></visual>"
-    element = plugin("LedPlugin", light="<light_id>link/led</light_id><duration>0.1</duration><interval>9</interval>")
+    element = plugin("LedPlugin", light="<id>link/led</id><duration>0.1</duration><interval>9</interval>")
     core, world = run(body("post", gravity="false", link=look, inside=element))
     (led,) = world.ModelByName("post").GetLink("link").body.geoms
     core.run(0.05)
     assert tuple(led.appearance.emission) == tuple(led.appearance.diffuse)
     core.run(0.1)
     assert led.appearance.emission.r == 0.0
-    wrong = plugin("LedPlugin", light="<light_id>link/lad</light_id>")
+    wrong = plugin("LedPlugin", light="<id>link/lad</id>")
     run(body("post", link=look, inside=wrong))
     assert "neither a light nor a visual of this name; did you mean 'link/led'" in caplog.text
 

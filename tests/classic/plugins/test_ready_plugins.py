@@ -395,6 +395,19 @@ def test_keys_can_be_chosen(run, caplog):
     del kept
 
 
+def test_keys_can_give_twists(run):
+    core, _ = run(body("cart", inside=plugin("KeysToCmdVelPlugin", publish_as_twist="true")))
+    node, received = transport.Node(), []
+    node.Init("default")
+    kept = node.Subscribe("~/cmd_vel", lambda message: received.append((message.linear.x, message.angular.z)))
+    publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
+    for key in (38, 37):
+        publisher.Publish(msgs.Any(int_value=key))
+    core.step(3)
+    assert received == [(0.5, 0.0), (0.5, -0.5)]
+    del kept
+
+
 # Batteries -----------------------------------------------------------------------------------------------------------
 
 

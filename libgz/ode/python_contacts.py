@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from libgz.ode.context import CONTACT, MAX_CONTACTS, MOST_CONTACTS, StepContext
 from libgz.ode.lib import OdeLibrary, ode
 from libgz.ode.python_islands import is_calm
+from libgz.ode.python_overlaps import Overlap
 from libgz.ode.tables import Tables
 from libgz.ode.types import (
     Contact,
@@ -128,6 +129,8 @@ class FullContacts:
         self._points = (Contact * MOST_CONTACTS)()
         self.log = ContactLog()
         self.touches: list[tuple[int, int, int]] = []  # handles of two bodies, 0 for the world, and number of points
+        self.overlaps: list[Overlap] = []
+        self._withheld = 0.0  # depth of a point that would be corrected without max_vel [m]
         self.held: set[int] = set()  # handles of bodies that a joint connects with the world
         self.count = 0
 
@@ -172,6 +175,7 @@ class FullContacts:
         data = (ode_.dGeomGetData(geom1) or 0, ode_.dGeomGetData(geom2) or 0)
         for i in range(count):
             point, joint = points[i], 0
+            self._withheld = 0.0
             found = point.geom.depth
             point.surface = surface
             kept = self._vary(limits[1], point) if rigid else 0.0
@@ -181,6 +185,10 @@ class FullContacts:
                 joint = ode_.dJointCreateContact(context.world, context.contacts, ctypes.addressof(point))
                 ode_.dJointAttach(joint, body1, body2)
                 self.count += 1
+                if self._withheld > 0.0 and context.exact_rest:
+                    softness = 1.0 / a[Surface.KP] + 1.0 / b[Surface.KP]
+                    normal = tuple(point.geom.normal[:3])
+                    self.overlaps.append(Overlap(body1, body2, normal, self._withheld, softness))
             if context.record_contacts:
                 self.log.add(data, point.geom, found, joint, not body1)
 
@@ -250,10 +258,20 @@ class FullContacts:
             return
         point.geom.depth = max(0.0, point.geom.depth - min_depth)
         if point.geom.depth > 0.0:
-            surface.soft_erp = min(surface.soft_erp, limit * self._context.step / point.geom.depth)
+            self._limit_speed(bodies, limit, point)
         elif found < kept and not surface.mode & ContactMode.BOUNCE:
             surface.motionN = surface.soft_erp * (found - kept) / self._context.step
             surface.mode |= ContactMode.MOTION_N
+
+    def _limit_speed(self, bodies: tuple[int, int], limit: float, point: Any) -> None:
+        """limit_speed in step.c."""
+        surface, depth = point.surface, point.geom.depth
+        most = limit * self._context.step / depth
+        if most < surface.soft_erp:
+            self._withheld = (surface.soft_erp - most) * depth
+            lighter = min(self._mass(body) for body in bodies if body)
+            surface.soft_cfm = max(surface.soft_cfm * (most / surface.soft_erp), _REST_CFM / lighter)
+            surface.soft_erp = most
 
     def _vary(self, min_depth: float, point: Any) -> float:
         """vary in step.c: the depth that is kept."""

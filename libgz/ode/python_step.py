@@ -19,6 +19,7 @@ from libgz.ode.parts import Parts
 from libgz.ode.python_contacts import FullContacts, make_surface
 from libgz.ode.python_islands import Islands
 from libgz.ode.python_motion import MotionLimits, apply_spring, finish_motion, record_motion
+from libgz.ode.python_overlaps import set_apart
 from libgz.ode.tables import Tables
 from libgz.ode.types import Contact, ContactGeom, ContactRule, JointType
 
@@ -182,6 +183,7 @@ class PythonStep:
             self._pairs_valid_for = valid_for
         self._contact_count = self._full.count = 0
         self._full.touches.clear()
+        self._full.overlaps.clear()
         if context.exact_rest and context.contact_rule == ContactRule.CLASSIC:
             self._full.find_held()
         if recording:
@@ -211,6 +213,8 @@ class PythonStep:
             for row, _ in moving:
                 record_motion(ode_, bodies, row)
         done = self._islands.move(self._full.touches)
+        if done and self._full.overlaps:
+            set_apart(context, self._tables, self._full.overlaps, self._full.held)
         if recording:
             self._full.log.collect_feedback()
         ode_.dJointGroupEmpty(context.contacts)

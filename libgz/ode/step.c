@@ -118,6 +118,7 @@ typedef struct {
     X(const double *, dBodyGetLinearVel, (void *))                              \
     X(const double *, dBodyGetAngularVel, (void *))                             \
     X(const double *, dBodyGetForce, (void *))                                  \
+    X(void, dBodySetPosition, (void *, double, double, double))                 \
     X(void, dBodySetLinearVel, (void *, double, double, double))                \
     X(void, dBodySetAngularVel, (void *, double, double, double))               \
     X(void, dBodySetForce, (void *, double, double, double))                    \
@@ -205,6 +206,15 @@ typedef struct {
     int64_t body1, body2, count;
 } touch_record;
 
+/* A contact point that may not push its bodies apart as fast as it should; one of them may be NULL, the world. */
+typedef struct {
+    void *body1, *body2;
+    double normal[3]; /* into body1 */
+    double depth;     /* [m] by which they are set apart */
+    double softness;  /* [m/N] */
+    double share;     /* of the shift, found by iteration */
+} overlap_record;
+
 /* Mirrored by StepContext in context.py; gz_step_context_size() guards against drift. */
 typedef struct {
     void *world, *space, *contacts, *ray, *probe, *stand_in;
@@ -248,6 +258,8 @@ typedef struct {
     int64_t exact_rest;       /* 1: under the classic rule contacts keep a depth, and calm islands are solved exactly */
     int64_t touch_count, touch_capacity;
     touch_record *touches;    /* of this step, where the quick solver needs them */
+    int64_t overlap_count, overlap_capacity;
+    overlap_record *overlaps; /* of this step */
     int64_t parted;           /* 1: some bodies are set aside, while others are solved */
     double surface_layer;     /* [m] of depth that is not corrected under the classic rule */
     int64_t resting;          /* steps in a row, at most 2, after which no body was awake; 0 after any change from outside */
@@ -534,6 +546,7 @@ typedef struct {
     void *geom1, *geom2, *body1, *body2;
     double max_vel, min_depth;
     double kept; /* depth that is not corrected */
+    double withheld; /* depth of a point that would be corrected without max_vel */
     int rigid;   /* 1: the springs stand for rigid surfaces */
 } touching;
 
@@ -657,9 +670,21 @@ static void vary(const context *c, touching *t, contact *point)
     point->geom.depth = larger(0.0, point->geom.depth - t->kept);
 }
 
+/* Let a contact push out no faster than max_vel; set_apart does the rest. Its softness shrinks with its correction: the
+ * spring carries the same force where the bodies are at rest. */
+static void limit_speed(const context *c, touching *t, surface_parameters *s, double depth)
+{
+    double most = t->max_vel * c->step / depth;
+    if (most >= s->soft_erp)
+        return;
+    t->withheld = (s->soft_erp - most) * depth;
+    s->soft_cfm = larger(s->soft_cfm * (most / s->soft_erp), REST_CFM / lighter(t->body1, t->body2));
+    s->soft_erp = most;
+}
+
 /* What a contact point corrects: the depth that was found, without what is kept and min_depth, no faster than max_vel.
  * One that is not as deep as what is kept lets the bodies approach. */
-static void set_depth(const context *c, const touching *t, double found, contact *point)
+static void set_depth(const context *c, touching *t, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
     double stiffness = elastic_stiffness(t, found);
@@ -672,7 +697,7 @@ static void set_depth(const context *c, const touching *t, double found, contact
     }
     point->geom.depth = larger(0.0, point->geom.depth - t->min_depth);
     if (point->geom.depth > 0.0)
-        s->soft_erp = smaller(s->soft_erp, t->max_vel * c->step / point->geom.depth);
+        limit_speed(c, t, s, point->geom.depth);
     else if (found < t->kept && !(s->mode & BOUNCE)) {
         s->motionN = s->soft_erp * (found - t->kept) / c->step;
         s->mode |= MOTION_N;
@@ -681,7 +706,7 @@ static void set_depth(const context *c, const touching *t, double found, contact
 
 /* What classic adds to one contact point: slip, a friction direction, torsion, a minimum depth, a limit on the
  * push-out velocity. */
-static void refine_point(const context *c, const touching *t, int count, double found, contact *point)
+static void refine_point(const context *c, touching *t, int count, double found, contact *point)
 {
     surface_parameters *s = &point->surface;
     const double *a = t->a, *b = t->b;
@@ -695,6 +720,7 @@ static void refine_point(const context *c, const touching *t, int count, double 
         (c->cone && sliding_direction(c, t->body1, t->body2, point)))
         s->mode |= FDIR1;
     add_torsion(a, b, point);
+    t->withheld = 0.0;
     set_depth(c, t, found, point);
 }
 
@@ -800,6 +826,27 @@ static void note_touch(context *c, void *body1, void *body2, int count)
     t->count = count;
 }
 
+/* Note a point whose bodies are to be set apart. Without memory it is not noted. */
+static void note_overlap(context *c, const touching *t, const contact *point)
+{
+    overlap_record *o;
+    if (c->overlap_count == c->overlap_capacity) {
+        int64_t capacity = c->overlap_capacity ? 2 * c->overlap_capacity : 64;
+        o = realloc(c->overlaps, (size_t)capacity * sizeof(overlap_record));
+        if (!o)
+            return;
+        c->overlaps = o;
+        c->overlap_capacity = capacity;
+    }
+    o = c->overlaps + c->overlap_count++;
+    o->body1 = t->body1;
+    o->body2 = t->body2;
+    memcpy(o->normal, point->geom.normal, sizeof o->normal);
+    o->depth = t->withheld;
+    o->softness = 1.0 / t->a[SURFACE_KP] + 1.0 / t->b[SURFACE_KP];
+    o->share = 0.0;
+}
+
 static void collide_geoms(context *c, void *geom1, void *geom2)
 {
     contact points[MOST_CONTACTS];
@@ -820,7 +867,7 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
     count = find_points(c, geom1, geom2, classic ? MOST_CONTACTS : MAX_CONTACTS, points);
     if (!count)
         return;
-    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0};
+    pair = (touching){a, b, geom1, geom2, body1, body2, 0.0, 0.0, 0.0, 0.0, 0};
     make_surface(c, a, b, &surface);
     if (classic) {
         count = deepest(points, count, (int)smaller(smaller(a[SURFACE_MAX_CONTACTS], b[SURFACE_MAX_CONTACTS]),
@@ -841,6 +888,8 @@ static void collide_geoms(context *c, void *geom1, void *geom2)
             joint = dJointCreateContact(c->world, c->contacts, &points[i]);
             dJointAttach(joint, body1, body2);
             c->contact_count++;
+            if (pair.withheld > 0.0 && c->exact_rest)
+                note_overlap(c, &pair, &points[i]);
         }
         if (c->record_contacts) {
             points[i].geom.depth = found;
@@ -991,7 +1040,7 @@ static void read_joints(const context *c, double *state)
 static void find_contacts(context *c)
 {
     int64_t i;
-    c->contact_count = c->record_count = c->touch_count = 0;
+    c->contact_count = c->record_count = c->touch_count = c->overlap_count = 0;
     if (c->exact_rest && c->contact_rule == CLASSIC_RULE) {
         for (i = 0; i < c->body_count; i++)
             if (c->bodies[i])
@@ -1050,6 +1099,9 @@ void gz_free_contacts(context *c)
     free(c->records);
     free(c->pending);
     free(c->touches);
+    free(c->overlaps);
+    c->overlaps = NULL;
+    c->overlap_count = c->overlap_capacity = 0;
     c->records = NULL;
     c->pending = NULL;
     c->touches = NULL;
@@ -1284,6 +1336,120 @@ static int move(context *c)
     return done;
 }
 
+/* Bodies that overlap are set apart without velocity, as in Gazebo: by what max_vel withholds from their contacts, and
+ * together with all that joints connect them with, which is not turned. What touches from both sides is a compromise:
+ * each contact yields, by YIELDING of what it weighs. Springs keep the depth at which they carry SPARED times the weight;
+ * without it bodies would fall on, and be set apart in each step. */
+enum { SETTING_ROUNDS = 10 };
+#define YIELDING 0.25
+#define SPARED 2.0
+
+typedef struct {
+    double mass;     /* [kg] of all its bodies; 0: it does not move */
+    double shift[3]; /* [m] */
+} group;
+
+static group *groups; /* by the row of a body that stands for the group; guarded by ode_lock */
+static int64_t group_capacity;
+
+static int have_groups(int64_t count)
+{
+    group *grown;
+    if (count <= group_capacity)
+        return 1;
+    grown = realloc(groups, (size_t)(2 * count) * sizeof(group));
+    if (!grown)
+        return 0;
+    groups = grown;
+    group_capacity = 2 * count;
+    return 1;
+}
+
+/* The group of a body; NULL if it cannot move. */
+static group *group_of(void *body)
+{
+    group *found = body ? groups + root_of(row_of(body)) : NULL;
+    return found && found->mass > 0.0 ? found : NULL;
+}
+
+static void find_groups(const context *c)
+{
+    int64_t i;
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i]) {
+            members[i] = (member){i, 0, 0, 0, 0, 0};
+            groups[i] = (group){0.0, {0.0, 0.0, 0.0}};
+            dBodySetData(c->bodies[i], (void *)(intptr_t)i);
+        }
+    for (i = 0; i < c->joint_count; i++)
+        if (c->joints[i])
+            connect(c, row_of(dJointGetBody(c->joints[i], 0)), row_of(dJointGetBody(c->joints[i], 1)), 0, 0);
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i]) {
+            body_mass one;
+            dBodyGetMass(c->bodies[i], &one);
+            groups[root_of(i)].mass += one.mass;
+        }
+    for (i = 0; i < c->body_count; i++)
+        if (c->bodies[i] && ((i < held_capacity && held[i]) || dBodyIsKinematic(c->bodies[i])))
+            groups[root_of(i)].mass = 0.0;
+}
+
+static void add_shift(group *g, const double *normal, double distance)
+{
+    int k;
+    for (k = 0; k < 3; k++)
+        g->shift[k] += normal[k] * distance;
+}
+
+static void spare(const context *c, overlap_record *o)
+{
+    const group *one = group_of(o->body1), *two = group_of(o->body2);
+    double mass = one && two ? smaller(one->mass, two->mass) : one ? one->mass : two ? two->mass : 0.0;
+    o->depth = larger(0.0, o->depth - SPARED * o->softness * mass * sqrt(dot(c->gravity, c->gravity)));
+}
+
+/* One step of projected Gauss-Seidel for one contact. */
+static void balance(overlap_record *o)
+{
+    group *one = group_of(o->body1), *two = group_of(o->body2);
+    double lightness = (one ? 1.0 / one->mass : 0.0) + (two ? 1.0 / two->mass : 0.0), missing = o->depth, share;
+    if (one == two)
+        return;
+    if (one)
+        missing -= dot(o->normal, one->shift);
+    if (two)
+        missing += dot(o->normal, two->shift);
+    share = larger(0.0, o->share + (missing / lightness - YIELDING * o->share) / (1.0 + YIELDING));
+    if (one)
+        add_shift(one, o->normal, (share - o->share) / one->mass);
+    if (two)
+        add_shift(two, o->normal, -(share - o->share) / two->mass);
+    o->share = share;
+}
+
+static void set_apart(const context *c)
+{
+    int64_t i;
+    int round;
+    if (!c->overlap_count || !have_members(c->body_count) || !have_groups(c->body_count))
+        return;
+    find_groups(c);
+    for (i = 0; i < c->overlap_count; i++)
+        spare(c, c->overlaps + i);
+    for (round = 0; round < SETTING_ROUNDS; round++)
+        for (i = 0; i < c->overlap_count; i++)
+            balance(c->overlaps + i);
+    for (i = 0; i < c->body_count; i++) {
+        const group *g = c->bodies[i] ? group_of(c->bodies[i]) : NULL;
+        const double *p;
+        if (!g || !(dot(g->shift, g->shift) > 0.0))
+            continue;
+        p = dBodyGetPosition(c->bodies[i]);
+        dBodySetPosition(c->bodies[i], p[0] + g->shift[0], p[1] + g->shift[1], p[2] + g->shift[2]);
+    }
+}
+
 /* Whether some bodies are asleep, from one on; of so many of them if there are more. */
 static int are_asleep(const context *c, int64_t first, int64_t most)
 {
@@ -1356,6 +1522,8 @@ static int solve(context *c)
     }
     if (c->abandoned || c->own_memory)
         free_step_memory(c);
+    if (done && !c->abandoned)
+        set_apart(c);
     collect_feedback(c);
     dJointGroupEmpty(c->contacts);
     c->seed = dRandGetSeed();

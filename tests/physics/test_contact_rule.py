@@ -89,12 +89,44 @@ def test_bounce_needs_both_and_a_threshold(engine):
     assert peaks[1] < 0.02
 
 
-def test_a_penetration_is_pushed_out_slowly(engine):
+def test_a_penetration_gives_no_more_velocity_than_max_vel(engine):
     ground(engine, MAX_VEL=0.0)  # it has no body, and so no influence
     engine.gravity = (0, 0, 0)
     body = box(engine, (0, 0, 0.4), MAX_VEL=0.01)
     run(engine, 1.0)
-    assert body.GetPosition().z == pytest.approx(0.41, abs=1e-3)
+    assert body.GetLinearVel().z == pytest.approx(0.01, rel=1e-3)
+    assert body.GetPosition().z == pytest.approx(0.51, abs=1e-3)  # set apart, and moved since
+
+
+def test_bodies_that_overlap_come_to_rest_side_by_side(engine):
+    ground(engine, MAX_VEL=0.01)
+    deep, shallow = box(engine, (0, 0, 0.1), MAX_VEL=0.01), box(engine, (3, 0, 0.499), MAX_VEL=0.01)
+    lower, upper = box(engine, (6, 0, 0.4), MAX_VEL=0.0), box(engine, (6, 0, 1.2), MAX_VEL=0.0)
+    run(engine, 0.5)
+    for body, height in ((deep, 0.5), (shallow, 0.5), (lower, 0.5), (upper, 1.5)):
+        assert body.GetPosition().z == pytest.approx(height, abs=2e-4)
+        assert abs(body.GetLinearVel().z) < 1e-3
+
+
+def test_what_joints_connect_is_set_apart_together(engine):
+    ground(engine, MAX_VEL=0.01)
+    lower, upper = box(engine, (0, 0, 0.4), MAX_VEL=0.01), box(engine, (0, 0, 2.0), MAX_VEL=0.01)
+    joint = libgz.HingeJoint(engine)
+    joint.Attach(lower, upper)
+    joint.SetAnchor((0, 0, 1.2))
+    joint.SetAxis((0, 1, 0))
+    run(engine, 0.3)
+    assert lower.GetPosition().z == pytest.approx(0.5, abs=1e-3)
+    assert upper.GetPosition().z - lower.GetPosition().z == pytest.approx(1.6, abs=1e-4)
+
+
+@pytest.mark.parametrize("kp", [1e3, 1e5, 1e7])
+def test_a_soft_contact_carries_what_its_spring_carries(engine, kp):
+    ground(engine, MAX_VEL=0.0)
+    body = box(engine, (0, 0, 0.5), KP=kp, KD=1.0, MAX_VEL=0.01)
+    run(engine, 3.0)
+    assert body.GetPosition().z == pytest.approx(0.5 - 9.8 / (4.0 * kp), abs=1e-5 + 0.02 * 9.8 / (4.0 * kp))
+    assert abs(body.GetLinearVel().z) < 1e-4
 
 
 def test_a_minimum_depth_is_not_corrected(engine):

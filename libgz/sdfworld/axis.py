@@ -11,7 +11,7 @@ from libgz.geometry import GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
 from libgz.sdf.element import Element
 
-__all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "read_joint"]
+__all__ = ["UNLIMITED", "Axis", "FindLink", "JointPlan", "lost_link", "read_joint"]
 
 UNLIMITED = 1e16  # limits of this size and above mean none
 HALF_TURN = 3.0  # [rad], a little less than pi: stops yield
@@ -111,9 +111,22 @@ def _link(element: Element, find_link: FindLink, end: str) -> Body | None:
     try:
         return find_link(name)
     except NotFoundError as error:
-        lost = ", ".join(f"{i.where} ({i.Get(str, 'uri').strip()})" for i in _missing_includes(element))
-        reason = f"it may be in what was not found: the <include> at {lost}" if lost else str(error)
-        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {reason}") from None
+        raise NotFoundError(f"joint {element.Get(str, 'name')!r}: <{end}> names link {name!r}; {error}") from None
+
+
+def lost_link(element: Element, find_link: FindLink) -> str:
+    """Why a `<joint>` cannot be made whose link is in an `<include>` that was not found; "" if there is no such one."""
+    lost = ", ".join(f"{i.where} ({i.Get(str, 'uri').strip()})" for i in _missing_includes(element))
+    for end in ("parent", "child") if lost else ():
+        try:
+            _link(element, find_link, end)
+        except NotFoundError:
+            name, link = element.Get(str, "name"), element.Get(str, end)
+            return (
+                f"joint {name!r}: <{end}> names link {link!r}; it may be in what was not found: the <include> at {lost}; "
+                "the joint is left out"
+            )
+    return ""
 
 
 def _missing_includes(element: Element) -> Iterator[Element]:

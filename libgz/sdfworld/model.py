@@ -14,7 +14,7 @@ from libgz.physics.joint import Joint
 from libgz.physics.mass import Mass, given_mass, positive_definite
 from libgz.physics.space import Space
 from libgz.sdf.element import Element
-from libgz.sdfworld.axis import Axis, JointPlan, read_joint
+from libgz.sdfworld.axis import Axis, JointPlan, lost_link, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, describe_sensors, ode_joints
 from libgz.sdfworld.gripper import SdfGripper
 from libgz.sdfworld.joint import Place, SdfJoint
@@ -99,7 +99,10 @@ class SdfModel(Entity):
         """Make the joints of this model and of those nested in it, and enable auto-disable for links without joints."""
         # Gears search for the hinges of the links they join.
         for element in sorted(self.sdf.named("joint"), key=lambda e: e.Get(str, "type") == "gearbox"):
-            self._guard(element, self.add_joint, element)
+            if lost := lost_link(element, self.find_link):
+                self.diagnostics.warn(element, lost)
+            else:
+                self._guard(element, self.add_joint, element)
         for element in self.sdf.named("gripper"):
             self._guard(element, self._add_gripper, element)
         for element in self.sdf.named("joint"):

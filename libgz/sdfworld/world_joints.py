@@ -9,7 +9,7 @@ from libgz.geometry import GzPose
 from libgz.physics.body import Body
 from libgz.physics.joint import Joint
 from libgz.sdf.element import Element
-from libgz.sdfworld.axis import read_joint
+from libgz.sdfworld.axis import lost_link, read_joint
 from libgz.sdfworld.description import describe_sdf_joint, ode_joints
 from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import load_joints
@@ -39,6 +39,9 @@ class WorldJoints(Entity):
         self.AddBody(Body(world, dummy=True), True)
         self.sdf_joints: dict[str, SdfJoint] = {}
         for element in elements:
+            if lost := lost_link(element, self.find_link):
+                diagnostics.warn(element, lost)
+                continue
             try:
                 plan = read_joint(element, self.find_link, GzPose(), diagnostics.warn)
                 joint = self.sdf_joints[plan.name] = SdfJoint(world.engine, plan)

@@ -123,8 +123,8 @@ def lost_link(element: Element, find_link: FindLink) -> str:
         except NotFoundError:
             name, link = element.Get(str, "name"), element.Get(str, end)
             return (
-                f"joint {name!r}: <{end}> names link {link!r}; it may be in what was not found: the <include> at {lost}; "
-                "the joint is left out"
+                f"joint {name!r}: <{end}> names link {link!r}; it may be in what was not found: the <include> at "
+                f"{lost}; the joint is left out"
             )
     return ""
 

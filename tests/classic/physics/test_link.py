@@ -111,6 +111,14 @@ def test_inertia_acts_at_update_mass(link):
     assert (inertial.Mass(), inertial.PrincipalMoments(), link.body.mass) == (1.0, Vector3d(1, 1, 1), 1.0)
 
 
+@pytest.mark.parametrize("key", ["ixx", "mass"])
+def test_values_that_no_body_can_have_are_those_it_got(run, key):
+    wrong = body("odd", mass=2.0).replace("<ixx>1</ixx>" if key == "ixx" else "<mass>2.0</mass>", f"<{key}>0</{key}>")
+    _, view = run(wrong)
+    inertial = view.ModelByName("odd").GetLink().GetInertial()
+    assert (inertial.Mass(), inertial.IXX()) == ((2.0, 1.0) if key == "ixx" else (1.0, 1.0))
+
+
 @pytest.mark.parametrize("order", [*itertools.permutations(("IXY", "IXX", "IYY"))])
 def test_moments_are_set_in_any_order(link, order):
     inertial, values = link.GetInertial(), {"IXY": 1.5, "IXX": 3.0, "IYY": 3.0}

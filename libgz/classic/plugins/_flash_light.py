@@ -58,6 +58,9 @@ class Lamp:
         return self.blocks[-1], True
 
 
+ID = ("light_id", "id")  # spellings of its tag
+
+
 class FlashLightPlugin(ModelPlugin):
     """Switches lights of the model's links on for a duration, and off for an interval, again and again.
 
@@ -66,7 +69,7 @@ class FlashLightPlugin(ModelPlugin):
     Elements:
         enable: whether the lights flash from the start on (true).
         light: one a light.
-            light_id: `link/light`, the names of link and light.
+            light_id: `link/light`, the names of link and light; also id.
             duration, interval: [s] (1, 1).
             enable: for this light.
             block: a part of a rhythm of several: `duration`, `interval` and `color`; several.
@@ -86,7 +89,7 @@ class FlashLightPlugin(ModelPlugin):
         self.start: dict[str, bool] = {}
         together = sdf.Get(bool, "enable", True)[0]
         for element in sdf.named("light"):
-            name = element.Get(str, "light_id").strip()
+            name = element.Get(str, next((tag for tag in ID if element.HasElement(tag)), ID[0])).strip()
             geom = self._find(element, name)
             reach, color = (geom.range, geom.GetDiffuseColor()) if geom is not None else (0.0, None)
             self.lamps[name] = Lamp(name, geom, reach, color, self._blocks(element))
@@ -97,7 +100,6 @@ class FlashLightPlugin(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def _find(self, element: Element, name: str) -> LightGeom | None:
-        link_name, _, light_name = name.rpartition("/")
         found: dict[str, LightGeom] = {}
         for link in self.model.family_links():
             geoms = [geom for geom in link.body.geoms if isinstance(geom, LightGeom)]
@@ -108,7 +110,7 @@ class FlashLightPlugin(ModelPlugin):
         if name not in found:
             known = ", ".join(found) or "no light"
             raise NotFoundError(
-                f"{element.where}: <light_id> is {f'{link_name}/{light_name}'!r}; model {self.model.GetName()!r} has "
+                f"{element.where}: <light_id> is {name!r}; model {self.model.GetName()!r} has "
                 f"{known}{nearest(name, found)}"
             )
         return found[name]

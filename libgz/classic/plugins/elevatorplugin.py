@@ -55,7 +55,9 @@ class ElevatorPlugin(ModelPlugin):
         self.height, self.wait = sdf.Get(float, "floor_height", 3.0)[0], sdf.Get(float, "door_wait_time", 5.0)[0]
         if not (self.height > 0.0 and self.wait >= 0.0):
             raise ParameterError(f"{sdf.where}: <floor_height> must be positive, <door_wait_time> not negative")
-        self.lift_pid, self.door_pid = (pid_of(sdf.child(tag), p=1000.0, d=500.0) for tag in ("lift_pid", "door_pid"))
+        self.lift_pid, self.door_pid = (
+            pid_of(next(sdf.named(tag), None), p=1000.0, d=500.0) for tag in ("lift_pid", "door_pid")
+        )
         self.requests: list[int] = []
         self.Reset()
         self.node = transport.Node()

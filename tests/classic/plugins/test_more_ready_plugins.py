@@ -714,3 +714,46 @@ def test_elements_that_have_defaults_may_be_left_out(run, caplog):
     core.run(2.0)
     assert [world.ModelByName(name).WorldPose().Pos().Z() for name in "ab"] == pytest.approx([3.0, 3.0], abs=0.05)
     assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []
+
+
+PROBE = """from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+
+
+class Probe(ModelPlugin):
+    STATE = ()
+
+    def Load(self, model, sdf):
+        print(model.GetScopedName(), type(model).__name__, sdf.Get(str, "name"))
+
+
+GZ_REGISTER_MODEL_PLUGIN(Probe)
+"""
+
+
+def test_plugins_of_actors_and_of_includes_at_any_depth_are_loaded(run, tmp_path, monkeypatch, capsys):
+    (tmp_path / "probe.py").write_text(PROBE)
+    for name, inside in (
+        ("walker", "<actor name='walker'><skin><filename>walk.dae</filename></skin></actor>"),
+        ("crate", "<model name='crate'><link name='link'/></model>"),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "model.sdf").write_text(f"<sdf version='1.6'>{inside}</sdf>")
+        config = f"<model><name>{name}</name><sdf version='1.6'>model.sdf</sdf></model>"
+        (tmp_path / name / "model.config").write_text(config)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
+
+    def probe(name):
+        return f"<plugin name='{name}' filename='libprobe.so'/>"
+
+    def include(name, plugin):
+        return f"<include><uri>model://{name}</uri>{probe(plugin)}</include>"
+
+    actor = f"<actor name='own'><skin><filename>stand.dae</filename></skin>{probe('b')}</actor>"
+    core, _ = run(
+        include("walker", "a"), actor, f"<model name='m'><link name='l'/>{include('crate', 'c')}{probe('d')}</model>"
+    )
+    core.step(2)
+    assert sorted(capsys.readouterr().out.splitlines()) == [
+        "m Model d", "m::crate Model c", "own Actor b", "walker Actor a",
+    ]  # fmt: skip

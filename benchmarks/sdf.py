@@ -4,10 +4,18 @@ A legacy world of solids on the ground is loaded, written as SDF by the converte
 plugins and clients; ratios are of the best of rounds taken in turn within one run.
 
 A second table compares worlds under the quick solver at 1 ms with `exact_rest` and without it, by CPU time.
+
+`python benchmarks/sdf.py --against FOLDER WORLD...` compares the step of given worlds with that of another version of
+libgz, which `pip install --no-deps --target FOLDER CHECKOUT` has installed.
 """
 
 from __future__ import annotations
 
+import argparse
+import os
+import statistics
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -17,6 +25,7 @@ from libgz.convert.sdf import convert
 from libgz.sdfworld.model import SdfModel
 
 ROUNDS = 40
+STEPS = 300  # of a turn, where versions are compared
 SHAPES = (("box", "0.4 0.3 0.2"), ("sphere", "0.3"), ("cylinder", "0.3 0.4"))
 SOLID = "<model:SimpleSolid><id>s{0}</id><shape>{1}</shape><size>{2}</size><xyz>{3} {4} {5}</xyz></model:SimpleSolid>"
 
@@ -90,8 +99,82 @@ def compare_rest() -> None:
             world.close()
 
 
+# Loads a world, and for each line of its input prints the CPU time of some steps.
+STEPPER = """
+import sys, time, libgz
+world, steps = libgz.World.from_file(sys.argv[1]), int(sys.argv[2])
+world.step(500)
+print("ready", flush=True)
+for _ in sys.stdin:
+    begin = time.process_time()
+    world.step(steps)
+    print(time.process_time() - begin, flush=True)
+"""
+
+
+class Stepper:
+    """A process that steps a world with some version of libgz.
+
+    Args:
+        world: the world's file.
+        folder: where the version is installed; empty: this one.
+    """
+
+    def __init__(self, world: str, folder: str) -> None:
+        environment = {**os.environ, "PYTHONPATH": folder} if folder else dict(os.environ)
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", STEPPER, str(Path(world).resolve()), str(STEPS)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+            env=environment,
+            cwd=tempfile.gettempdir(),
+        )
+        if not self._read():
+            raise SystemExit(f"{world}: cannot be loaded")
+
+    def _read(self) -> str:
+        return self._process.stdout.readline() if self._process.stdout is not None else ""
+
+    def step(self) -> float:
+        """CPU time of some steps [s]."""
+        print(file=self._process.stdin, flush=True)
+        return float(self._read())
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.communicate()
+
+
+def compare_versions(folder: str, worlds: list[str]) -> None:
+    """Print a table of worlds: the step of the version in a folder, and the ratio of this one's, in turns.
+
+    Each pair of processes has its own caches, which moves ratios by some per cent: there are three.
+    """
+    print(f"{'':<36}{'before [us]':>12}{'now/before':>12}{'of three pairs':>24}")
+    for world in worlds:
+        ratios, before = [], []
+        for _ in range(3):
+            pair = Stepper(world, folder), Stepper(world, "")
+            taken = [tuple(stepper.step() for stepper in pair) for _ in range(ROUNDS)]
+            for stepper in pair:
+                stepper.close()
+            ratios.append(statistics.median(now / then for then, now in taken))
+            before.append(min(then for then, _ in taken) / STEPS * 1e6)
+        each = " ".join(f"{ratio:.3f}" for ratio in ratios)
+        print(f"{Path(world).stem:<36}{min(before):12.1f}{statistics.median(ratios):12.3f}{each:>24}", flush=True)
+
+
 def main() -> None:
     """Print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--against", metavar="FOLDER", help="where another version of libgz is installed")
+    parser.add_argument("worlds", nargs="*", metavar="WORLD", help="with --against: SDF worlds")
+    options = parser.parse_args()
+    if options.against:
+        compare_versions(options.against, options.worlds)
+        return
     compare_rest()
     print("step of the same solids on the ground, 20 ms, exact solver; the best of", ROUNDS)
     print(f"{'n':>5}{'contacts':>10}{'in SDF':>8}{'legacy [us]':>13}{'SDF/legacy':>12}{'SDF asleep/legacy':>20}")

@@ -44,13 +44,13 @@ class _Periodic:
 
     def __init__(self, publisher: Publisher, period: float, make: Callable[[], Any]) -> None:
         self._publisher, self._period, self._make = publisher, period, make
-        self._due = 0.0
+        self.topic = TopicManager.Instance().topic(publisher.GetTopic())
+        self.due = 0.0  # [s]
 
-    def update(self, now: float) -> None:
-        """Publish a message if it is due at a time [s]."""
-        if now >= self._due and self._publisher.HasConnections():
-            self._due = now + self._period
-            self._publisher.Publish(self._make())
+    def publish(self, now: float) -> None:
+        """Publish a message at a time [s]."""
+        self.due = now + self._period
+        self._publisher.Publish(self._make())
 
 
 class WorldTopics:
@@ -188,8 +188,10 @@ class WorldTopics:
     def update(self) -> None:
         """Publish due messages, then deliver all messages of this iteration."""
         now = time.monotonic()
-        for topic in self._periodic:
-            topic.update(now)
+        for one in self._periodic:
+            topic = one.topic
+            if (topic.subscribers or topic.remote) and now >= one.due:
+                one.publish(now)
         manager = self._world.Physics().GetContactManager()
         if self._contacts.HasConnections() != self._records:
             self._records = not self._records

@@ -67,12 +67,13 @@ class _Table:
         """Rows in order of construction; numbers of the objects; free rows; rows in use and objects ever made."""
         return tuple(self._numbers), tuple(self._numbers.values()), tuple(self._free), (self.used, self._made)
 
-    def arrange(self, rows: list[int], numbers: list[int], free: list[int], counts: tuple[int, int]) -> None:
-        """Give the present objects, in order of construction, the rows and numbers of another census.
+    def arrange(
+        self, things: list[Any], rows: list[int], numbers: list[int], free: list[int], counts: tuple[int, int]
+    ) -> None:
+        """Give the present objects, in this order, the rows and numbers of another census.
 
         Their columns are not moved: the caller fills them.
         """
-        things = list(self.objects.values())
         self.used, self._made = counts
         self._count_change()
         while self.size < self.used:

@@ -8,6 +8,7 @@ together with all others; the distance that it keeps corrects the drift.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from libgz.geometry import (
     GzCoordPositionSub,
@@ -228,10 +229,14 @@ class Gears:
 
     def rates(self) -> tuple[float, float]:
         """Rates of both bodies about their axes [rad/s], seen from the reference."""
+        return self._rates((self.direction(0), self.direction(1)))
+
+    def _rates(self, axes: Sequence[GzVector]) -> tuple[float, float]:
+        """Rates of both bodies about these axes, global."""
         spin = self._spin()
         first, second = (
-            GzVectorDot(GzVectorSub(body.GetAngularRate(), spin), rotate(body.GetRotation(), axis))
-            for body, axis in zip(self.bodies, self._local, strict=True)
+            GzVectorDot(GzVectorSub(body.GetAngularRate(), spin), axis)
+            for body, axis in zip(self.bodies, axes, strict=True)
         )
         return first, second
 
@@ -257,10 +262,10 @@ class Gears:
 
     def update(self, step: float) -> None:
         """Place the rack, and both lines along it, before a step [s]."""
-        rates = self.rates()
-        self.angles = [angle + step * rate for angle, rate in zip(self.angles, rates, strict=True)]
         poses = [body.GetPose() for body in self.bodies]
         axes = [rotate(pose.rot, axis) for pose, axis in zip(poses, self._local, strict=True)]
+        rates = self._rates(axes)
+        self.angles = [angle + step * rate for angle, rate in zip(self.angles, rates, strict=True)]
         along = GzVectorCross(*axes)
         square = GzVectorDot(along, along)
         along = GzVectorMul(1.0 / math.sqrt(square), along) if square > 1e-6 else _perpendicular(axes[0])

@@ -315,9 +315,10 @@ class EngineState:
             space.close()
         engine.couplings = [coupling for coupling in engine.couplings if not coupling.broken]
         bodies, dummies, geoms, joints = matched
-        for table, census in zip((tables.bodies, tables.joints, tables.geoms), saved["rows"], strict=True):
-            if table.census() != _tuples(census):
-                table.arrange(*census)
+        ordered = ((tables.bodies, bodies), (tables.joints, joints), (tables.geoms, geoms))
+        for (table, things), census in zip(ordered, saved["rows"], strict=True):
+            if table.census() != _tuples(census) or list(table.objects.values()) != things:
+                table.arrange(things, *census)
         tables.bodies.ids[:] = tables.joints.ids[:] = 0
         for body in bodies:
             tables.bodies.ids[body.row] = body._id
@@ -374,7 +375,7 @@ class EngineState:
         ) -> list[Any]:
             table = getattr(tables, kind, None)
             if table is not None:
-                numbers = dict(zip(table.census()[1], things, strict=True))
+                numbers = dict(zip(table.census()[1], table.objects.values(), strict=True))
                 same = [numbers.get(number) for number in censuses[kind][1]]
                 if all(t is not None and trait(t) == w for t, w in zip(same, wanted, strict=True)):
                     return same
@@ -400,13 +401,14 @@ class EngineState:
             return f"{kind} of body {names[code if code >= 0 else len(bodies) - 1 - code]!r}"
 
         geoms = find("geoms", [g[:2] for g in saved["geoms"]], list(engine.geoms.values()), geom_trait, geom_text)
-        joints = find(
-            "joints",
-            [[j[0], j[2][0]] for j in saved["joints"]],
+        # One that was detached and is made anew comes last, and its name may be that of others.
+        wanted = [[j[0], j[2][0]] for j in saved["joints"]]
+        present = _reordered(
             list(engine.joints.values()),
-            _joint_trait,
-            _joint_text,
+            [(*want, *pair) for want, (_, pair, _) in zip(wanted, saved["joints"], strict=True)],
+            lambda joint: (*_joint_trait(joint), *map(codes.get, joint.bodies)),
         )
+        joints = find("joints", wanted, present, _joint_trait, _joint_text)
         if len(engine.spaces) < len(saved["spaces"]):
             missing.append(f"{len(saved['spaces']) - len(engine.spaces)} spaces of geoms")
         if missing:
@@ -430,6 +432,20 @@ def _joint_trait(joint: Any) -> Any:
 
 def _joint_text(trait: Any) -> str:
     return f"{trait[0]} {trait[1] or 'unnamed'!r}"
+
+
+def _reordered(things: list[Any], wanted: list[Any], trait: Callable[[Any], Any]) -> list[Any]:
+    """Things in the order of the wanted traits, by all of a trait, else by its first two parts; others follow."""
+    left, found = list(things), [None] * len(wanted)
+    for parts in (None, 2):
+        by_trait: dict[Any, list[Any]] = {}
+        for thing in reversed(left):
+            by_trait.setdefault(trait(thing)[:parts], []).append(thing)
+        for i, want in enumerate(wanted):
+            if found[i] is None and by_trait.get(want[:parts]):
+                found[i] = by_trait[want[:parts]].pop()
+        left = [thing for others in by_trait.values() for thing in reversed(others)]
+    return [thing for thing in found if thing is not None] + left
 
 
 def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:

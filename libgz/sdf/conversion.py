@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import functools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -106,7 +107,7 @@ def upgrade_document(data: bytes, label: str = "<string>", path: Path | None = N
     if local_name(root) not in ROOTS or not version:
         raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: the root must be <sdf version='...'>")
     if version not in VERSIONS:
-        if version in LATER:
+        if version in LATER or re.fullmatch(r"1\.\d\d", version):  # those after the last one are read as that
             return data, []
         known = f"{OLDEST} to {LATER[-1]} are known"
         raise WorldFileError(f"{label}:{line_of(root)}: <{local_name(root)}>: version is {version!r}; {known}")

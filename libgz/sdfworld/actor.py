@@ -57,6 +57,7 @@ class _Part:
         kind: name of the animation.
         start, end: in the script [s].
         way: through its waypoints; None without any.
+        stays: whether the animation plays where the actor stands, without the root's way along x.
     """
 
     number: int
@@ -64,6 +65,7 @@ class _Part:
     start: float
     end: float
     way: Trajectory | None
+    stays: bool = False
 
 
 class SdfActor(SdfModel):
@@ -207,7 +209,7 @@ class SdfActor(SdfModel):
         self.parts.sort(key=lambda part: part.number)
         if not self.parts and self.clips:
             name, clip = next(iter(self.clips.items()))
-            self.parts.append(_Part(0, name, 0.0, clip.animation.length, None))
+            self.parts.append(_Part(0, name, 0.0, clip.animation.length, None, stays=True))
         time = 0.0
         for part in self.parts:
             part.start, part.end = time, time + part.end
@@ -306,7 +308,8 @@ class SdfActor(SdfModel):
         by_distance = clip.by_distance and part.way is not None
         animation = clip.animation
         positions, turns = animation.at_x(self._distance) if by_distance else animation.at(self.script_time)
-        root = GzVector(0.0 if part.way is not None else float(positions[0][0]), *map(float, positions[0][1:]))
+        ahead = 0.0 if part.way is not None or part.stays else float(positions[0][0])
+        root = GzVector(ahead, *map(float, positions[0][1:]))
         self._bend(
             GzPose(GzCoordPositionAdd(root, pose.pos, pose.rot), GzQuaternMul(pose.rot, GzQuatern(*turns[0].tolist()))),
             positions,

@@ -162,7 +162,9 @@ def _read_axes(element: Element, anchor: GzPose, model_pose: GzPose, note: Note)
         in_model = "use_parent_model_frame" not in described or axis.Get(bool, "use_parent_model_frame")
         direction = rotate((model_pose if in_model else anchor).rot, axis.Get(GzVector, "xyz"))
         if math.sqrt(sum(v * v for v in direction)) < 1e-12:
-            raise ParameterError(f"joint {element.Get(str, 'name')!r}: <{name}> is zero; an axis must not be zero")
+            direction = GzVector(1.0, 0.0, 0.0)  # as ODE's in Gazebo
+            if element.Get(str, "type") not in ("fixed", "ball"):
+                note(element, f"<{name}> is zero; 1 0 0 in the world is used instead")
         dynamics, limit = axis.child("dynamics"), axis.child("limit")
         lower, upper, effort, velocity = (_number(limit, key) for key in ("lower", "upper", "effort", "velocity"))
         axes.append(

@@ -16,11 +16,12 @@ from libgz.sdfworld.standing import Solid, family_geoms, solids
 
 __all__ = ["warn_of_contacts"]
 
-MARGIN = 2.0  # between what would just carry a model, and what is advised
 GAP = 0.005  # [m] between solids of a stack as it is loaded
 RATIO = 20.0  # of the mass of a solid to that of the one below it, which 50 iterations carry
 EXACT = 12  # solids of a stack that are solved exactly at rest: four contact points each
-ITERATIONS = 300  # that hold taller stacks still to 0.5 mm/s
+DEEP = 0.1  # of the height of a model, to which a spring lets it sink without a warning
+FIRM = 0.01  # likewise, with what is advised
+ITERATIONS = 300  # that hold taller stacks still to 1 mm/s; for those of n solids n^2, if that is more
 
 
 def warn_of_contacts(models: Iterable[SdfModel], diagnostics: Diagnostics) -> None:
@@ -39,32 +40,24 @@ def _points(geom: Geom) -> int:
 
 
 def _warn_of_sinking(model: SdfModel, engine: Engine, diagnostics: Diagnostics) -> None:
-    """A contact carries max_vel (h kp + kd) at most; a model that is heavier sinks for ever."""
+    """A spring carries kp times its depth."""
     bodies = [body for member in model.nested_family() for body in member.bodies if not body.dummy]
     anchored = any(None in joint.bodies for body in bodies for joint in body.joints)
     geoms = list(family_geoms(model))
     weight = -engine.gravity[2] * sum(body.mass for body in bodies if body.GetGravityMode())
     if anchored or not geoms or weight <= 0.0 or any(body.kinematic for body in bodies):
         return
-    carried = softest = 0.0
-    for geom in geoms:
-        kp, kd = geom.surface(Surface.KP), geom.surface(Surface.KD)
-        strength = _points(geom) * geom.surface(Surface.MAX_VEL) * (engine.step_time * kp + kd + 1.0)
-        if strength >= carried:
-            carried, softest = strength, kp
-            speed, damper, points = geom.surface(Surface.MAX_VEL), kd + 1.0, _points(geom)  # the ground's kd is 1
-    carried *= len(geoms)
-    if carried >= weight:
-        return
-    share = MARGIN * weight / (points * len(geoms))
-    faster = share / (engine.step_time * softest + damper)
-    stiffer = (share / speed - damper) / engine.step_time if speed > 0.0 else math.inf
-    advice = f"<max_vel> {_round_up(faster):g}" + (f" or <kp> {_round_up(stiffer):g}" if stiffer < math.inf else "")
-    diagnostics.warn(
-        model.sdf,
-        f"model {model.GetId()!r} sinks into what it rests on: contacts with <kp> {softest:g} and <max_vel> {speed:g} "
-        f"carry {carried:.2g} N of its {weight:.3g} N; {advice} would carry it (docs/contacts.md)",
-    )
+    best = max(geoms, key=lambda geom: _points(geom) * geom.surface(Surface.KP))
+    kp, share = best.surface(Surface.KP), weight / (_points(best) * len(geoms))
+    bounds = [geom.bounds() for geom in geoms]
+    height = max(high[2] for _, high in bounds) - min(low[2] for low, _ in bounds)
+    depth = share / kp if kp > 0.0 else math.inf
+    if depth > DEEP * height:
+        diagnostics.warn(
+            model.sdf,
+            f"model {model.GetId()!r} sinks into what it rests on: contacts with <kp> {kp:g} carry its {weight:.3g} N "
+            f"at a depth of {depth:.2g} m; <kp> {_round_up(share / (FIRM * height)):g} would carry it (docs/contacts.md)",
+        )
 
 
 def _round_up(value: float) -> float:
@@ -97,10 +90,11 @@ def _warn_of_stacks(found: list[Solid], diagnostics: Diagnostics) -> None:
                 f"{engine.iterations} iterations cannot carry it; {remedy} would (docs/contacts.md)",
             )
     for solid in order:
-        if id(solid) not in carrying and height[id(solid)] > EXACT and engine.iterations < ITERATIONS:
+        needed = max(ITERATIONS, height[id(solid)] ** 2)
+        if id(solid) not in carrying and height[id(solid)] > EXACT and engine.iterations < needed:
             diagnostics.warn(
                 solid.model.sdf,
                 f"model {solid.model.GetId()!r} is the top of a stack of {height[id(solid)]} solids, which "
-                f"{engine.iterations} iterations do not hold still; <solver><iters> {ITERATIONS} would "
+                f"{engine.iterations} iterations do not hold still; <solver><iters> {needed} would "
                 "(docs/contacts.md)",
             )

@@ -134,7 +134,10 @@ class SdfWorld(Era):
         if not any(child.name in ("world", *BUILT) for child in root.children):
             diagnostics.raise_errors()
             raise WorldFileError(f"{root.where}: <sdf>: holds no world, model or light")
-        element = next(root.named("world"), None) or _world_around(root)
+        worlds = list(root.named("world"))
+        for further in worlds[1:]:
+            diagnostics.warn(further, "a file has one world: this one is left out, as in Gazebo classic")
+        element = worlds[0] if worlds else _world_around(root)
         try:
             self._build(element, diagnostics)
         except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met

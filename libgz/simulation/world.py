@@ -890,8 +890,9 @@ class World(Closing):
         if not rows.valid:
             self._build_rows()
         if rows.native and step > 0.0:
-            self.engine.enter()
-            self._run_rows(rows.begin)
+            if rows.begin < rows.end:
+                self.engine.enter()
+                self._run_rows(rows.begin)
             return
         failed = []
         for entity in rows.updating:

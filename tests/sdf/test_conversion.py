@@ -95,7 +95,7 @@ def test_a_value_that_is_there_already_is_kept():
     assert any("was dropped, for there is a <static>" in change for change in changes)
 
 
-@pytest.mark.parametrize("version", ["1.6", "1.9"])
+@pytest.mark.parametrize("version", ["1.6", "1.9", "1.11"])
 def test_newer_documents_stay_as_they_are(version):
     data = f"<sdf version='{version}'>  <model name='m'/></sdf>".encode()
     assert upgrade_document(data) == (data, [])

@@ -107,6 +107,28 @@ def test_tension_straightens_a_way(load):
     assert off["b"] > 0.02
 
 
+def test_an_actor_without_trajectories_plays_its_animation_where_it_stands(load):
+    bare = actor(inside=skin(), name="none", pose="5 0 1 0 0 0.7").replace("<script></script>", "")
+    world = load(
+        bare,
+        actor(inside=skin(), name="empty", pose="0 5 1 0 0 0.7"),
+        actor(inside="<skin><filename>walk.dae</filename></skin>", name="skin", pose="0 9 1 0 0 0.7"),
+        actor("<auto_start>0</auto_start>", skin(), name="still", pose="9 9 1 0 0 0.7"),
+        actor(trajectory(), skin(), name="walks", pose="-9 0 1 0 0 0"),
+        actor(name="box", inside="<link name='l'/>", pose="9 0 1 0 0 0.7").replace("<script></script>", ""),
+    )
+    places = {"none": (5, 0), "empty": (0, 5), "skin": (0, 9), "still": (9, 9), "box": (9, 0)}
+    knees = set()
+    for time in (0.4, 0.9, 1.7):
+        go_to(world, time)
+        for name, place in places.items():
+            assert (*world.model(name).GetPose().pos,)[:2] == pytest.approx(place, abs=1e-9)
+        bones = world.model("empty").frame_links
+        knees.add(max(body.GetPosition().x for body in bones))
+        assert world.model("walks").GetPose().pos.x > -9.0  # a trajectory without waypoints has the root's way
+    assert len(knees) == 3
+
+
 def test_links_of_an_actor_move_with_it(load):
     link = "<link name='cart'><pose>0 0 0.5 0 0 0</pose><collision name='c'><geometry><box><size>1 1 1</size></box>"
     link += "</geometry></collision></link>"

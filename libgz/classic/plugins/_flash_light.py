@@ -97,7 +97,6 @@ class FlashLightPlugin(ModelPlugin):
         self.connection = Events.ConnectWorldUpdateBegin(self.OnUpdate)
 
     def _find(self, element: Element, name: str) -> LightGeom | None:
-        link_name, _, light_name = name.rpartition("/")
         found: dict[str, LightGeom] = {}
         for link in self.model.family_links():
             geoms = [geom for geom in link.body.geoms if isinstance(geom, LightGeom)]
@@ -108,8 +107,7 @@ class FlashLightPlugin(ModelPlugin):
         if name not in found:
             known = ", ".join(found) or "no light"
             raise NotFoundError(
-                f"{element.where}: <id> is {f'{link_name}/{light_name}'!r}; model {self.model.GetName()!r} has "
-                f"{known}{nearest(name, found)}"
+                f"{element.where}: <id> is {name!r}; model {self.model.GetName()!r} has {known}{nearest(name, found)}"
             )
         return found[name]
 

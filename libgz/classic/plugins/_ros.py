@@ -1,36 +1,66 @@
-"""Look-up of topics and joints as plugins of the ROS era name them."""
+"""Elements, topics and joints as plugins of ROS and of ROS 2 name them."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from libgz.errors import NotFoundError
+from libgz.errors import NotFoundError, nearest
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
-__all__ = ["ros_joint", "ros_topic"]
+__all__ = ["ros_elements", "ros_joints", "ros_topic"]
+
+# Elements of ROS 2 whose name in ROS is another one than the same words in camel case.
+RENAMED = {"max_wheel_torque": "wheelTorque", "max_wheel_acceleration": "wheelAcceleration"}
+
+
+def ros_elements(sdf: Element) -> Element:
+    """The elements of a plugin under their names in ROS: `<left_joint>` of ROS 2 is `<leftJoint>`.
+
+    A `<namespace>` in `<ros>` is the `<robotNamespace>`.
+    """
+    copy = sdf.Clone()
+    for child in copy.children:
+        first, *rest = child.name.split("_")
+        child.name = RENAMED.get(child.name, first + "".join(map(str.capitalize, rest)))
+    for ros in sdf.named("ros"):
+        if ros.HasElement("namespace") and not copy.HasElement("robotNamespace"):
+            copy.AddElement("robotNamespace").Set(ros.Get(str, "namespace"))
+    return copy
 
 
 def ros_topic(model: Model, sdf: Element, tag: str, default: str) -> str:
-    """The topic that an element names: `/<robotNamespace>/<name>`; without a namespace, `~/<model>/<name>`."""
+    """The topic that an element names: `/<robotNamespace>/<name>`; without a namespace, `~/<model>/<name>`.
+
+    A `<remapping>` of ROS 2, `name:=other`, gives it another name.
+    """
     name = sdf.Get(str, tag, default)[0].strip()
+    for ros in sdf.named("ros"):
+        for remapping in ros.named("remapping"):
+            before, found, after = remapping.Get(str).strip().partition(":=")
+            if found and before.removeprefix("~/") == name:
+                name = after.strip()
     if name.startswith(("/", "~")):
         return name
     space = sdf.Get(str, "robotNamespace").strip().strip("/")
     return f"/{space}/{name}" if space else f"~/{model.GetName()}/{name}"
 
 
-def ros_joint(model: Model, sdf: Element, tag: str, default: str) -> Joint:
-    """The joint that an element names.
+def ros_joints(model: Model, sdf: Element, tag: str, default: str) -> list[Joint]:
+    """The joints that elements of one tag name; without one, the joint of the default name.
 
     Raises:
         NotFoundError: there is no such joint.
     """
-    name = sdf.Get(str, tag, default)[0].strip()
-    joint = model.GetJoint(name)
-    if joint is None:
-        known = ", ".join(joint.GetName() for joint in model.all_joints()) or "none"
-        raise NotFoundError(f"{sdf.where}: <{tag}> is {name!r}; model {model.GetName()!r} has {known}")
-    return joint
+    names = [element.Get(str).strip() for element in sdf.named(tag)] or [default]
+    joints = [model.GetJoint(name) for name in names]
+    for name, joint in zip(names, joints, strict=True):
+        if joint is None:
+            known = [joint.GetName() for joint in model.all_joints()]
+            raise NotFoundError(
+                f"{sdf.where}: <{tag}> is {name!r}; model {model.GetName()!r} has {', '.join(known) or 'none'}"
+                f"{nearest(name, known)}"
+            )
+    return joints

@@ -9,7 +9,7 @@ from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugins._position_drive import PositionDrive, positive
-from libgz.classic.plugins._ros import ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_topic
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
@@ -27,6 +27,7 @@ class RosDrive(PositionDrive):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the joints, create interface and topics."""
+        sdf = ros_elements(sdf)
         left, right = self.wheels(model, sdf)
         torque = "wheelTorque" if sdf.HasElement("wheelTorque") else "torque"
         rate = sdf.Get(float, "updateRate", 100.0)[0]

@@ -41,7 +41,8 @@ class ContainPlugin(WorldPlugin):
             if not sdf.Get(str, tag).strip():
                 raise NotFoundError(f"{sdf.where}: <{tag}> is missing")
         self.entity, space = sdf.Get(str, "entity").strip(), sdf.Get(str, "namespace").strip().strip("/")
-        self.box, self.frame = box_of(sdf), sdf.child("pose").Get(str, "frame").strip()
+        pose = next(sdf.named("pose"), None)  # the attribute of one is the frame
+        self.box, self.frame = box_of(sdf), pose.Get(str, "frame").strip() if pose is not None else ""
         self.start = sdf.Get(bool, "enabled", True)[0]
         self.node = transport.Node()
         self.node.Init(space)

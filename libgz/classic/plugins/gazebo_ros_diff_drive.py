@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
-from libgz.classic.plugins._ros import ros_joint
+from libgz.classic.plugins._ros import ros_joints
 from libgz.classic.plugins._ros_drive import RosDrive
 
 if TYPE_CHECKING:
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 class GazeboRosDiffDrive(RosDrive):
-    """Drives a model with two wheels, by its command topic or its position interface.
+    """Drives a model with two wheels, or several on each side, by its command topic or its position interface.
 
     The topic takes a Pose: x of the position is the speed [m/s], yaw of the orientation the turn rate, left positive
     [rad/s]. The interface is called as the model. Odometry, from zero at the start, is published as a PoseStamped.
 
-    Elements:
-        leftJoint, rightJoint: names of the wheels' joints (left_joint, right_joint).
+    Elements, also under their names in ROS 2 (left_joint, max_wheel_torque, `<ros>` with namespace and remapping):
+        leftJoint, rightJoint: names of the wheels' joints, several of each (left_joint, right_joint).
         wheelSeparation, wheelDiameter: [m]; as built, if they are missing.
         wheelTorque: maximum torque of each wheel [N m] (5); also torque.
         wheelAcceleration: most change of the wheels' speed [m/s^2] (0: none).
@@ -31,8 +31,7 @@ class GazeboRosDiffDrive(RosDrive):
 
     def wheels(self, model: Model, sdf: Element) -> tuple[list[Joint], list[Joint]]:
         """The joints of the left and the right side."""
-        left = ros_joint(model, sdf, "leftJoint", "left_joint")
-        return [left], [ros_joint(model, sdf, "rightJoint", "right_joint")]
+        return ros_joints(model, sdf, "leftJoint", "left_joint"), ros_joints(model, sdf, "rightJoint", "right_joint")
 
 
 GZ_REGISTER_MODEL_PLUGIN(GazeboRosDiffDrive)

@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ class GazeboRosImu(ModelPlugin):
 
     It has the orientation in the world, and angular rate and specific force in the link's frame.
 
-    Elements:
+    Elements, also under their names in ROS 2 (update_rate, `<ros>` with namespace and remapping):
         bodyName: the link.
         topicName: (imu).
         xyzOffset, rpyOffset: added to the pose [m], [rad].
@@ -35,6 +35,7 @@ class GazeboRosImu(ModelPlugin):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the link, and advertise."""
+        sdf = ros_elements(sdf)
         self.world = model.GetWorld()
         self.link = named_link(model, sdf, "bodyName")
         self.offset = Pose3d(sdf.Get(Vector3d, "xyzOffset"), Quaterniond(*sdf.Get(Vector3d, "rpyOffset")))

@@ -8,7 +8,7 @@ from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.classic.plugins._ros import ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 class GazeboRosJointStatePublisher(ModelPlugin):
     """Publishes a Param_V: for each joint a Param with its name and position [rad] or [m].
 
-    Elements:
+    Elements, also under their names in ROS 2 (update_rate, `<ros>` with namespace and remapping):
         jointName: names of joints, separated by commas; none: all of the model.
         updateRate: [Hz] (100).
         robotNamespace: before the topic's name, joint_states.
@@ -30,6 +30,7 @@ class GazeboRosJointStatePublisher(ModelPlugin):
 
     def Load(self, model: Model, sdf: Element) -> None:
         """Find the joints, and advertise."""
+        sdf = ros_elements(sdf)
         names = [name.strip() for element in sdf.named("jointName") for name in element.Get(str).split(",")]
         self.joints = [find_joint(model, name) for name in names if name] or list(model.all_joints())
         rate = sdf.Get(float, "updateRate", 100.0)[0]

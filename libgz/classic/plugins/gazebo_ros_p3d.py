@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_topic
 from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
@@ -24,7 +24,7 @@ WORLD = ("", "world", "map", "/map", "/world")  # names of the world's frame
 class GazeboRosP3D(ModelPlugin):
     """Publishes the pose of a link as a PoseStamped.
 
-    Elements:
+    Elements, also under their names in ROS 2 (update_rate, `<ros>` with namespace and remapping):
         bodyName: the link.
         topicName: of the pose (odom).
         frameName: the world, or a link of the model whose frame the pose is in (world).
@@ -42,6 +42,7 @@ class GazeboRosP3D(ModelPlugin):
         Raises:
             NotFoundError: there is no such link.
         """
+        sdf = ros_elements(sdf)
         self.link, frame = named_link(model, sdf, "bodyName"), sdf.Get(str, "frameName").strip()
         self.frame = None if frame in WORLD else model.GetLink(frame)
         if self.frame is None and frame not in WORLD:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN
-from libgz.classic.plugins._ros import ros_joint
+from libgz.classic.plugins._ros import ros_joints
 from libgz.classic.plugins._ros_drive import RosDrive
 
 if TYPE_CHECKING:
@@ -28,8 +28,14 @@ class GazeboRosSkidSteerDrive(RosDrive):
 
     def wheels(self, model: Model, sdf: Element) -> tuple[list[Joint], list[Joint]]:
         """The joints of the left and the right side."""
-        left = [ros_joint(model, sdf, f"left{end}Joint", f"left_{end.lower()}_joint") for end in ("Front", "Rear")]
-        right = [ros_joint(model, sdf, f"right{end}Joint", f"right_{end.lower()}_joint") for end in ("Front", "Rear")]
+        left, right = (
+            [
+                joint
+                for end in ("Front", "Rear")
+                for joint in ros_joints(model, sdf, f"{side}{end}Joint", f"{side}_{end.lower()}_joint")
+            ]
+            for side in ("left", "right")
+        )
         return left, right
 
 

@@ -10,12 +10,12 @@ from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._pids import pid_of
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 
 if TYPE_CHECKING:
     from libgz.classic.common import UpdateInfo
     from libgz.classic.physics import Joint, Model
-    from libgz.sdf.element import Element
 
 log = logging.getLogger("libgz.classic")
 
@@ -47,7 +47,7 @@ class HarnessPlugin(ModelPlugin):
         self.elements = {element.Get(str, "name"): _described(element) for element in sdf.named("joint")}
         if not self.elements:
             raise NotFoundError(f"{sdf.where}: <joint> is missing; it holds the model")
-        winch = sdf.child("winch")
+        winch = next(sdf.named("winch"), Element("winch"))
         self.winch = self._name(sdf, winch.Get(str, "joint").strip(), "winch><joint")
         self.loose = self._name(sdf, sdf.Get(str, "detach").strip(), "detach")
         self.pos_pid = pid_of(winch, "pos_pid", p=1000.0, d=500.0)

@@ -89,7 +89,7 @@ class ImuSensor(LinkSensor):
             return Quaterniond(*FRAMES[name])
         key = "custom_rpy" if name == "CUSTOM" else "grav_dir_x"
         given = first(frame, key)
-        if given is not None and given.Get(str, "parent_frame"):
+        if given is not None and given.Get(str, "parent_frame").strip() not in ("", "world"):
             log.warning("%s: <%s>: parent_frame is not used; the world's frame is", given.where, key)
         value = frame.Get(Vector3d, key)
         return Quaterniond(*value) if name == "CUSTOM" else self._along_gravity(frame, value, name == "GRAV_UP")

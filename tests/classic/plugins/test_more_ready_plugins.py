@@ -1,5 +1,6 @@
 """Ready plugins of vehicles, mechanisms, places and lights, and those of the ROS era, each against a number."""
 
+import itertools
 import json
 import math
 from pathlib import Path
@@ -577,3 +578,218 @@ def test_the_examples_run(name, caplog):
         assert [error for error in world.errors if error] == []
         assert all(math.isfinite(x) for model in world.models for x in model.GetPose().pos)
     assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []
+
+
+# Keys, breaking joints, lights that are carried, frames ---------------------------------------------------------------
+
+
+def keys(*rows):
+    maps = "".join("<map " + " ".join(f"{k}='{v}'" for k, v in row.items()) + "/>" for row in rows)
+    return f"<plugin name='keys' filename='libKeysToJointsPlugin.so'>{maps}</plugin>"
+
+
+def press(core, text):
+    node = transport.Node()
+    node.Init("default")
+    publisher = node.Advertise(msgs.Any, "~/keyboard/keypress")
+    for key in text:
+        publisher.Publish(msgs.Any(int_value=ord(key)))
+        core.step()
+
+
+def test_keys_move_joints_to_positions_at_velocities_and_by_efforts(run, caplog):
+    rows = (
+        {"key": 97, "joint": "turn", "type": "position", "scale": 0.2, "kp": 40, "kd": 12},
+        {"key": 98, "joint": "roll", "type": "velocity", "scale": 3, "kp": 50},
+        {"key": 99, "joint": "lift", "type": "force", "scale": 100},
+        {"key": 99, "joint": "turn", "type": "position", "scale": -0.5, "kp": 40, "kd": 12},
+        {"key": 100, "joint": "left", "type": "force", "scale": 1},
+        {"key": 100, "joint": "turn", "type": "twist", "scale": 1},
+        {"key": 100, "joint": "turn", "type": "force"},
+    )
+    parts = slider("turn", "0 0 1", kind="revolute") + slider("roll", "1 0 0", -1e16, 1e16, kind="revolute")
+    core, world = run(f"<model name='m'>{parts}{slider('lift', '0 0 1')}{keys(*rows)}</model>")
+    for text in ("no joint 'left'", "type is 'twist'", "attribute 'scale' is missing"):
+        assert text in caplog.text
+    model = world.ModelByName("m")
+    turn, roll, lift = (model.GetJoint(name) for name in ("turn", "roll", "lift"))
+    press(core, "abd")
+    core.run(4.0)
+    assert turn.Position(0) == pytest.approx(0.2, abs=0.005)
+    assert roll.GetVelocity(0) == pytest.approx(3.0, abs=0.02)
+    press(core, "c")
+    core.run(4.0)
+    assert lift.GetVelocity(0) == pytest.approx(100.0 * 0.001 / 1.0, abs=1e-6)  # of one iteration, on 1 kg
+    assert turn.Position(0) == pytest.approx(-0.3, abs=0.005)
+
+
+def seam(limit, mass):
+    sensor = (
+        "<sensor name='ft' type='force_torque'><always_on>1</always_on><update_rate>1000</update_rate>"
+        f"{plugin('BreakableJointPlugin', breaking_force_N=limit)}</sensor>"
+    )
+    joint = f"<joint name='seam' type='fixed'><parent>world</parent><child>link</child>{sensor}</joint>"
+    return body(f"m{limit}", "0 0 5 0 0 0", mass, inside=joint)
+
+
+def test_a_joint_breaks_when_it_bears_more_than_it_can(run, caplog):
+    core, world = run(seam(19, 2.0), seam(20, 2.0))
+    core.run(0.5)
+    assert world.ModelByName("m19").WorldPose().Pos().Z() == pytest.approx(5.0 - 4.9 * 0.5**2, abs=0.05)  # 19.6 N
+    assert world.ModelByName("m20").WorldPose().Pos().Z() == pytest.approx(5.0, abs=1e-6)
+    core.Reset()
+    core.step()
+    assert world.ModelByName("m19").WorldPose().Pos().Z() == pytest.approx(5.0, abs=1e-3)
+    core.run(0.2)
+    assert world.ModelByName("m19").WorldPose().Pos().Z() < 4.9
+    run(body("m", link="<sensor name='i' type='imu'><plugin name='b' filename='libBreakableJointPlugin.so'/></sensor>"))
+    assert "requires a force_torque sensor, not imu" in caplog.text
+
+
+def test_a_light_of_the_world_is_carried_by_a_link(run, caplog):
+    def carried(name):
+        element = f"<light><light_name>{name}</light_name><pose>0 0 1 0 0 0</pose></light>"
+        return plugin("AttachLightPlugin", link=f"<link_name>link</link_name>{element}")
+
+    lamp = "<light name='lamp' type='point'><pose>9 9 9 0 0 0</pose></light>"
+    core, world = run(lamp, body("m", "1 0 50 0 0 1.5", inside=carried("lamp")), body("n", inside=carried("lump")))
+    assert "<light_name> is 'lump'; the world has lamp; did you mean 'lamp'?" in caplog.text
+    core.run(1.0)
+    core.step()
+    height = world.ModelByName("m").WorldPose().Pos().Z()
+    assert (*world.Light("lamp").WorldPose().Pos(),) == pytest.approx((1.0, 0.0, height + 1.0), abs=0.02)
+    assert height < 46
+
+
+def test_misalignment_is_the_pose_of_the_target_in_the_reference(run):
+    frames = "<pose frame='a'>1 0 0 0 0 0</pose><pose frame='b::link'>0 0 0 0 0 0</pose>"
+    text = f"<plugin name='p' filename='libMisalignmentPlugin.so'>{frames}<namespace>n</namespace></plugin>"
+    core, _ = run(
+        text, body("a", "0 0 0 0 0 1.5707963", gravity="false"), body("b", "0.1 1.5 0 0 0 1.8", gravity="false")
+    )
+    heard = Heard("/n/misalignment")
+    core.step(3)
+    pose = msgs.ConvertIgn(heard[-1].pose)
+    assert (*pose.Pos(), pose.Yaw()) == pytest.approx((0.5, -0.1, 0.0, 1.8 - math.pi / 2.0), abs=1e-6)
+    count = len(heard)
+    kept = send("/n/enable", msgs.Int(data=0))
+    core.step(5)
+    assert len(heard) <= count + 1
+    del kept
+
+
+def test_a_laser_has_noise_that_grows_with_its_range(run, caplog):
+    def laser(noise):
+        angles = "<samples>40</samples><min_angle>-0.2</min_angle><max_angle>0.2</max_angle>"
+        scan = f"<scan><horizontal>{angles}</horizontal></scan><range><min>0.1</min><max>20</max></range>"
+        ray = f"<always_on>1</always_on><ray>{scan}{noise}</ray>{plugin('RaySensorNoisePlugin')}"
+        return f"<sensor name='s' type='ray'>{ray}</sensor>"
+
+    wall = body("wall", "9.5 0 0 0 0 0", link=collision("<box><size>1 50 50</size></box>"), gravity="false")
+    core, _ = run(body("eye", link=laser("<noise><type>custom</type></noise>"), gravity="false"), wall)
+    core.step(3)
+    from libgz.classic import sensors
+
+    found = sensors.get_sensor("s").Ranges()
+    true = [9.0 / math.cos(-0.2 + 0.4 * i / 39) for i in range(40)]
+    off = [a / b - 1.0 for a, b in zip(found, true, strict=True)]
+    assert 0.001 < max(map(abs, off)) <= 0.005
+    assert all(a * b < 0.0 for a, b in itertools.pairwise(off))  # in turn
+    run(body("eye", link=laser(""), gravity="false"))
+    assert "needs <noise><type>custom</type></noise>" in caplog.text
+
+
+# Elements of ROS 2 ----------------------------------------------------------------------------------------------------
+
+
+def test_plugins_of_ros_take_the_elements_of_ros_2(run):
+    wheels = "".join(
+        wheel(f"{side}_{end}", x, y)
+        for side, y in (("left", 0.2), ("right", -0.2))
+        for end, x in (("front", 0.2), ("rear", -0.2))
+    )
+    names = "".join(
+        f"<{side}_joint>{side}_{end}</{side}_joint>" for end in ("front", "rear") for side in ("left", "right")
+    )
+    ros = "<ros><namespace>/r</namespace><remapping>cmd_vel:=go</remapping><remapping>~/odom:=/odo</remapping></ros>"
+    drive = (
+        f"<plugin name='d' filename='libgazebo_ros_diff_drive.so'>{ros}{names}<num_wheel_pairs>2</num_wheel_pairs>"
+        "<wheel_separation>0.4</wheel_separation><wheel_diameter>0.2</wheel_diameter>"
+        "<max_wheel_torque>20</max_wheel_torque><update_rate>50</update_rate></plugin>"
+    )
+    joints = (
+        "<plugin name='j' filename='libgazebo_ros_joint_state_publisher.so'><ros><namespace>r</namespace></ros>"
+        "<joint_name>left_rear</joint_name><joint_name>right_rear</joint_name><update_rate>10</update_rate></plugin>"
+    )
+    base = "<link name='base'><pose>0 0 0.15 0 0 0</pose><inertial><mass>5</mass></inertial></link>"
+    core, world = run(GROUND, f"<model name='rover'>{base}{wheels}{drive}{joints}</model>")
+    states, odometry = Heard("/r/joint_states"), Heard("/odo")
+    kept = command("/r/go", 0.5)
+    core.run(2.0)
+    rover = world.ModelByName("rover")
+    assert rover.WorldPose().Pos().X() == pytest.approx(1.0, abs=0.05)
+    for name in ("left_front", "left_rear", "right_rear"):
+        assert rover.GetJoint(name).GetVelocity(0) == pytest.approx(5.0, abs=0.05)
+    assert [param.name for param in states[-1].param] == ["left_rear", "right_rear"]
+    assert len(states) == pytest.approx(20, abs=1)
+    assert odometry[-1].pose.position.x == pytest.approx(1.0, abs=0.05)
+    del kept
+
+
+def test_elements_that_have_defaults_may_be_left_out(run, caplog):
+    joint = "<joint name='h' type='{}'><parent>world</parent><child>link</child><axis><xyz>0 0 1</xyz></axis></joint>"
+    held, tied = joint.format("prismatic"), joint.format("fixed")
+    harness = plugin("HarnessPlugin", winch="<joint>h</joint>", detach="h").replace("<winch>", f"{held}<winch>")
+    tie = plugin("HarnessPlugin", detach="h").replace("<detach>", f"{tied}<detach>")
+    flash = plugin("FlashLightPlugin", light="<id>link/l</id><duration>1</duration>")
+    core, world = run(
+        body("a", "0 0 3 0 0 0", inside=harness),
+        body("b", "2 0 3 0 0 0", inside=tie),
+        body("c", link="<light name='l' type='point'/>", inside=flash, gravity="false"),
+    )
+    core.run(2.0)
+    assert [world.ModelByName(name).WorldPose().Pos().Z() for name in "ab"] == pytest.approx([3.0, 3.0], abs=0.05)
+    assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []
+
+
+PROBE = """from libgz.classic import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
+
+
+class Probe(ModelPlugin):
+    STATE = ()
+
+    def Load(self, model, sdf):
+        print(model.GetScopedName(), type(model).__name__, sdf.Get(str, "name"))
+
+
+GZ_REGISTER_MODEL_PLUGIN(Probe)
+"""
+
+
+def test_plugins_of_actors_and_of_includes_at_any_depth_are_loaded(run, tmp_path, monkeypatch, capsys):
+    (tmp_path / "probe.py").write_text(PROBE)
+    for name, inside in (
+        ("walker", "<actor name='walker'><skin><filename>walk.dae</filename></skin></actor>"),
+        ("crate", "<model name='crate'><link name='link'/></model>"),
+    ):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "model.sdf").write_text(f"<sdf version='1.6'>{inside}</sdf>")
+        config = f"<model><name>{name}</name><sdf version='1.6'>model.sdf</sdf></model>"
+        (tmp_path / name / "model.config").write_text(config)
+    monkeypatch.setenv("GAZEBO_PLUGIN_PATH", str(tmp_path))
+    monkeypatch.setenv("GAZEBO_MODEL_PATH", str(tmp_path))
+
+    def probe(name):
+        return f"<plugin name='{name}' filename='libprobe.so'/>"
+
+    def include(name, plugin):
+        return f"<include><uri>model://{name}</uri>{probe(plugin)}</include>"
+
+    actor = f"<actor name='own'><skin><filename>stand.dae</filename></skin>{probe('b')}</actor>"
+    core, _ = run(
+        include("walker", "a"), actor, f"<model name='m'><link name='l'/>{include('crate', 'c')}{probe('d')}</model>"
+    )
+    core.step(2)
+    assert sorted(capsys.readouterr().out.splitlines()) == [
+        "m Model d", "m::crate Model c", "own Actor b", "walker Actor a",
+    ]  # fmt: skip

@@ -52,11 +52,12 @@ def _warn_of_sinking(model: SdfModel, engine: Engine, diagnostics: Diagnostics) 
     bounds = [geom.bounds() for geom in geoms]
     height = max(high[2] for _, high in bounds) - min(low[2] for low, _ in bounds)
     depth = share / kp if kp > 0.0 else math.inf
-    if depth > DEEP * height:
+    if depth > DEEP * height and best.surface(Surface.MAX_VEL) > 0.0:  # without velocity, contacts are hard
+        firm = _round_up(share / (FIRM * height))
         diagnostics.warn(
             model.sdf,
             f"model {model.GetId()!r} sinks into what it rests on: contacts with <kp> {kp:g} carry its {weight:.3g} N "
-            f"at a depth of {depth:.2g} m; <kp> {_round_up(share / (FIRM * height)):g} would carry it (docs/contacts.md)",
+            f"at a depth of {depth:.2g} m; <kp> {firm:g} would carry it (docs/contacts.md)",
         )
 
 

@@ -60,13 +60,12 @@ def test_the_advised_springs_and_speeds_carry_every_shape_and_mass(load, caplog,
         placed = [solid(name, f"{20 * i} 0 0.5", **one) for i, (name, one) in enumerate(settings.items())]
         made = load(world(GROUND, *placed, physics=physics(step, solver)))
         warned = advised(caplog)
-        made.run(1.5)
-        heights = {name: made.body(name).GetPosition().z for name in settings}
-        made.run(0.5)
-        sinks = {
-            name for name in settings if heights[name] < 0.4 or made.body(name).GetPosition().z < heights[name] - 1e-4
-        }
-        return warned, sinks
+        made.run(20.0 if step > 0.01 else 5.0)
+        heights = []
+        for _ in range(25):  # springs with little damping oscillate
+            made.run(0.02)
+            heights.append([made.body(name).GetPosition().z for name in settings])
+        return warned, {name for name, height in zip(settings, np.mean(heights, axis=0), strict=True) if height < 0.4}
 
     warned, sinks = run(cases)
     assert sinks  # what sinks is warned about, and what is warned about sinks

@@ -24,6 +24,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.event import unowned
 from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
@@ -49,11 +50,12 @@ def attach(core: CoreWorld) -> WorldServer:
     if core.facade is not None:
         server: WorldServer = core.facade.server
         return server
-    server = WorldServer(core)
-    core.companions.append(server)
-    core.reloaders.append(server)
-    if core.running:
-        server.start_late()
+    with unowned():  # a plugin of another world may have asked
+        server = WorldServer(core)
+        core.companions.append(server)
+        core.reloaders.append(server)
+        if core.running:
+            server.start_late()
     return server
 
 

@@ -1,4 +1,4 @@
-"""Look-up of topics and joints as plugins of the ROS era name them."""
+"""Topics, joints and rates as plugins of the ROS era name them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
-__all__ = ["ros_joint", "ros_topic"]
+__all__ = ["ros_joint", "ros_rate", "ros_topic"]
 
 
 def ros_topic(model: Model, sdf: Element, tag: str, default: str) -> str:
@@ -34,3 +34,9 @@ def ros_joint(model: Model, sdf: Element, tag: str, default: str) -> Joint:
         known = ", ".join(joint.GetName() for joint in model.all_joints()) or "none"
         raise NotFoundError(f"{sdf.where}: <{tag}> is {name!r}; model {model.GetName()!r} has {known}")
     return joint
+
+
+def ros_rate(model: Model, sdf: Element, default: float) -> float:
+    """The rate that `<updateRate>` gives [Hz]; 0 or less: that of the iterations."""
+    rate: float = sdf.Get(float, "updateRate", default)[0]
+    return rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize()

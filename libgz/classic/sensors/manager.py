@@ -13,6 +13,7 @@ from libgz.classic.transport import Node, TopicManager
 from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
+from libgz.simulation.event import unowned
 from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
@@ -191,7 +192,8 @@ class WorldSensors:
             topic = sensor.Topic()
             if sensor.publisher is None and topic and sensor.message_type:
                 try:
-                    sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
+                    with unowned():  # a plugin may have made the sensor's joint
+                        sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
                 except GazeboError as error:
                     log.error("%s: <sensor>: %s", sensor.sdf.where, error)
         self._update_lists()

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.rendering.scene import Scene
     from libgz.classic.sensors.manager import WorldSensors
+    from libgz.classic.sensors.sensor import Sensor
     from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
@@ -562,6 +563,11 @@ class WorldServer:
         for part in (self.visuals, self.sensors, self.topics):
             if part is not None:
                 part.close()
+
+    def sensors_of(self, holder: Link | Joint) -> list[Sensor]:
+        """The sensors that a link carries, or that measure a joint."""
+        found = self.sensors.sensors.values() if self.sensors is not None else ()
+        return [sensor for sensor in found if sensor.parent is holder]
 
     def sensor_names(self) -> list[str]:
         """The full scoped names of all sensors."""

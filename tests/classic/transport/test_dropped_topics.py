@@ -28,8 +28,8 @@ def test_inserts_and_deletes_of_new_names_leave_no_topics():
 TOUCH = (
     "<sdf version='1.6'><world name='default'><model name='m'><link name='l'/><plugin name='t' "
     "filename='libTouchPlugin.so'><target>x</target><time>1</time><namespace>aside</namespace></plugin></model>"
-    "<plugin name='c' filename='libContainPlugin.so'><entity>m</entity><namespace>aside</namespace><pose>0 0 0 0 0 0</pose>"
-    "<geometry><box><size>1 1 1</size></box></geometry></plugin></world></sdf>"
+    "<plugin name='c' filename='libContainPlugin.so'><entity>m</entity><namespace>aside</namespace>"
+    "<pose>0 0 0 0 0 0</pose><geometry><box><size>1 1 1</size></box></geometry></plugin></world></sdf>"
 )
 
 

@@ -343,3 +343,14 @@ def test_changes_are_published(view, core, node, send):
     assert view.ModelByName("arm2").GetJoint("hinge").GetVelocity(0) > 0.0
     assert received["~/diagnostics"].sim_time.nsec > 0
     assert len(kept) == 4
+
+
+def test_repeated_and_long_errors_of_messages_do_not_fill_the_log(core, node, caplog):
+    factory = node.Advertise(msgs.Factory, "~/factory")
+    for _ in range(150):
+        factory.Publish(msgs.Factory(sdf_filename="x" * 50_000))
+    core.step(2)
+    errors = [record.getMessage() for record in caplog.records if "~/factory" in record.getMessage()]
+    assert len(errors) == 2
+    assert "(100 times so far)" in errors[1]
+    assert all(len(text) < 3000 for text in errors)

@@ -70,7 +70,8 @@ class _Skeletons:
 
     def remove(self, entity: Model | Light) -> None:
         """Publish those of a removed actor no longer."""
-        self._framed.pop(entity, None)  # type: ignore[arg-type]
+        if isinstance(entity, Actor):
+            self._framed.pop(entity, None)
 
     def update(self) -> None:
         """Publish new poses."""

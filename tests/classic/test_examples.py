@@ -17,6 +17,7 @@ from master_uri import free_master_uri
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Pose3d, Rand
+from libgz.reference.classic_api import classic_api
 from libgz.reference.classic_pages import classic_pages
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
@@ -349,8 +350,23 @@ def test_the_guide_lists_all_ready_plugins_and_its_links_exist():
 
 
 def test_the_pages_of_the_api_are_current():
-    found = {path.name: path.read_text() for path in (EXAMPLES.parent.parent / "docs" / "classic").glob("*.md")}
+    folder = EXAMPLES.parent.parent / "docs" / "classic"
+    found = {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*.md")}
     assert found == classic_pages(), "run scripts/make_classic_pages.py"
+
+
+def test_each_class_of_the_table_has_a_page_in_its_modules_index():
+    pages = classic_pages()
+    holders = {row.holder for row in classic_api() if row.state in ("present", "old") and "(" not in row.holder}
+    for holder in holders:
+        module, _, name = holder.rpartition(".")
+        assert module in ("event", "common") or f"[{name}](" in pages[f"{module}/README.md"], holder
+    assert {"gui/MainWindow.md", "physics/Link.md", "plugin/ModelPlugin.md", "msgs/README.md"} <= pages.keys()
+    link = pages["physics/Link.md"]
+    assert "| `AddForce` |" in link
+    assert "`GetWorldLinearVel`" in link
+    assert "From [Entity](../physics/Entity.md): " in link
+    assert "not in libgz" in link
 
 
 # The client ----------------------------------------------------------------------------------------------------------

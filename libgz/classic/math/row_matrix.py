@@ -50,4 +50,4 @@ class RowMatrix:
 
     def Transpose(self) -> None:
         """Swap rows and columns."""
-        self.m = self.Transposed().m
+        self.m = self.Transposed().m  # type: ignore[misc]  # a slot of the subclass

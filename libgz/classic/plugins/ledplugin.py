@@ -48,7 +48,7 @@ class LedPlugin(FlashLightPlugin):
             links = self.model.family_links()
             known = [f"{link.GetName()}/{link.model.geom_name(geom)}" for link in links for geom in link.visuals()]
             raise NotFoundError(
-                f"{element.where}: <light_id> is {name!r}; model {self.model.GetName()!r} has neither a light nor a "
+                f"{element.where}: <id> is {name!r}; model {self.model.GetName()!r} has neither a light nor a "
                 f"visual of this name{nearest(name, known)}"
             ) from None
 

@@ -59,6 +59,7 @@ PHYSICS_KEYS = (
 )
 
 
+LONGEST_NAME = 4096  # characters of what a message names
 MOST_CAUSES, LONGEST_TEXT = 100, 2000  # of errors of messages, which clients can send without end
 
 
@@ -263,6 +264,9 @@ class Commands:
         return next(one for one in (name, *(f"{name}_{i}" for i in range(len(taken)))) if one not in taken)
 
     def _factory_sdf(self, message: Any) -> SdfFile:
+        for name in (message.sdf_filename, message.clone_model_name, message.edit_name):
+            if len(name) > LONGEST_NAME:
+                raise ParameterError(f"a name has {len(name)} characters; at most {LONGEST_NAME} are allowed")
         if message.sdf:
             file = SdfFile.from_string(message.sdf)
         elif message.sdf_filename:

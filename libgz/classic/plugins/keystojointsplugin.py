@@ -60,9 +60,8 @@ class KeysToJointsPlugin(ModelPlugin):
                 raise ParameterError(f"{element.where}: type is {kind!r}; it must be {', '.join(KINDS)}")
             key = Key(find_joint(model, element.Get(str, "joint").strip()), kind, element.Get(float, "scale", 1.0)[0])
             self.keys.setdefault(element.Get(int, "key"), []).append(key)
-            gains = [element.Get(float, name, gain)[0] for name, gain in (("kp", 1.0), ("ki", 0.1), ("kd", 0.01))]
             if kind != "force":
-                self._set_gains(key, PID(*gains, 1.0, -1.0, 1000.0, -1000.0))
+                self._set_gains(key, _pid(element))
         if not self.keys:
             raise NotFoundError(f"{sdf.where}: <map> is missing; there must be one for each key")
         self.node = transport.Node()
@@ -86,6 +85,12 @@ class KeysToJointsPlugin(ModelPlugin):
                 self.controller.SetVelocityTarget(name, key.scale)
             else:
                 key.joint.SetForce(0, key.scale)
+
+
+def _pid(element: Element) -> PID:
+    """The controller of a `<map>`; what it does not give is as of Gazebo's joint controllers."""
+    p, i, d = (element.Get(float, name, gain)[0] for name, gain in (("kp", 1.0), ("ki", 0.1), ("kd", 0.01)))
+    return PID(p, i, d, 1.0, -1.0, 1000.0, -1000.0)
 
 
 GZ_REGISTER_MODEL_PLUGIN(KeysToJointsPlugin)

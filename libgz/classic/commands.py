@@ -163,12 +163,14 @@ class Commands:
             self._reset(message.reset)
 
     def _reset(self, reset: Any) -> None:
+        parts = reset.time_only or reset.model_only
+        if not parts or (reset.HasField("all") and reset.all):
+            self._world.Reset()
+            return
         if reset.time_only:
             self._world.ResetTime()
-        elif reset.model_only:
+        if reset.model_only:
             self._world.ResetEntities(Base.MODEL)
-        else:
-            self._world.Reset()
 
     def physics(self, message: Any) -> None:
         """~/physics: parameters of the engine."""

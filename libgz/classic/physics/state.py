@@ -204,11 +204,9 @@ class LinkState(State):
     def _combined(self, other: LinkState, combine: _Combine) -> LinkState:
         made = copy.copy(self)
         made._pose = combine(Pose3d(self._pose), Pose3d(other._pose))
-        motions = (
-            (Pose3d(*one, 0.0, 0.0, 0.0), Pose3d(*two, 0.0, 0.0, 0.0))
-            for one, two in ((self._linear, other._linear), (self._angular, other._angular))
-        )
-        made._linear, made._angular = (GzVector(*combine(one, two).Pos()) for one, two in motions)
+        motions = ((self._linear, other._linear), (self._angular, other._angular))
+        pairs = ((Pose3d(Vector3d(*one), Quaterniond()), Pose3d(Vector3d(*two), Quaterniond())) for one, two in motions)
+        made._linear, made._angular = (GzVector(*combine(one, two).Pos()) for one, two in pairs)
         made._velocity = combine(self._velocity, other._velocity)
         made._acceleration = combine(self._acceleration, other._acceleration)
         made._wrench = combine(self._wrench, other._wrench)

@@ -15,7 +15,7 @@ from libgz.classic.transport import Node, TopicManager
 # Topics that depend on the wall clock, announce what a restore builds again, or have this module's own commands.
 LEFT_OUT = (
     "world_stats", "diagnostics", "pose/info", "pose/local/info", "response", "request", "sim_events", "model/info",
-    "/joint", "/light", "vel_cmd",
+    "/joint", "/light", "/sensor", "vel_cmd",
 )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import json
 import math
 import sys
@@ -12,7 +13,8 @@ from libgz.apps.console import read_text
 from libgz.apps.server_link import add_world, ask, publish, world_node
 from libgz.classic import msgs
 from libgz.classic.math import Pose3d, Quaterniond
-from libgz.errors import ParameterError
+from libgz.classic.transport import Node
+from libgz.errors import NotFoundError, ParameterError
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.recognition import is_robot_text
 from libgz.sdf.upgrade import NEWEST, upgraded
@@ -65,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         raise ParameterError("no action is given; use -i, -p, -d, a coordinate such as -x 1, or -f FILE")
     with world_node(options) as (node, _link):
         if spawned:
-            publish(node, "~/factory", _factory(options, place if moved else None))
+            publish(node, "~/factory", _factory(node, options, place if moved else None))
             return 0
         model = ask(node, "entity_info", options.model_name)
         pose = msgs.ConvertIgn(model.pose)
@@ -97,7 +99,7 @@ def _model_text(filename: str) -> str:
     return f"<sdf version='{NEWEST}'>{''.join(upgraded(part).ToString() for part in file.root.children)}</sdf>"
 
 
-def _factory(options: argparse.Namespace, place: list[float | None] | None) -> Any:
+def _factory(node: Node, options: argparse.Namespace, place: list[float | None] | None) -> Any:
     message = msgs.Factory()
     if options.spawn_string:
         message.sdf = options.spawn_string
@@ -106,7 +108,17 @@ def _factory(options: argparse.Namespace, place: list[float | None] | None) -> A
     else:
         message.sdf = _model_text(options.spawn_file)
     if options.model_name:
-        message.edit_name = options.model_name
+        message.edit_name = _free_name(node, options.model_name)
     if place is not None:
         msgs.Set(message.pose, Pose3d(*(value or 0.0 for value in place)))
     return message
+
+
+def _free_name(node: Node, name: str) -> str:
+    """The name itself, or with a number, if the world has something of this name: that is not to be replaced."""
+    for one in itertools.chain([name], (f"{name}_{i}" for i in itertools.count())):
+        try:
+            ask(node, "entity_info", one)
+        except NotFoundError:
+            break
+    return one

@@ -12,12 +12,15 @@ from libgz.classic.common import PID
 from libgz.classic.describe import (
     LIGHT_KINDS,
     entity_message,
+    heights_message,
     model_message,
     physics_message,
     place_message,
     scene_message,
 )
+from libgz.classic.math import Pose3d
 from libgz.classic.physics.base import Base
+from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.insertion import insert_now
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
@@ -26,11 +29,14 @@ from libgz.classic.physics.state import world_text
 from libgz.classic.physics.world import World
 from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.geometry import GzColor
+from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
+from libgz.sdfworld.world import BUILT
 from libgz.simulation.reloading import reload
 from libgz.simulation.world import World as CoreWorld
+from libgz.transport.tally import Tally
 
 __all__ = ["Commands", "PausedSteps", "reload_response"]
 
@@ -51,6 +57,10 @@ PHYSICS_KEYS = (
     "contact_max_correcting_vel",
     "contact_surface_layer",
 )
+
+
+LONGEST_NAME = 4096  # characters of what a message names
+MOST_CAUSES, LONGEST_TEXT = 100, 2000  # of errors of messages, which clients can send without end
 
 
 class PausedSteps:
@@ -109,6 +119,7 @@ class Commands:
     ) -> None:
         self._world, self._respond, self._paused_steps, self._changed = world, respond, paused_steps, changed
         self._made: set[str] = set()  # lights of ~/factory/light
+        self._tally = Tally(MOST_CAUSES)
 
     def guarded(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A subscriber's callback for a handler."""
@@ -117,11 +128,19 @@ class Commands:
             try:
                 handler(message)
             except GazeboError as error:
-                log.error("%s: %s", topic, error)
-            except Exception:  # the subscription must not end
-                log.exception("%s: a message could not be handled", topic)
+                self._report(topic, str(error))
+            except Exception as error:  # noqa: BLE001 - the subscription must not end
+                self._report(topic, f"a message could not be handled: {error!r}", error)
 
         return on_message
+
+    def _report(self, topic: str, text: str, error: Exception | None = None) -> None:
+        """Log what was wrong with a message; what clients repeat is logged seldom, and long texts are shortened."""
+        if len(text) > LONGEST_TEXT:
+            text = f"{text[:LONGEST_TEXT]}... ({len(text)} characters)"
+        cause = topic, text
+        if self._tally.due(cause):
+            log.error("%s: %s%s", topic, text, self._tally.times(cause), exc_info=error)
 
     def between_steps(self, topic: str, handler: Callable[[Any], None]) -> Callable[[Any], None]:
         """A handler that waits until entities can be inserted, and states restored."""
@@ -144,12 +163,14 @@ class Commands:
             self._reset(message.reset)
 
     def _reset(self, reset: Any) -> None:
+        parts = reset.time_only or reset.model_only
+        if not parts or (reset.HasField("all") and reset.all):
+            self._world.Reset()
+            return
         if reset.time_only:
             self._world.ResetTime()
-        elif reset.model_only:
+        if reset.model_only:
             self._world.ResetEntities(Base.MODEL)
-        else:
-            self._world.Reset()
 
     def physics(self, message: Any) -> None:
         """~/physics: parameters of the engine."""
@@ -171,6 +192,11 @@ class Commands:
             self._world.Save(message.save_filename)
         if message.stop:
             self._world.Stop()
+        if message.clone or message.open_filename or message.new_world:
+            raise ParameterError(
+                "a running gzserver neither opens, makes nor clones worlds; start another one, with a "
+                "GAZEBO_MASTER_URI of its own"
+            )
 
     # Models and lights -------------------------------------------------------------------------------------------
 
@@ -185,16 +211,54 @@ class Commands:
     def _make(self, message: Any) -> None:
         file = self._factory_sdf(message)
         root = next(file.root.named("world"), file.root)
-        entities = [child for child in root.children if child.name in ("model", "light")]
+        entities = [child for child in root.children if child.name in BUILT]
         if not entities:
-            raise ParameterError("there is no model or light in the message")
+            raise ParameterError("there is no model, light or actor in the message")
+        edited = self._edited(message, entities)
         for entity in entities:
             if message.HasField("pose"):
-                place = next(entity.named("pose"), None) or entity.AddElement("pose")
-                place.Set(msgs.ConvertIgn(message.pose))
+                _set_pose(entity, msgs.ConvertIgn(message.pose))
+            elif edited is not None and not entity.HasElement("pose"):
+                _set_pose(entity, edited.RelativePose())
             name = message.edit_name or entity.Get(str, "name")
-            entity.set_attribute("name", self._unique(name) if message.allow_renaming else name)
-        insert_now(self._world, file)
+            entity.set_attribute("name", self._unique(name) if message.allow_renaming and edited is None else name)
+        if edited is None:
+            insert_now(self._world, file)
+        else:
+            self._replace(edited, file)
+
+    def _edited(self, message: Any, entities: list[Element]) -> Model | Light | None:
+        """The entity that a message edits; None if it makes a new one.
+
+        Raises:
+            ParameterError: the message has something else instead of it.
+        """
+        found = self._world.EntityByName(message.edit_name) if message.edit_name else None
+        if not isinstance(found, Model | Light):
+            return None
+        if len(entities) != 1:
+            raise ParameterError(
+                f"{found.GetName()!r} is edited; there must be one element for it, not {len(entities)}"
+            )
+        if (entities[0].name == "light") != isinstance(found, Light):
+            raise ParameterError(f"<{entities[0].name}> cannot replace {found.GetName()!r}, which is of another kind")
+        return found
+
+    def _replace(self, edited: Model | Light, file: SdfFile) -> None:
+        """Build an entity again as a message describes it; if that fails, it stays.
+
+        Raises:
+            GazeboError: it cannot be built.
+        """
+        core = self._world.core
+        before = core.snapshots.save()
+        family = [part.core for part in edited.family()] if isinstance(edited, Model) else [edited.core]
+        core.remove(list(reversed(family)))
+        try:
+            insert_now(self._world, file)
+        except GazeboError:
+            core.snapshots.restore(before)
+            raise
 
     def _unique(self, name: str) -> str:
         """The name itself if it is free, else with a number."""
@@ -202,6 +266,9 @@ class Commands:
         return next(one for one in (name, *(f"{name}_{i}" for i in range(len(taken)))) if one not in taken)
 
     def _factory_sdf(self, message: Any) -> SdfFile:
+        for name in (message.sdf_filename, message.clone_model_name, message.edit_name):
+            if len(name) > LONGEST_NAME:
+                raise ParameterError(f"a name has {len(name)} characters; at most {LONGEST_NAME} are allowed")
         if message.sdf:
             file = SdfFile.from_string(message.sdf)
         elif message.sdf_filename:
@@ -243,7 +310,7 @@ class Commands:
         return made
 
     def light_modify(self, message: Any) -> None:
-        """~/light/modify: change pose, colours, range and attenuation of a light."""
+        """~/light/modify: change pose, kind, colours, range, cone, shadows and attenuation of a light."""
         light = self._find(message.name, Light)
         if message.HasField("pose"):
             light.SetWorldPose(msgs.ConvertIgn(message.pose))
@@ -255,6 +322,14 @@ class Commands:
             light.SetDirection(msgs.ConvertIgn(message.direction))
         if message.HasField("range"):
             light.SetRange(message.range)
+        if message.HasField("cast_shadows"):
+            light.SetCastShadows(message.cast_shadows)
+        if message.HasField("type"):
+            light.core.light.kind = LIGHT_KINDS[max(0, message.type - 1)]
+        light.core.light.spot = tuple(
+            float(getattr(message, f"spot_{key}") if message.HasField(f"spot_{key}") else value)
+            for key, value in zip(("inner_angle", "outer_angle", "falloff"), light.core.light.spot, strict=True)
+        )
         constant, linear, quadratic = light.Attenuation()
         if message.HasField("attenuation_constant"):
             constant = message.attenuation_constant
@@ -267,25 +342,59 @@ class Commands:
         self._changed(light)
 
     def model_modify(self, message: Any) -> None:
-        """~/model/modify: change pose, scale and links of a model."""
+        """~/model/modify: change a model, its links and their collisions."""
         model = self._find(message.name, Model)
+        self._modify(model, message)
+        self._changed(model)
+
+    def _modify(self, model: Model, message: Any) -> None:
+        _check_number(model, message)
         if message.HasField("pose"):
             model.SetRelativePose(msgs.ConvertIgn(message.pose))
         if message.HasField("scale"):
             model.SetScale(msgs.ConvertIgn(message.scale))
+        for field, setter in (
+            ("is_static", model.SetStatic),
+            ("self_collide", model.SetSelfCollide),
+            ("enable_wind", model.SetWindMode),
+        ):
+            if message.HasField(field):
+                setter(getattr(message, field))
         for part in message.link:
             link = model.GetLink(part.name.rpartition("::")[2])
             if link is None:
                 raise NotFoundError(f"model {model.GetName()!r} has no link {part.name!r}")
-            if part.HasField("gravity"):
-                link.SetGravityMode(part.gravity)
-            if part.HasField("kinematic"):
-                link.SetKinematic(part.kinematic)
-            if part.HasField("self_collide"):
-                link.SetSelfCollide(part.self_collide)
-            if part.HasField("pose"):
-                link.SetRelativePose(msgs.ConvertIgn(part.pose))
-        self._changed(model)
+            self._modify_link(link, part)
+        for nested in message.model:
+            inner = model.NestedModel(nested.name.rpartition("::")[2])
+            if inner is None:
+                raise NotFoundError(f"model {model.GetName()!r} has no model {nested.name!r}")
+            self._modify(inner, nested)
+        for visual in message.visual:
+            self.visual(visual)
+
+    def _modify_link(self, link: Link, message: Any) -> None:
+        _check_number(link, message)
+        for field, setter in (
+            ("gravity", link.SetGravityMode),
+            ("kinematic", link.SetKinematic),
+            ("self_collide", link.SetSelfCollide),
+            ("enabled", link.SetEnabled),
+            ("enable_wind", link.SetWindMode),
+        ):
+            if message.HasField(field):
+                setter(getattr(message, field))
+        if message.HasField("inertial"):
+            _set_inertial(link, message.inertial)
+        if message.HasField("pose"):
+            link.SetRelativePose(msgs.ConvertIgn(message.pose))
+        for part in message.collision:
+            collision = link.GetCollision(part.name.rpartition("::")[2])
+            if collision is None:
+                raise NotFoundError(f"link {link.GetScopedName()!r} has no collision {part.name!r}")
+            _modify_collision(collision, part)
+        for visual in message.visual:
+            self.visual(visual)
 
     def wrench(self, name: str, message: Any) -> None:
         """~/MODEL/LINK/wrench: apply a force and a torque in the link's frame, in the next step."""
@@ -423,6 +532,7 @@ class Commands:
             "entity_delete": self._delete,
             "entity_info": lambda name: entity_message(self._world.BaseByName(name)),
             "entity_list": self._list,
+            "heightmap_data": lambda _name: heights_message(self._world),
             "physics_info": lambda _name: physics_message(self._world),
             "scene_info": lambda _name: scene_message(self._world),
             "spherical_coordinates_info": lambda _name: place_message(self._world),
@@ -478,6 +588,83 @@ def reload_response(message: Any, replace: Callable[[str], list[str]]) -> Any:
     answer = msgs.GzString(data=text)
     response.type, response.serialized_data = answer.GetTypeName(), answer.SerializeToString()
     return response
+
+
+def _set_pose(entity: Element, pose: Pose3d) -> None:
+    place = next(entity.named("pose"), None) or entity.AddElement("pose")
+    place.Set(pose)
+
+
+def _check_number(entity: Model | Link | Collision, message: Any) -> None:
+    """Raise ParameterError if a message has the number of another entity."""
+    if message.HasField("id") and message.id != entity.GetId():
+        raise ParameterError(f"{entity.GetScopedName()!r} has the number {entity.GetId()}, not {message.id}")
+
+
+def _set_inertial(link: Link, message: Any) -> None:
+    """Set the values that a msgs.Inertial has; the others stay."""
+    inertial = link.GetInertial()
+    if message.HasField("mass"):
+        inertial.SetMass(message.mass)
+    if message.HasField("pose"):
+        inertial.SetCoG(msgs.ConvertIgn(message.pose))
+    moments = (
+        (message.ixx if message.HasField("ixx") else inertial.IXX()),
+        (message.iyy if message.HasField("iyy") else inertial.IYY()),
+        (message.izz if message.HasField("izz") else inertial.IZZ()),
+        (message.ixy if message.HasField("ixy") else inertial.IXY()),
+        (message.ixz if message.HasField("ixz") else inertial.IXZ()),
+        (message.iyz if message.HasField("iyz") else inertial.IYZ()),
+    )
+    inertial.SetInertiaMatrix(*moments)
+    link.UpdateMass()
+
+
+# Fields of msgs.Surface -> attributes of SurfaceParams.
+SURFACE_FIELDS = {
+    "restitution_coefficient": "bounce",
+    "bounce_threshold": "bounceThreshold",
+    "kp": "kp",
+    "kd": "kd",
+    "max_vel": "maxVel",
+    "min_depth": "minDepth",
+    "collide_bitmask": "collideBitmask",
+    "collide_without_contact": "collideWithoutContact",
+    "collide_without_contact_bitmask": "collideWithoutContactBitmask",
+}
+
+
+def _modify_collision(collision: Collision, message: Any) -> None:
+    _check_number(collision, message)
+    if message.HasField("laser_retro"):
+        collision.SetLaserRetro(message.laser_retro)
+    if message.HasField("max_contacts"):
+        collision.SetMaxContacts(int(message.max_contacts))
+    if message.HasField("pose"):
+        collision.SetRelativePose(msgs.ConvertIgn(message.pose))
+    surface, given = collision.GetSurface(), message.surface
+    for field, name in SURFACE_FIELDS.items():
+        if given.HasField(field):
+            setattr(surface, name, getattr(given, field))
+    pyramid, friction = surface.FrictionPyramid(), given.friction
+    for name in ("slip1", "slip2"):
+        if friction.HasField(name):
+            setattr(surface, name, getattr(friction, name))
+    if friction.HasField("mu"):
+        pyramid.SetMuPrimary(friction.mu)
+    if friction.HasField("mu2"):
+        pyramid.SetMuSecondary(friction.mu2)
+    if friction.HasField("fdir1"):
+        pyramid.direction1 = msgs.ConvertIgn(friction.fdir1)
+    torsion = friction.torsional
+    for field, setter in (
+        ("coefficient", pyramid.SetMuTorsion),
+        ("patch_radius", pyramid.SetPatchRadius),
+        ("surface_radius", pyramid.SetSurfaceRadius),
+        ("use_patch_radius", pyramid.SetUsePatchRadius),
+    ):
+        if torsion.HasField(field):
+            setter(getattr(torsion, field))
 
 
 def _with_gains(pid: PID, message: Any) -> PID:

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from libgz.classic import msgs
-from libgz.classic.looks import fill_geometry, fill_scene, sensor_messages, visual_messages
+from libgz.classic.looks import collision_visual, fill_geometry, fill_scene, visual_messages
+from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.base import Entity
 from libgz.classic.physics.collision import Collision
 from libgz.classic.physics.contact_messages import contacts_message
@@ -15,13 +16,16 @@ from libgz.classic.physics.joint import Joint
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.link import Link
 from libgz.classic.physics.model import Model
-from libgz.classic.physics.shape import BoxShape, CylinderShape, PlaneShape, SphereShape
+from libgz.classic.physics.shape import BoxShape, CylinderShape, HeightmapShape, PlaneShape, SphereShape
 from libgz.classic.physics.world import World
+from libgz.geometry import GzCoordPoseSub, GzPose
+from libgz.physics.geoms import LightGeom
 
 __all__ = [
     "contacts_of",
     "diagnostics_message",
     "entity_message",
+    "heights_message",
     "joint_message",
     "light_message",
     "model_message",
@@ -29,6 +33,7 @@ __all__ = [
     "place_message",
     "poses_message",
     "scene_message",
+    "skeleton_message",
     "statistics_message",
     "surroundings_message",
 ]
@@ -90,7 +95,11 @@ def physics_message(world: World) -> Any:
     """The physics parameters of a world."""
     physics = world.Physics()
     message = msgs.Physics(
+        type=msgs.Physics.ODE,
         solver_type=physics.GetParam("solver_type"),
+        min_step_size=physics.GetParam("min_step_size"),
+        precon_iters=physics.GetParam("precon_iters"),
+        contact_surface_layer=physics.GetParam("contact_surface_layer"),
         iters=physics.GetParam("iters"),
         sor=physics.GetParam("sor"),
         cfm=physics.GetParam("cfm"),
@@ -116,8 +125,15 @@ def contacts_of(world: World) -> Any:
 
 def model_message(model: Model) -> Any:
     """A model with its links, joints, nested models and plugins."""
-    message = msgs.Model(name=model.GetScopedName(), id=model.GetId(), is_static=model.IsStatic())
+    message = msgs.Model(
+        name=model.GetScopedName(),
+        id=model.GetId(),
+        is_static=model.IsStatic(),
+        self_collide=model.GetSelfCollide(),
+        enable_wind=model.WindMode(),
+    )
     msgs.Set(message.pose, model.RelativePose())
+    msgs.Set(message.scale, model.Scale())
     for link in model.GetLinks():
         message.link.append(_link_message(link))
     for joint in model.GetJoints():
@@ -137,6 +153,9 @@ def _link_message(link: Link) -> Any:
         gravity=link.GetGravityMode(),
         kinematic=link.GetKinematic(),
         enabled=link.GetEnabled(),
+        self_collide=link.GetSelfCollide(),
+        canonical=link.IsCanonicalLink(),
+        enable_wind=link.WindMode(),
     )
     msgs.Set(message.pose, link.RelativePose())
     inertial, part = link.GetInertial(), message.inertial
@@ -146,10 +165,18 @@ def _link_message(link: Link) -> Any:
     msgs.Set(part.pose, inertial.Pose())
     for collision in link.GetCollisions():
         message.collision.append(_collision_message(collision))
+    for battery in link.batteries:
+        message.battery.add(name=battery.Name(), voltage=battery.Voltage())
+    for sensor in link.GetWorld().server.sensors_of(link):
+        sensor.FillMsg(message.sensor.add())
     sdf = link.GetSDF()
     if sdf is not None:
         message.visual.extend(visual_messages(sdf, link.GetScopedName(), link.GetId()))
-        message.sensor.extend(sensor_messages(sdf, link.GetScopedName(), link.GetId()))
+        geoms = [geom for geom in link.body.geoms if isinstance(geom, LightGeom)]
+        for geom, element in zip(geoms, sdf.named("light"), strict=False):
+            light = message.light.add(name=f"{link.GetScopedName()}::{element.Get(str, 'name')}")
+            msgs.Set(light.pose, element.Get(GzPose, "pose"))
+            _fill_light(light, geom)
     return message
 
 
@@ -178,7 +205,31 @@ def _collision_message(collision: Collision) -> Any:
     elif (sdf := collision.GetSDF()) is not None:
         for element in sdf.named("geometry"):
             fill_geometry(geometry, element)
+    _fill_surface(message.surface, collision)
+    link = collision.GetLink()
+    message.visual.append(collision_visual(message, link.GetScopedName(), link.GetId()))
     return message
+
+
+def _fill_surface(message: Any, collision: Collision) -> None:
+    """Describe the contact parameters of a collision; coefficients without a limit are negative, as in a file."""
+    surface = collision.GetSurface()
+    pyramid, friction = surface.FrictionPyramid(), message.friction
+    friction.mu, friction.mu2, friction.torsional.coefficient = (
+        value if math.isfinite(value) else -1.0
+        for value in (pyramid.MuPrimary(), pyramid.MuSecondary(), pyramid.MuTorsion())
+    )
+    msgs.Set(friction.fdir1, pyramid.direction1)
+    friction.slip1, friction.slip2 = surface.slip1, surface.slip2
+    friction.torsional.use_patch_radius = pyramid.UsePatchRadius()
+    friction.torsional.patch_radius = pyramid.PatchRadius()
+    friction.torsional.surface_radius = pyramid.SurfaceRadius()
+    message.restitution_coefficient, message.bounce_threshold = surface.bounce, surface.bounceThreshold
+    message.kp, message.kd = surface.kp, surface.kd
+    message.max_vel, message.min_depth = surface.maxVel, surface.minDepth
+    message.collide_bitmask = surface.collideBitmask & 0xFFFFFFFF
+    message.collide_without_contact = surface.collideWithoutContact
+    message.collide_without_contact_bitmask = surface.collideWithoutContactBitmask & 0xFFFFFFFF
 
 
 def joint_message(joint: Joint) -> Any:
@@ -186,13 +237,26 @@ def joint_message(joint: Joint) -> Any:
     message = msgs.Joint(name=joint.GetScopedName(), id=joint.GetId(), type=joint.GetMsgType())
     message.parent, message.parent_id = _name_and_id(joint.GetParent())
     message.child, message.child_id = _name_and_id(joint.GetChild())
+    msgs.Set(message.pose, joint.InitialAnchorPose())
     for index in range(len(joint.core.axes)):
         message.angle.append(joint.Position(index))
         axis = message.axis1 if index == 0 else message.axis2
         msgs.Set(axis.xyz, joint.LocalAxis(index))
         axis.limit_lower, axis.limit_upper = joint.LowerLimit(index), joint.UpperLimit(index)
         axis.limit_effort, axis.limit_velocity = joint.GetEffortLimit(index), joint.GetVelocityLimit(index)
-        axis.damping = joint.GetDamping(index)
+        axis.damping, axis.friction = joint.GetDamping(index), joint.GetParam("friction", index)
+    if message.type == message.SCREW:
+        message.screw.thread_pitch = joint.GetParam("thread_pitch", 0)
+    elif message.type == message.GEARBOX:
+        message.gearbox.gearbox_ratio = joint.GetParam("gearbox_ratio", 0)
+        sdf = joint.GetSDF()
+        message.gearbox.gearbox_reference_body = (
+            sdf.Get(str, "gearbox_reference_body")
+            if sdf is not None and sdf.HasElement("gearbox_reference_body")
+            else ""
+        )
+    for sensor in joint.GetWorld().server.sensors_of(joint):
+        sensor.FillMsg(message.sensor.add())
     return message
 
 
@@ -202,16 +266,21 @@ def _name_and_id(link: Link | None) -> tuple[str, int]:
 
 def light_message(light: Light) -> Any:
     """A light."""
-    message = msgs.Light(name=light.GetName(), id=light.GetId(), type=LIGHT_KINDS.index(light.LightType()) + 1)
+    message = msgs.Light(name=light.GetName(), id=light.GetId())
     msgs.Set(message.pose, light.RelativePose())
-    msgs.Set(message.diffuse, light.DiffuseColor())
-    msgs.Set(message.specular, light.SpecularColor())
-    msgs.Set(message.direction, light.Direction())
-    message.range, message.cast_shadows = light.Range(), light.CastShadows()
-    constant, linear, quadratic = light.Attenuation()
-    message.attenuation_constant, message.attenuation_linear = constant, linear
-    message.attenuation_quadratic = quadratic
+    _fill_light(message, light.core.light)
     return message
+
+
+def _fill_light(message: Any, geom: LightGeom) -> None:
+    message.type = LIGHT_KINDS.index(geom.kind) + 1
+    msgs.Set(message.diffuse, geom.GetDiffuseColor())
+    msgs.Set(message.specular, geom.GetSpecularColor())
+    msgs.Set(message.direction, geom.direction)
+    message.range, message.cast_shadows = geom.range, geom.cast_shadows
+    message.attenuation_constant, message.attenuation_linear, message.attenuation_quadratic = geom.attenuation
+    if geom.kind == "spot":
+        message.spot_inner_angle, message.spot_outer_angle, message.spot_falloff = geom.spot
 
 
 def surroundings_message(world: World) -> Any:
@@ -231,6 +300,41 @@ def scene_message(world: World) -> Any:
     for light in world.Lights():
         message.light.append(light_message(light))
     return message
+
+
+def skeleton_message(actor: Actor) -> Any:
+    """The bones of an actor, each relative to its parent; its links, relative to the actor; and the actor itself."""
+    message = msgs.PoseAnimation(model_name=actor.GetScopedName(), model_id=actor.GetId())
+    place, bones = actor.core.GetPose(), actor.core.bones()
+    for name, pose, body in bones:
+        link = actor.link(body)
+        for number, called, part in (
+            (0, name, pose),
+            (link.GetId(), link.GetScopedName(), GzCoordPoseSub(body.GetPose(), place)),
+        ):
+            entry = message.pose.add(name=called)
+            if number:
+                entry.id = number
+            msgs.Set(entry, part)
+    whole = message.pose.add(name=actor.GetScopedName(), id=actor.GetId())
+    msgs.Set(whole, actor.RelativePose())
+    msgs.Set(message.time.add(), actor.core.script_time)
+    return message
+
+
+def heights_message(world: World) -> Any:
+    """The heights of the world's first heightmap as a msgs.Geometry, rows from -y to +y; None if there is none."""
+    for model in world.all_models():
+        for link in model.GetLinks():
+            for collision in link.GetCollisions():
+                shape = collision.GetShape()
+                if isinstance(shape, HeightmapShape):
+                    geometry: Any = _collision_message(collision).geometry
+                    heights = shape.heights()
+                    geometry.heightmap.height, geometry.heightmap.width = heights.shape
+                    geometry.heightmap.heights.extend(heights[::-1].ravel().tolist())
+                    return geometry
+    return None
 
 
 def entity_message(entity: object) -> Any:

@@ -112,7 +112,7 @@ class LoadedPlugin:
     def reload(self, file: PluginFile) -> None:
         """Replace the instance by one of its file's present class, with the same Load and what state both declare.
 
-        The connections and subscriptions of the former instance end.
+        The connections, subscriptions and publications of the former instance end.
 
         Raises:
             PluginError: the new class fails before it runs; the former instance then continues.
@@ -222,7 +222,7 @@ class LoadedPlugin:
         self.drop()
 
     def drop(self) -> None:
-        """End the plugin, its connections and its subscriptions."""
+        """End the plugin, its connections, subscriptions and publications."""
         self._disconnect()
         self.plugin = None
 
@@ -345,4 +345,4 @@ def reload_all(plugins: Sequence[LoadedPlugin]) -> None:
             note_threads_of(plugin.path)
             files[plugin.path] = reload_plugin(plugin.path)
         plugin.reload(files[plugin.path])
-    gc.collect()  # publishers end with the former instances
+    gc.collect()  # what the former instances hold ends with them, such as their loads of batteries

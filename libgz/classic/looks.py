@@ -10,7 +10,7 @@ from libgz.classic import msgs
 from libgz.geometry import GzColor, GzPose, GzVector
 from libgz.sdf.element import Element
 
-__all__ = ["fill_geometry", "fill_scene", "sensor_messages", "visual_messages"]
+__all__ = ["collision_visual", "fill_geometry", "fill_scene", "gui_message", "road_messages", "visual_messages"]
 
 _KINDS = ("box", "cylinder", "sphere", "plane", "image", "heightmap", "mesh", "polyline")
 
@@ -51,28 +51,53 @@ def _number(name: str) -> int:
     return 1 << 31 | zlib.crc32(name.encode()) & 0x7FFFFFFF
 
 
-def sensor_messages(link: Element, name: str, parent: int) -> Iterator[Any]:
-    """The sensors of a link's element, as clients need them to show what they measure.
+def collision_visual(collision: Any, name: str, parent: int) -> Any:
+    """What shows the shape of a collision, which a message describes, to those who want to see it.
 
     Args:
-        link: the element.
-        name: the link's scoped name.
-        parent: the link's id.
+        collision: the msgs.Collision.
+        name, parent: the link's scoped name and id.
     """
-    for element in link.named("sensor"):
-        own = f"{name}::{element.Get(str, 'name')}"
-        message = msgs.Sensor(
-            name=element.Get(str, "name"),
-            id=_number(own),
-            parent=name,
-            parent_id=parent,
-            type=element.Get(str, "type"),
-            always_on=element.Get(bool, "always_on"),
-            update_rate=element.Get(float, "update_rate"),
-            visualize=element.Get(bool, "visualize"),
-            topic=element.Get(str, "topic") if element.HasElement("topic") else "",
+    own = f"{collision.name}__COLLISION_VISUAL__"
+    message = msgs.Visual(
+        name=own, id=_number(own), parent_name=name, parent_id=parent, type="COLLISION", cast_shadows=False
+    )
+    message.pose.CopyFrom(collision.pose)
+    message.geometry.CopyFrom(collision.geometry)
+    message.material.script.name = "Gazebo/OrangeTransparent"
+    return message
+
+
+def gui_message(gui: Element) -> Any:
+    """A `<gui>`, its camera and plugins, as a msgs.GUI."""
+    message = msgs.GUI(fullscreen=gui.Get(bool, "fullscreen"))
+    for camera in gui.named("camera"):
+        message.camera.name = camera.Get(str, "name")
+        message.camera.view_controller = camera.Get(str, "view_controller")
+        message.camera.projection_type = camera.Get(str, "projection_type", "perspective")[0]
+        if camera.HasElement("pose"):
+            msgs.Set(message.camera.pose, camera.Get(GzPose, "pose"))
+        for track in camera.named("track_visual"):
+            message.camera.track.name = track.Get(str, "name")
+            message.camera.track.min_dist = track.Get(float, "min_dist")
+            message.camera.track.max_dist = track.Get(float, "max_dist")
+    for plugin in gui.named("plugin"):
+        message.plugin.add(
+            name=plugin.Get(str, "name"),
+            filename=plugin.Get(str, "filename"),
+            innerxml="".join(child.ToString() for child in plugin.children),
         )
-        msgs.Set(message.pose, element.Get(GzPose, "pose"))
+    return message
+
+
+def road_messages(world: Element) -> Iterator[Any]:
+    """The `<road>` elements of a world as messages of type msgs.Road."""
+    for road in world.named("road"):
+        message = msgs.Road(name=road.Get(str, "name"), width=road.Get(float, "width"))
+        for point in road.named("point"):
+            msgs.Set(message.point.add(), point.Get(GzVector))
+        for material in road.named("material"):
+            _fill_material(message.material, material)
         yield message
 
 

@@ -24,6 +24,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.event import unowned
 from libgz.simulation.state import get_state, set_state, undeclared
 from libgz.simulation.world import World as CoreWorld
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from libgz.classic.rendering.plugins import VisualPlugins
     from libgz.classic.rendering.scene import Scene
     from libgz.classic.sensors.manager import WorldSensors
+    from libgz.classic.sensors.sensor import Sensor
     from libgz.simulation.entity import Entity as CoreModel
 
 __all__ = ["WorldServer", "attach", "system_plugins"]
@@ -49,11 +51,12 @@ def attach(core: CoreWorld) -> WorldServer:
     if core.facade is not None:
         server: WorldServer = core.facade.server
         return server
-    server = WorldServer(core)
-    core.companions.append(server)
-    core.reloaders.append(server)
-    if core.running:
-        server.start_late()
+    with unowned():  # a plugin of another world may have asked
+        server = WorldServer(core)
+        core.companions.append(server)
+        core.reloaders.append(server)
+        if core.running:
+            server.start_late()
     return server
 
 
@@ -560,6 +563,11 @@ class WorldServer:
         for part in (self.visuals, self.sensors, self.topics):
             if part is not None:
                 part.close()
+
+    def sensors_of(self, holder: Link | Joint) -> list[Sensor]:
+        """The sensors that a link carries, or that measure a joint."""
+        found = self.sensors.sensors.values() if self.sensors is not None else ()
+        return [sensor for sensor in found if sensor.parent is holder]
 
     def sensor_names(self) -> list[str]:
         """The full scoped names of all sensors."""

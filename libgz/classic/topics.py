@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from libgz.classic import msgs
@@ -16,10 +17,13 @@ from libgz.classic.describe import (
     light_message,
     model_message,
     poses_message,
+    skeleton_message,
     statistics_message,
     surroundings_message,
 )
+from libgz.classic.looks import gui_message, road_messages
 from libgz.classic.msgs.convert import CreateRequest
+from libgz.classic.physics.actor import Actor
 from libgz.classic.physics.light import Light
 from libgz.classic.physics.model import Model
 from libgz.classic.physics.world import World
@@ -53,6 +57,31 @@ class _Periodic:
         self._publisher.Publish(self._make())
 
 
+class _Skeletons:
+    """The topic of actors' poses: a message for each new one, while there are subscribers."""
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publisher = publisher
+        self._framed: dict[Actor, float] = {}  # sim time of the last pose that was published [s]
+
+    def add(self, actor: Actor) -> None:
+        """Publish the poses of an actor."""
+        self._framed[actor] = -math.inf
+
+    def remove(self, entity: Model | Light) -> None:
+        """Publish those of a removed actor no longer."""
+        if isinstance(entity, Actor):
+            self._framed.pop(entity, None)
+
+    def update(self) -> None:
+        """Publish new poses."""
+        if self._framed and self._publisher.HasConnections():
+            for actor, framed in self._framed.items():
+                if actor.core.framed != framed:
+                    self._framed[actor] = actor.core.framed
+                    self._publisher.Publish(skeleton_message(actor))
+
+
 class WorldTopics:
     """The topics of one world.
 
@@ -79,6 +108,7 @@ class WorldTopics:
         self._user_commands = self._node.Advertise(msgs.UserCmdStats, "~/user_cmd_stats")
         self._light_factory = self._node.Advertise(msgs.Light, "~/factory/light")
         self._parts: dict[Model | Light, list[Subscriber]] = {}
+        self._skeletons = _Skeletons(self._node.Advertise(msgs.PoseAnimation, "~/skeleton_pose/info", 10))
         self._periodic = [
             _Periodic(publisher, period, functools.partial(make, world))
             for publisher, period, make in (
@@ -91,7 +121,27 @@ class WorldTopics:
         ]
         self._commands = Commands(world, self._response.Publish, paused_steps, self._changed)
         self._subscribers = self._subscribe(self._commands)
-        self._scene.Publish(surroundings_message(world), here=False)  # for latching subscribers
+        # For latching subscribers, of which each receives the last message of each publisher.
+        self._scene.Publish(surroundings_message(world), here=False)
+        self._described = [
+            self._publish_once(topic, message)
+            for topic, messages in (("~/gui", self._gui()), ("~/roads", self._roads()))
+            for message in messages
+        ]
+
+    def _gui(self) -> Iterator[Any]:
+        """What the world's file says of the client's window."""
+        sdf = self._world.SDF()
+        yield from (gui_message(gui) for gui in sdf.named("gui")) if sdf is not None else ()
+
+    def _roads(self) -> Iterator[Any]:
+        sdf = self._world.SDF()
+        yield from road_messages(sdf) if sdf is not None else ()
+
+    def _publish_once(self, topic: str, message: Any) -> Publisher:
+        publisher = self._node.Advertise(type(message), topic, 10)
+        publisher.Publish(message, here=False)
+        return publisher
 
     def _subscribe(self, commands: Commands) -> list[Subscriber]:
         user = UserCommands(
@@ -157,6 +207,8 @@ class WorldTopics:
         """Subscribe to the topics of an entity; publish it if it was inserted."""
         if isinstance(entity, Model):
             self._parts[entity] = self._subscribe_parts(entity)
+        if isinstance(entity, Actor):
+            self._skeletons.add(entity)
         if not announce:
             return
         self._changed(entity)
@@ -183,6 +235,7 @@ class WorldTopics:
         """End the topics of an entity, and publish that it was deleted."""
         for subscriber in self._parts.pop(entity, ()):
             subscriber.Unsubscribe()
+        self._skeletons.remove(entity)
         self._requests.Publish(CreateRequest("entity_delete", entity.GetScopedName()), here=False)
 
     def update(self) -> None:
@@ -192,6 +245,7 @@ class WorldTopics:
             topic = one.topic
             if (topic.subscribers or topic.remote) and now >= one.due:
                 one.publish(now)
+        self._skeletons.update()
         manager = self._world.Physics().GetContactManager()
         if self._contacts.HasConnections() != self._records:
             self._records = not self._records

@@ -145,12 +145,19 @@ def load(path: Path) -> Plugin:
         LibraryError: libgz was installed without a C compiler.
     """
     path = path.resolve()
-    status = path.stat()
+    try:
+        status = path.stat()
+    except OSError as error:
+        raise PluginError(f"error loading plugin: {path}: {error.strerror}") from None
     edited = (status.st_mtime_ns, status.st_size)
     known = _loaded.get(path)
     if known is not None and known[0] == edited:
         return known[1]
     found, own = _mark_of(path), mark()
+    if found is None:
+        raise PluginError(
+            f"error loading plugin: {path}: this file is no C++ plugin of libgz; build its source: libgz cxx build"
+        )
     if found != own:
         raise PluginError(
             f"error loading plugin: {path} was built for another libgz: it needs {_named(found)}, and this is "
@@ -173,8 +180,8 @@ def load(path: Path) -> Plugin:
     return plugin
 
 
-def _named(text: str | None) -> str:
-    return (text or "none").removeprefix("libgz C++ plugin: ").rstrip(";")
+def _named(text: str) -> str:
+    return text.removeprefix("libgz C++ plugin: ").rstrip(";")
 
 
 def _registered(path: Path, library: ctypes.CDLL) -> list[tuple[str, int]]:

@@ -45,7 +45,10 @@ class SharedObject:
 
     def __init__(self, path: Path) -> None:
         data = bytearray(read_limited(path))
-        _make_its_own(data)
+        try:
+            _make_its_own(data)
+        except struct.error:
+            raise PluginError(f"error loading plugin: {path}: the file is truncated; build it again") from None
         _remove_stale()
         folder = Path(tempfile.mkdtemp(prefix=f"{FOLDER}{os.getpid()}-"))
         remove = weakref.finalize(self, _remove, folder, os.getpid())

@@ -1,4 +1,4 @@
-"""Pages of the API for plugins of Gazebo classic: a table of each class, made from signatures and docstrings."""
+"""Pages of the API for plugins of Gazebo classic: one of each module and class, made from the table and the classes."""
 
 from __future__ import annotations
 
@@ -7,78 +7,266 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from libgz.classic import common, log, math, physics, rendering, sdf, sensors, transport
-from libgz.reference.classic_api import classic_api
+from libgz.classic import common, event, gui, log, math, msgs, physics, plugin, rendering, sdf, sensors, transport
+from libgz.classic.msgs.declare import declarations
+from libgz.reference.classic_api import ApiName, classic_api
 from libgz.reference.pages import write_changed
 
 __all__ = ["classic_pages", "write_classic_pages"]
 
 NOTE = "<!-- Made by scripts/make_classic_pages.py from the classes; do not edit. -->\n"
 PAGES: dict[ModuleType, str] = {
+    plugin: "the six kinds of plugins, and how a file registers its class",
     physics: "the world, models, links, joints, collisions",
     sensors: "cameras, lasers and other sensors",
     rendering: "scene, visuals, cameras",
+    gui: "the client: its window, the user's camera",
+    event: "events, and connections to them",
     common: "times, PID controllers, animations, console, search paths",
     math: "vectors, quaternions, poses, angles, random numbers",
     transport: "nodes, publishers, subscribers",
+    msgs: "messages",
     log: "logs of runs: recording, reading, playing",
     sdf: "elements of SDF documents",
 }
 OLD = "The old name of "
+NAMES = "names.md"
+
+
+@dataclass
+class _Class:
+    """A class that has a page.
+
+    Attributes:
+        module: the short name of its module.
+        kind: the class.
+        aliases: other names that the module exports it by.
+    """
+
+    module: str
+    kind: type
+    aliases: list[str]
+
+    @property
+    def holder(self) -> str:
+        """What the table calls it."""
+        return f"{self.module}.{self.kind.__name__}"
+
+    @property
+    def path(self) -> str:
+        """Of its page."""
+        return f"{self.module}/{self.kind.__name__}.md"
+
+    def rows(self, *states: str) -> list[ApiName]:
+        """What the table has of it."""
+        return [row for row in _rows_of(self.holder) if row.state in states]
 
 
 def classic_pages() -> dict[str, str]:
-    """File name -> text of all pages."""
-    named = {module.__name__.rpartition(".")[2]: (module, about) for module, about in PAGES.items()}
-    rows = ["| module | content |", "|---|---|", *(f"| [{n}]({n}.md) | {about} |" for n, (_, about) in named.items())]
-    head = "Classes and functions by module, for example `from libgz.classic import physics`; the guide is"
-    states = Counter(row.state for row in classic_api())
-    have, whole = states["present"], states["present"] + states["absent"]
-    table = (
-        f"Of {whole} names of the headers of Gazebo 11 and its libraries that plugins can use, libgz has {have}, and "
-        f"{states['old']} older ones. Each class lists those that it has not, with what serves instead; the whole "
-        "table is `libgz/reference/classic_api.tsv`.\n"
-    )
-    text = "\n".join([NOTE, "# The API for plugins\n", f"{head} [plugins.md](../plugins.md).\n", table, *rows, ""])
-    return {"README.md": text, **{f"{n}.md": _page(n, *page) for n, page in named.items()}}
+    """Path -> text of all pages."""
+    modules = {module.__name__.rpartition(".")[2]: module for module in PAGES}
+    classes = {name: _classes(name, module) for name, module in modules.items()}
+    every = {one.kind: one for found in classes.values() for one in found}
+    pages = {"README.md": _front(classes), NAMES: _index(every)}
+    for name, module in modules.items():
+        pages[f"{name}/README.md"] = _module_page(name, module, classes[name])
+        pages |= {one.path: _class_page(one, every) for one in classes[name]}
+    return pages
 
 
 def write_classic_pages(directory: Path) -> list[Path]:
-    """Write all pages; the files that changed.
+    """Write all pages, and remove those of classes that are gone; the files that changed.
 
     Raises:
         OSError: a file cannot be written.
     """
-    return write_changed(directory, classic_pages())
+    pages = classic_pages()
+    for path in directory.rglob("*.md"):
+        if path.relative_to(directory).as_posix() not in pages:
+            path.unlink()
+    return write_changed(directory, pages)
 
 
-def _page(name: str, module: ModuleType, about: str) -> str:
-    found = {word: getattr(module, word) for word in module.__all__}
-    classes: dict[type, list[str]] = {}
-    functions = []
-    for word, thing in found.items():
-        if inspect.isclass(thing) and thing.__module__.startswith("libgz."):
-            classes.setdefault(thing, []).append(word)
-        elif inspect.isfunction(thing):
-            functions.append(_row(word, [], thing))
-    parts = [NOTE, f"# {name}\n", f"`libgz.classic.{name}`: {about}. Names in the second column are aliases.\n"]
+# Pages ----------------------------------------------------------------------------------------------------------------
+
+
+def _front(classes: dict[str, list[_Class]]) -> str:
+    about = {module.__name__.rpartition(".")[2]: text for module, text in PAGES.items()}
+    states = Counter(row.state for row in classic_api())
+    have, whole = states["present"], states["present"] + states["absent"]
+    rows = [
+        f"| [{name}]({name}/README.md) | {about[name]} | {', '.join(_link(one) for one in found)} |"
+        for name, found in classes.items()
+    ]
+    return "\n".join(
+        [
+            NOTE,
+            "# The API for plugins\n",
+            "Classes and functions by module, for example `from libgz.classic import physics`; the guide is "
+            "[plugins.md](../plugins.md).\n",
+            f"Of {whole} names of the headers of Gazebo 11 and its libraries that plugins can use, libgz has {have}, "
+            f"and {states['old']} older ones. Each page lists those that libgz has not, with what serves instead; the "
+            "whole table is `libgz/reference/classic_api.tsv`.\n",
+            "| module | content | classes |",
+            "|---|---|---|",
+            *rows,
+            "",
+            f"- [All names]({NAMES}), and the classes that have them",
+            "",
+        ]
+    )
+
+
+def _index(every: dict[type, _Class]) -> str:
+    """The page of all names of methods."""
+    places: dict[str, list[_Class]] = {}
+    for one in every.values():
+        for name in {*(row.name for row in one.rows("present", "old", "added")), *_own_methods(one.kind)}:
+            places.setdefault(name, []).append(one)
+    rows = [
+        f"| `{name}` | {', '.join(_link(one) for one in sorted(found, key=lambda one: one.holder))} |"
+        for name, found in sorted(places.items(), key=lambda item: (item[0].lower(), item[0]))
+    ]
+    return "\n".join(
+        [
+            NOTE,
+            "# All names\n",
+            "Methods, attributes and constants, old names included, and the classes that have them; derived classes "
+            "have those of their bases, too.\n",
+            "| name | classes |",
+            "|---|---|",
+            *rows,
+            "",
+        ]
+    )
+
+
+def _module_page(name: str, module: ModuleType, classes: list[_Class]) -> str:
+    exported = getattr(module, "__all__", ())
+    functions = [
+        _row(word, [], getattr(module, word)) for word in exported if inspect.isfunction(getattr(module, word))
+    ]
+    parts = [NOTE, f"# {name}\n", f"`libgz.classic.{name}`: {PAGES[module]}.\n"]
+    if classes:
+        rows = [f"| [{one.kind.__name__}]({one.kind.__name__}.md) | {_about(one.kind)} |" for one in classes]
+        parts += ["## Classes\n", "| class | |", "|---|---|", *rows, ""]
     if functions:
-        parts.append(_table("function", functions))
-    for kind in sorted(classes, key=lambda kind: kind.__name__):
-        parts += [f"## {kind.__name__}\n", _about(kind, classes[kind]), _table("method", list(_methods(kind)))]
-        parts.append(_absent(f"{name}.{kind.__name__}"))
-    parts.append(_absent_elsewhere(name, {kind.__name__ for kind in classes}))
+        parts += ["## Functions\n", _table("function", functions)]
+    if module is msgs:
+        parts += _message_tables()
+    parts.append(_absent_elsewhere(name, {one.kind.__name__ for one in classes}))
+    return "\n".join(part for part in parts if part or part == "")
+
+
+def _message_tables() -> list[str]:
+    rows, numbers = [], []
+    for name, text in declarations().items():
+        if text.startswith("enum "):
+            numbers.append(f"| `{name}` | {_cell(text.removeprefix('enum '))} |")
+        else:
+            fields = [_field(part) for part in text.split(", ")]
+            rows.append(f"| `{name}` | {_cell(', '.join(fields))} |")
+    return [
+        "## Messages\n",
+        "Types of Gazebo classic, as `msgs.Vector3d`; `*` marks required fields, `[]` repeated ones.\n",
+        "| type | fields |",
+        "|---|---|",
+        *rows,
+        "",
+        "## Enumerations\n",
+        "| type | values |",
+        "|---|---|",
+        *numbers,
+        "",
+    ]
+
+
+def _field(text: str) -> str:
+    """A field of a message, ``kind name number``: its name, marked, before its kind, and its default."""
+    words, _, default = text.partition(" = ")
+    kind, name, _number = words.split()
+    shown = f"`{name.replace('!', '*')}` {kind}"
+    return f"{shown} = {default}" if default else shown
+
+
+def _class_page(one: _Class, every: dict[type, _Class]) -> str:
+    kind = one.kind
+    parts = [NOTE, f"# {one.module}.{kind.__name__}\n", f"{_about(kind, whole=True)}\n"]
+    names = f"`from libgz.classic import {one.module}`, then `{one.module}.{kind.__name__}`"
+    parts.append(f"{names}; also called {_names(one.aliases)}.\n" if one.aliases else f"{names}.\n")
+    methods = list(_methods(kind))
+    parts.append(_table("method", methods))
+    shown = set(_own_methods(kind))
+    others = [row.name for row in one.rows("present", "old") if row.name not in shown]
+    above = [every[base] for base in kind.__mro__[1:] if base in every]
+    inherited = {name for base in above for name in _own_methods(base.kind)}
+    others = [name for name in others if name not in inherited]
+    if others:
+        parts.append(f"Attributes, constants and operators: {_names(others)}.\n")
+    for base in above:
+        own = sorted(set(_own_methods(base.kind)) - shown)
+        shown |= set(own)
+        if own:
+            parts.append(f"From {_link(base, '../')}: {_names(own)}.\n")
+    added: dict[str, list[str]] = {}
+    for row in one.rows("added"):
+        added.setdefault(row.note, []).append(row.name)
+    if added:
+        rows = [f"| {_names(names)} | {_cell(note)} |" for note, names in added.items()]
+        parts.append("\n".join(["| not in Gazebo | why |", "|---|---|", *rows, ""]))
+    parts.append(_absent(one.holder))
     return "\n".join(part for part in parts if part)
+
+
+# Tables ---------------------------------------------------------------------------------------------------------------
+
+
+def _rows_of(holder: str) -> list[ApiName]:
+    return [row for row in classic_api() if row.holder == holder]
+
+
+def _classes(name: str, module: ModuleType) -> list[_Class]:
+    """The classes that a module exports, by name, each once."""
+    found: dict[type, list[str]] = {}
+    for word in getattr(module, "__all__", ()):
+        thing = getattr(module, word)
+        if inspect.isclass(thing) and thing.__module__.startswith("libgz."):
+            found.setdefault(thing, []).append(word)
+    made = [_Class(name, kind, [word for word in words if word != kind.__name__]) for kind, words in found.items()]
+    return sorted((one for one in made if _home(one) == name), key=lambda one: one.kind.__name__)
+
+
+def _home(one: _Class) -> str:
+    """The module that a class belongs to, where several export it."""
+    parts = one.kind.__module__.split(".")
+    own = parts[2] if one.kind.__module__.startswith("libgz.classic.") else one.module
+    names = {module.__name__.rpartition(".")[2]: module for module in PAGES}
+    exported = own in names and one.kind in (getattr(names[own], word, None) for word in names[own].__all__)
+    return own if exported else one.module
+
+
+def _link(one: _Class, up: str = "") -> str:
+    return f"[{one.kind.__name__}]({up}{one.path})"
+
+
+def _own_methods(kind: type) -> Iterator[str]:
+    """The names that the table of a class shows, aliases and old names included."""
+    for name, thing in _members(kind).items():
+        function = thing.__func__ if isinstance(thing, classmethod | staticmethod) else thing
+        listed = name[0].isupper() or (name[0] != "_" and kind.__module__.startswith("libgz.sdf"))
+        if listed and inspect.isfunction(function) and function.__doc__:
+            yield name
 
 
 def _absent(holder: str) -> str:
     """What of a class libgz has not, and what serves instead."""
     missing: dict[str, list[str]] = {}
-    for row in classic_api():
-        if row.holder == holder and row.state == "absent":
+    for row in _rows_of(holder):
+        if row.state == "absent":
             missing.setdefault(row.note, []).append(row.name)
     rows = [f"| {_names(names)} | {_cell(note)} |" for note, names in missing.items()]
     return "\n".join(["| not in libgz | instead, or why |", "|---|---|", *rows, ""]) if rows else ""
@@ -93,13 +281,19 @@ def _absent_elsewhere(module: str, present: set[str]) -> str:
     return "\n".join(["## What else Gazebo has\n", *parts]) if parts else ""
 
 
-def _about(kind: type, names: list[str]) -> str:
-    others = [name for name in names if name != kind.__name__]
-    above = [base.__name__ for base in [next(filter(_documented, kind.__mro__[1:]), None)] if base is not None]
-    parts = [_cell(inspect.getdoc(kind) or "").split("\n\n", maxsplit=1)[0].replace("\n", " ")]
-    parts += [f"Also called {_names(others)}."] if others else []
-    parts += [f"It also has the members of {_names(above)}."] if above else []
-    return " ".join(part for part in parts if part) + "\n"
+def _about(kind: type, whole: bool = False) -> str:
+    """The first paragraph of a class's docstring; or, whole, all of it up to its sections."""
+    text = inspect.getdoc(kind) or ""
+    paragraphs = text.split("\n\n")
+    if not whole:
+        return _cell(paragraphs[0].replace("\n", " "))
+    shown = []
+    for paragraph in paragraphs:
+        if re.match(r"(Args|Attributes|Raises|Returns|Elements):", paragraph):
+            break
+        code = paragraph.startswith("    ")
+        shown.append(paragraph if code or "\n    " in paragraph else _cell(paragraph.replace("\n", " ")))
+    return "\n\n".join(shown)
 
 
 def _documented(kind: type) -> bool:

@@ -41,6 +41,7 @@ def write_changed(directory: Path, texts: dict[str, str]) -> list[Path]:
     changed = []
     for name, text in texts.items():
         path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             write_whole(path, text.encode())
             changed.append(path)

@@ -108,6 +108,22 @@ class SdfActor(SdfModel):
         """The links of its bones, in the order of its skeleton."""
         return self._bones
 
+    @property
+    def framed(self) -> float:
+        """Sim time of its last pose [s]."""
+        return self._framed
+
+    def bones(self) -> list[tuple[str, GzPose, Body]]:
+        """(name, pose in the frame of its parent, link) of each bone; the pose of the first one is zero."""
+        if self.figure is None:
+            return []
+        poses = [body.GetPose() for body in self._bones]
+        local = [
+            GzCoordPoseSub(pose, poses[up]) if up >= 0 else GzPose()
+            for pose, up in zip(poses, self.figure.parents, strict=True)
+        ]
+        return list(zip(self.figure.names, local, self._bones, strict=True))
+
     def build(self, pose: GzPose) -> None:
         """Make skin, bones and links, and read the script; errors are those of the file."""
         self._still, self._played = pose, self.world.GetSimTime()

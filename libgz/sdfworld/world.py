@@ -32,7 +32,7 @@ from libgz.simulation.era import Era
 from libgz.simulation.journal import Origin, Source
 from libgz.simulation.world import World
 
-__all__ = ["SdfWorld"]
+__all__ = ["BUILT", "SdfWorld"]
 
 log = logging.getLogger("libgz.simulation")
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import inspect
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from typing import Any, ClassVar, NamedTuple, Protocol
 from weakref import WeakSet
@@ -26,6 +27,7 @@ __all__ = [
     "everywhere",
     "owner",
     "report_failure",
+    "unowned",
 ]
 
 log = logging.getLogger("libgz.simulation")
@@ -34,7 +36,7 @@ HASTE = 1e-3  # [s]; a connection dropped sooner was probably meant to be kept
 
 
 class Ends(Protocol):
-    """A connection to an event, or a subscription to a topic."""
+    """A connection to an event, a subscription to a topic, or a publication."""
 
     def disconnect(self) -> None:
         """Disconnect."""
@@ -51,6 +53,16 @@ class Owner(Protocol):
 
 
 owner: ContextVar[Owner | None] = ContextVar("owner", default=None)  # of the code that is running
+
+
+@contextlib.contextmanager
+def unowned() -> Iterator[None]:
+    """What is connected in the `with` belongs to no plugin: it is the library's, and outlives the plugin that asks."""
+    token = owner.set(None)
+    try:
+        yield
+    finally:
+        owner.reset(token)
 
 
 class _Entry:

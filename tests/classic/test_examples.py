@@ -17,6 +17,7 @@ from master_uri import free_master_uri
 import libgz
 from libgz.classic import msgs, physics, transport
 from libgz.classic.math import Pose3d, Rand
+from libgz.reference.classic_api import classic_api
 from libgz.reference.classic_pages import classic_pages
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "plugins"
@@ -313,6 +314,15 @@ def test_system_gui_watches_the_server(tmp_path):
 GUIDE = (EXAMPLES.parent.parent / "docs" / "plugins.md").read_text()
 
 
+# Ready plugins whose use only tests show, those that only activate a sensor among them.
+WITHOUT_EXAMPLE = {
+    "BuoyancyPlugin", "CameraPlugin", "ContactPlugin", "DepthCameraPlugin", "ForceTorquePlugin", "GpuRayPlugin",
+    "ImuSensorPlugin", "JointTrajectoryPlugin", "KeysToCmdVelPlugin", "LiftDragPlugin", "LinearBatteryConsumerPlugin",
+    "LinearBatteryPlugin", "PlaneDemoPlugin", "RayPlugin", "SimEventsPlugin", "SkidSteerDrivePlugin", "SonarPlugin",
+    "WindPlugin", "gazebo_ros_camera", "gz_legacy", "gz_position",
+}  # fmt: skip
+
+
 def code_of_guide(word):
     """The block of Python code in the guide that holds a word."""
     (block,) = [part.split("```")[0] for part in GUIDE.split("```python\n")[1:] if word in part.split("```")[0]]
@@ -348,9 +358,41 @@ def test_the_guide_lists_all_ready_plugins_and_its_links_exist():
     assert set(re.findall(r"\]\(#([^)]+)\)", GUIDE)) <= headings
 
 
+def test_the_examples_page_names_every_world():
+    text = (EXAMPLES / "README.md").read_text()
+    files = [path.relative_to(EXAMPLES).as_posix() for path in EXAMPLES.rglob("*") if path.suffix in (".world", ".py")]
+    assert len(files) > 40
+    missing = [name for name in files if f"({name})" not in text and name.split("/")[1] not in text]
+    assert not missing
+    ready = {Path(name).stem for name in files if name.startswith("ready/")}
+    assert {name for name in ready if f"[{name}](ready/{name}.world)" not in text} == set()
+
+
+def test_each_ready_plugin_of_the_guide_has_an_example():
+    worlds = "".join(path.read_text() for path in EXAMPLES.rglob("*.world")).lower()
+    names = set(re.findall(r"`lib(\w+)\.so`", GUIDE.split("## Ready plugins")[1].split("## Porting")[0]))
+    without = {name for name in names if f"lib{name.lower()}.so" not in worlds}
+    assert without <= WITHOUT_EXAMPLE
+
+
 def test_the_pages_of_the_api_are_current():
-    found = {path.name: path.read_text() for path in (EXAMPLES.parent.parent / "docs" / "classic").glob("*.md")}
+    folder = EXAMPLES.parent.parent / "docs" / "classic"
+    found = {path.relative_to(folder).as_posix(): path.read_text() for path in folder.rglob("*.md")}
     assert found == classic_pages(), "run scripts/make_classic_pages.py"
+
+
+def test_each_class_of_the_table_has_a_page_in_its_modules_index():
+    pages = classic_pages()
+    holders = {row.holder for row in classic_api() if row.state in ("present", "old") and "(" not in row.holder}
+    for holder in holders:
+        module, _, name = holder.rpartition(".")
+        assert module in ("event", "common") or f"[{name}](" in pages[f"{module}/README.md"], holder
+    assert {"gui/MainWindow.md", "physics/Link.md", "plugin/ModelPlugin.md", "msgs/README.md"} <= pages.keys()
+    link = pages["physics/Link.md"]
+    assert "| `AddForce` |" in link
+    assert "`GetWorldLinearVel`" in link
+    assert "From [Entity](../physics/Entity.md): " in link
+    assert "not in libgz" in link
 
 
 # The client ----------------------------------------------------------------------------------------------------------

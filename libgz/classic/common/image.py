@@ -36,6 +36,19 @@ FORMATS = (
     "BAYER_GBRG8",
     "BAYER_GRBG8",
 )
+# What `<image><format>` calls them besides.
+CAMERA_FORMATS = {
+    "L8": 1,
+    "L16": 2,
+    "L_UINT16": 2,
+    "R8G8B8": 3,
+    "R8G8B8A8": 4,
+    "R16G16B16": 6,
+    "RGB_UINT16": 6,
+    "B8G8R8": 8,
+    "FLOAT32": 13,
+    "BAYER_BGGR8": 16,
+}
 CHANNELS = {1: 1, 3: 3, 4: 4, 5: 4, 8: 3}  # of formats of one byte a channel that SetFromData takes
 
 
@@ -143,8 +156,8 @@ class Image:
 
     @staticmethod
     def ConvertPixelFormat(format: str) -> int:
-        """The number of a pixel format by its name; UNKNOWN_PIXEL_FORMAT for an unknown one."""
-        return FORMATS.index(format) if format in FORMATS else 0
+        """The number of a pixel format by its name, or a camera's; UNKNOWN_PIXEL_FORMAT for another one."""
+        return FORMATS.index(format) if format in FORMATS else CAMERA_FORMATS.get(format, 0)
 
     def Valid(self) -> bool:
         """Whether there is an image."""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from numbers import Real
 from typing import Any, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from libgz.classic.math.constant import Constant
-from libgz.classic.math.number import text_of
 from libgz.classic.math.quaternion import Quaterniond
+from libgz.classic.math.row_matrix import RowMatrix
 from libgz.classic.math.vector3 import Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzHomo, GzHomoFromQuatern, GzQuatern, GzVector, VectorLike
@@ -22,15 +19,13 @@ __all__ = ["Matrix3", "Matrix3d"]
 Rows = Sequence[Sequence[float]]
 
 
-class Matrix3d(GzHomo):
+class Matrix3d(RowMatrix, GzHomo):
     """A matrix, `m[row][column]` or `m(row, column)`; inertias and rotations. `Matrix3d()` is all zeros, as in C++.
 
     It is a `GzHomo`; `Matrix3d(q)` is the rotation matrix of a quaternion, and `Quaterniond(m)` the inverse conversion.
     """
 
     __slots__ = ()
-    __hash__ = None  # type: ignore[assignment]
-    __array_priority__ = 1000.0
 
     Identity = Constant(lambda: Matrix3d(1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0))
     Zero = Constant(lambda: Matrix3d())
@@ -62,28 +57,6 @@ class Matrix3d(GzHomo):
             self.m[parts[0]][parts[1]] = float(parts[2])
         else:
             self.m = Matrix3d(*parts).m
-
-    def __call__(self, row: int, column: int) -> float:
-        """The number in a row and a column."""
-        return self.m[row][column]
-
-    def __getitem__(self, row: int) -> list[float]:
-        return self.m[row]
-
-    def __iter__(self) -> Iterator[list[float]]:
-        return iter(self.m)
-
-    def __len__(self) -> int:
-        return 3
-
-    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
-        return np.array(self.m, dtype=np.float64)
-
-    def __repr__(self) -> str:
-        return f"Matrix3d({self.m!r})"
-
-    def __str__(self) -> str:
-        return text_of(*(value for row in self.m for value in row))
 
     def Column(self, column: int) -> Vector3d:
         """A column."""
@@ -155,14 +128,6 @@ class Matrix3d(GzHomo):
         """Whether no number differs by more than `tolerance`."""
         pairs = (zip(r, s, strict=True) for r, s in zip(self.m, other.m, strict=True))
         return all(abs(a - b) <= tolerance for row in pairs for a, b in row)
-
-    def Transposed(self) -> Matrix3d:
-        """Rows as columns."""
-        return Matrix3d(list(zip(*self.m, strict=True)))
-
-    def Transpose(self) -> None:
-        """Swap rows and columns."""
-        self.m = self.Transposed().m
 
     def Determinant(self) -> float:
         """The determinant."""

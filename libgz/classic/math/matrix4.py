@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from numbers import Real
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import NDArray
 
 from libgz.classic.math.constant import Constant
 from libgz.classic.math.matrix3 import Matrix3d
-from libgz.classic.math.number import text_of
 from libgz.classic.math.pose import Pose3d
 from libgz.classic.math.quaternion import Quaterniond
+from libgz.classic.math.row_matrix import RowMatrix
 from libgz.classic.math.vector3 import Vector3d
 from libgz.errors import ParameterError
 from libgz.geometry import GzHomo, GzPose, GzQuatern, GzVector, VectorLike
@@ -21,12 +19,10 @@ from libgz.geometry import GzHomo, GzPose, GzQuatern, GzVector, VectorLike
 __all__ = ["Matrix4", "Matrix4d"]
 
 
-class Matrix4d:
+class Matrix4d(RowMatrix):
     """A matrix, `m[row][column]` or `m(row, column)`. `Matrix4d()` is all zeros, as in C++."""
 
     __slots__ = ("m",)
-    __hash__ = None  # type: ignore[assignment]
-    __array_priority__ = 1000.0
 
     Identity = Constant(lambda: Matrix4d(np.eye(4).tolist()))
     Zero = Constant(lambda: Matrix4d())
@@ -60,28 +56,6 @@ class Matrix4d:
     def Set(self, *parts: Any) -> None:
         """Set all numbers, from the constructor's arguments."""
         self.m = Matrix4d(*parts).m
-
-    def __call__(self, row: int, column: int) -> float:
-        """The number in a row and a column."""
-        return self.m[row][column]
-
-    def __getitem__(self, row: int) -> list[float]:
-        return self.m[row]
-
-    def __iter__(self) -> Iterator[list[float]]:
-        return iter(self.m)
-
-    def __len__(self) -> int:
-        return 4
-
-    def __array__(self, dtype: object = None, copy: bool | None = None) -> NDArray[np.float64]:
-        return np.array(self.m, dtype=np.float64)
-
-    def __repr__(self) -> str:
-        return f"Matrix4d({self.m!r})"
-
-    def __str__(self) -> str:
-        return text_of(*(value for row in self.m for value in row))
 
     def SetTranslation(self, *vector: Any) -> None:
         """Set the translation [m], a vector or three numbers."""
@@ -143,14 +117,6 @@ class Matrix4d:
             return Matrix4d(np.linalg.inv(np.array(self.m)).tolist())
         except np.linalg.LinAlgError:
             raise ParameterError(f"{self!r} has no inverse: its determinant is {self.Determinant()}") from None
-
-    def Transposed(self) -> Matrix4d:
-        """Rows as columns."""
-        return Matrix4d(list(zip(*self.m, strict=True)))
-
-    def Transpose(self) -> None:
-        """Swap rows and columns."""
-        self.m = self.Transposed().m
 
     @classmethod
     def LookAt(

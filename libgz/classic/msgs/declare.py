@@ -19,7 +19,7 @@ from libgz.classic.msgs.message import Message, extend
 from libgz.errors import NotFoundError, ParameterError, nearest
 from libgz.simulation.state import plain
 
-__all__ = ["PREFIX", "declare", "known_types", "message_type", "restored"]
+__all__ = ["PREFIX", "declarations", "declare", "known_types", "message_type", "restored"]
 
 PREFIX = "gazebo.msgs."
 _FIELD = re.compile(
@@ -41,7 +41,7 @@ _added: set[str] = set()  # files in the pool
 
 
 @functools.cache
-def _classic() -> dict[str, str]:
+def declarations() -> dict[str, str]:
     """Name to declaration of classic's messages and enumerations."""
     text = resources.files("libgz.classic.msgs").joinpath("messages.txt").read_text(encoding="utf-8")
     lines = (line.partition(": ") for line in text.splitlines() if not line.startswith("#"))
@@ -49,12 +49,12 @@ def _classic() -> dict[str, str]:
 
 
 def _is_enum(name: str) -> bool:
-    return _classic().get(name, "").startswith("enum ")
+    return declarations().get(name, "").startswith("enum ")
 
 
 def known_types() -> list[str]:
     """Return the full names of all message types."""
-    classic = (PREFIX + name for name in _classic() if not _is_enum(name))
+    classic = (PREFIX + name for name in declarations() if not _is_enum(name))
     return sorted({*classic, *(kind.GetTypeName() for kind in _types.values())})
 
 
@@ -67,7 +67,7 @@ def message_type(name: str) -> type[Message]:
     short = name.removeprefix(PREFIX)
     found = _types.get(short)
     if found is None:
-        if short not in _classic() or _is_enum(short):
+        if short not in declarations() or _is_enum(short):
             known = [name.removeprefix(PREFIX) for name in known_types()]
             raise NotFoundError(
                 f"there is no message type {name!r}{nearest(short, known)}; msgs.declare makes new ones"
@@ -96,7 +96,7 @@ def declare(name: str, fields: str, **enums: str) -> type[Message]:
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", name):
         raise ParameterError(f"a message type cannot be called {name!r}; it takes letters, digits, _ and dots")
     before = _types.get(name)
-    if before is not None or name.removeprefix(PREFIX) in _classic():
+    if before is not None or name.removeprefix(PREFIX) in declarations():
         if before is not None and before.__doc__ == _describe(name, fields):
             return before
         raise ParameterError(f"there is already a message type {name!r}")
@@ -136,13 +136,13 @@ def _add_classic(name: str) -> None:
     file = FileDescriptorProto(name=f"{PREFIX}{name}.proto", package=PREFIX.rstrip("."), syntax="proto2")
     protos: dict[str, DescriptorProto] = {}
     texts: dict[str, str] = {}
-    own = [key for key in _classic() if key == name or key.startswith(f"{name}.")]
+    own = [key for key in declarations() if key == name or key.startswith(f"{name}.")]
     for key in sorted(own, key=lambda key: key.count(".")):
         outer, _, short = key.rpartition(".")
         if not _is_enum(key):
             protos[key] = protos[outer].nested_type.add(name=short) if outer else file.message_type.add(name=short)
     for key in own:
-        declaration = _classic()[key]
+        declaration = declarations()[key]
         if _is_enum(key):
             outer, _, short = key.rpartition(".")
             values = protos[outer].enum_type.add(name=short).value
@@ -212,7 +212,7 @@ def _message_name(file: FileDescriptorProto, owner: str, kind: str, local: dict[
     """Return the full name of a message that a field contains; its file becomes a dependency."""
     if owner in (kind, PREFIX + kind):
         return owner
-    if kind in _classic():
+    if kind in declarations():
         _depend(file, kind.partition(".")[0])
         return PREFIX + kind
     try:

@@ -10,6 +10,7 @@ from libgz.classic.physics.contact import Contact, read_contacts
 from libgz.classic.physics.contact_messages import contacts_message
 from libgz.classic.transport import Node, Publisher
 from libgz.errors import NotFoundError, ParameterError, nearest
+from libgz.simulation.event import unowned
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -118,7 +119,8 @@ class ContactManager:
             self._published = self._world.core.engine.steps
         prefix = f"{self._world.Name()}::"
         topic = f"~/{name}/contacts"
-        publisher = self._node.Advertise(msgs.Contacts, topic)
+        with unowned():
+            publisher = self._node.Advertise(msgs.Contacts, topic)
         self._filters[name] = publisher, frozenset(one.removeprefix(prefix) for one in wanted)
         return topic
 

@@ -11,7 +11,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.paths import find_model
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
-from libgz.sdfworld.world import SdfWorld
+from libgz.sdfworld.world import BUILT, SdfWorld
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -94,7 +94,7 @@ def insert_now(world: World, file: SdfFile) -> None:
 def _check_names(world: World, root: Element) -> None:
     taken = {part.GetName() for part in world.children()}
     for element in next(root.named("world"), root).children:
-        name = element.Get(str, "name") if element.name in ("model", "light") else ""
+        name = element.Get(str, "name") if element.name in BUILT else ""
         if name in taken:
             raise ParameterError(
                 f"{element.where}: A {element.name} named [{name}] already exists and allow_renaming is false. "

@@ -235,7 +235,7 @@ class HeightmapShape(MeshShape):
 
     def VertexCount(self) -> Vector2i:
         """The number of vertices along x and y."""
-        rows, columns = self._heights().shape
+        rows, columns = self.heights().shape
         return Vector2i(columns, rows)
 
     def GetHeight(self, x: int, y: int) -> float:
@@ -244,7 +244,7 @@ class HeightmapShape(MeshShape):
         Raises:
             ParameterError: there is no such vertex.
         """
-        heights = self._heights()
+        heights = self.heights()
         if not (0 <= x < heights.shape[1] and 0 <= y < heights.shape[0]):
             raise ParameterError(
                 f"the heightmap has no vertex ({x}, {y}); it has {heights.shape[1]} x {heights.shape[0]} of them"
@@ -253,11 +253,11 @@ class HeightmapShape(MeshShape):
 
     def GetMaxHeight(self) -> float:
         """The greatest height [m], relative to the collision."""
-        return float(self._heights().max())
+        return float(self.heights().max())
 
     def GetMinHeight(self) -> float:
         """The least height [m], relative to the collision."""
-        return float(self._heights().min())
+        return float(self.heights().min())
 
     def GetSubSampling(self) -> int:
         """1: there is a vertex for each pixel."""
@@ -276,8 +276,8 @@ class HeightmapShape(MeshShape):
     def _vector(self, key: str) -> GzVector:
         return parse(GzVector, self._text(key) or "0 0 0")
 
-    def _heights(self) -> NDArray[np.float64]:
-        """Shape (rows, columns), the row at +y first."""
+    def heights(self) -> NDArray[np.float64]:
+        """The heights of all vertices [m], relative to the collision; shape (rows, columns), the row at +y first."""
         points = self.geom.vertices
         columns = int(np.argmax(points[:, 1] != points[0, 1])) or len(points)
         heights: NDArray[np.float64] = points[:, 2].reshape(-1, columns)[::-1]

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Self, TypeVar
 
 from libgz.classic.common import Time
 from libgz.classic.math import Pose3d, Quaterniond, Vector3d
 from libgz.errors import NotFoundError, ParameterError, WorldFileError, nearest
-from libgz.geometry import GzCoordPoseSub, GzPose
+from libgz.geometry import GzCoordPoseSub, GzPose, GzVector
 from libgz.sdf.element import Element
 from libgz.sdf.upgrade import NEWEST, upgraded
 
@@ -31,8 +32,31 @@ __all__ = [
 ]
 
 
+S = TypeVar("S", bound="State")
+_Combine = Callable[[Pose3d, Pose3d], Pose3d]
+
+
+def _change(new: Pose3d, old: Pose3d) -> Pose3d:
+    return Pose3d(new.Pos() - old.Pos(), old.Rot().Inverse() * new.Rot())
+
+
+def _changed(old: Pose3d, change: Pose3d) -> Pose3d:
+    return Pose3d(old.Pos() + change.Pos(), old.Rot() * change.Rot())
+
+
+def _parts(own: Sequence[S], others: Sequence[S], combine: _Combine) -> list[S]:
+    """Each part combined with that of its name; those without one as they are."""
+    named = {part.GetName(): part for part in others}
+    return [part._combined(named[part.GetName()], combine) if part.GetName() in named else part for part in own]
+
+
 class State:
-    """A name and the times of a state."""
+    """A name and the times of a state.
+
+    ``new - old`` is the change between two states of the same thing, and ``old + change`` is the new one again:
+    positions, velocities and efforts are subtracted, a rotation is that from the old to the new one. Parts that only
+    the first one has stay as they are.
+    """
 
     def __init__(self, name: str = "", world: World | None = None) -> None:
         self._name = name
@@ -85,6 +109,16 @@ class State:
         """Whether all that it holds is zero."""
         return True
 
+    def __sub__(self, other: Self) -> Self:
+        return self._combined(other, _change) if type(self) is type(other) else NotImplemented
+
+    def __add__(self, other: Self) -> Self:
+        return self._combined(other, _changed) if type(self) is type(other) else NotImplemented
+
+    def _combined(self, other: Self, combine: _Combine) -> Self:
+        """A state with this one's name and times, of both values."""
+        raise NotImplementedError
+
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._name!r} at {self._sim.Double():g} s>"
 
@@ -103,6 +137,11 @@ class CollisionState(State):
     def IsZero(self) -> bool:
         """Whether the pose is zero."""
         return self._pose == Pose3d()
+
+    def _combined(self, other: CollisionState, combine: _Combine) -> CollisionState:
+        made = copy.copy(self)
+        made._pose = combine(self._pose, other._pose)
+        return made
 
     GetPose = Pose
 
@@ -162,6 +201,18 @@ class LinkState(State):
         link.body.SetLinearVel(self._linear)
         link.body.SetAngularVel(self._angular)
 
+    def _combined(self, other: LinkState, combine: _Combine) -> LinkState:
+        made = copy.copy(self)
+        made._pose = combine(Pose3d(self._pose), Pose3d(other._pose))
+        motions = ((self._linear, other._linear), (self._angular, other._angular))
+        pairs = ((Pose3d(Vector3d(*one), Quaterniond()), Pose3d(Vector3d(*two), Quaterniond())) for one, two in motions)
+        made._linear, made._angular = (GzVector(*combine(one, two).Pos()) for one, two in pairs)
+        made._velocity = combine(self._velocity, other._velocity)
+        made._acceleration = combine(self._acceleration, other._acceleration)
+        made._wrench = combine(self._wrench, other._wrench)
+        made._collisions = _parts(self._collisions, other._collisions, combine)
+        return made
+
     GetPose, GetVelocity, GetAcceleration, GetWrench = Pose, Velocity, Acceleration, Wrench
 
 
@@ -193,6 +244,13 @@ class JointState(State):
     def IsZero(self) -> bool:
         """Whether all positions are zero."""
         return not any(self._positions)
+
+    def _combined(self, other: JointState, combine: _Combine) -> JointState:
+        made, sign = copy.copy(self), -1.0 if combine is _change else 1.0
+        if len(other._positions) != len(self._positions):
+            raise ParameterError(f"the states of joint {self._name!r} have different numbers of axes")
+        made._positions = [a + sign * b for a, b in zip(self._positions, other._positions, strict=True)]
+        return made
 
     GetAngle, GetAngles = Position, Positions
 
@@ -290,6 +348,15 @@ class ModelState(State):
             if nested.GetName() in models:
                 models[nested.GetName()].apply(nested)
 
+    def _combined(self, other: ModelState, combine: _Combine) -> ModelState:
+        made = copy.copy(self)
+        made._pose = combine(self._pose, other._pose)
+        made._scale = self._scale - other._scale if combine is _change else self._scale + other._scale
+        made._links = _parts(self._links, other._links, combine)
+        made._joints = _parts(self._joints, other._joints, combine)
+        made._nested = _parts(self._nested, other._nested, combine)
+        return made
+
     GetPose = Pose
 
 
@@ -308,6 +375,11 @@ class LightState(State):
         """Whether the pose is zero."""
         return self._pose == Pose3d()
 
+    def _combined(self, other: LightState, combine: _Combine) -> LightState:
+        made = copy.copy(self)
+        made._pose = combine(self._pose, other._pose)
+        return made
+
 
 class WorldState(State):
     """Poses and motion of all models of a world, and poses of its lights, at one time."""
@@ -318,6 +390,12 @@ class WorldState(State):
         self._lights = [LightState(light) for light in world.Lights()]
 
     SimTime = State.GetSimTime
+
+    def _combined(self, other: WorldState, combine: _Combine) -> WorldState:
+        made = copy.copy(self)
+        made._models = _parts(self._models, other._models, combine)
+        made._lights = _parts(self._lights, other._lights, combine)
+        return made
 
     def GetModelStateCount(self) -> int:
         """The number of models."""
@@ -369,9 +447,6 @@ class WorldState(State):
         for model in world.Models():
             if model.GetName() in known:
                 known[model.GetName()].apply(model)
-
-
-S = TypeVar("S", bound=State)
 
 
 def _find(states: Sequence[S], which: int | str, holder: str, kind: str) -> S:

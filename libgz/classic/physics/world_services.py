@@ -14,6 +14,7 @@ from libgz.classic.physics.preset import PresetManager
 from libgz.sdf.element import Element
 
 if TYPE_CHECKING:
+    from libgz.classic.physics.link import Link
     from libgz.classic.physics.world import World
 
 __all__ = ["WorldServices"]
@@ -46,6 +47,9 @@ class WorldServices(Protocol):
 
     def all_sensors(self) -> Any:
         """The sensors, created on first use."""
+
+    def sensors_of(self, holder: Link | Joint) -> list[Any]:
+        """The sensors that a link carries, or that measure a joint."""
 
     def sensor_names(self) -> list[str]:
         """The full scoped names of all sensors."""

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
+from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.math import Color
 from libgz.classic.plugin import ModelPlugin
@@ -82,11 +83,16 @@ class FlashLightPlugin(ModelPlugin):
             ParameterError: a time is negative.
         """
         self.model = model
+        self.node = transport.Node()
+        self.node.Init(model.GetWorld().Name())
+        self.publisher = self.node.Advertise(msgs.Light, "~/light/modify")  # for the clients of other processes
         self.lamps: dict[str, Lamp] = {}
         self.start: dict[str, bool] = {}
         together = sdf.Get(bool, "enable", True)[0]
         for element in sdf.named("light"):
             name = element.Get(str, "id").strip()
+            if not name:
+                raise NotFoundError(f"{element.where}: <id> is missing; it names link and light, such as link/lamp")
             geom = self._find(element, name)
             reach, color = (geom.range, geom.GetDiffuseColor()) if geom is not None else (0.0, None)
             self.lamps[name] = Lamp(name, geom, reach, color, self._blocks(element))
@@ -144,10 +150,16 @@ class FlashLightPlugin(ModelPlugin):
         if lamp.geom is None or color is None:
             return
         reach = lamp.range if lit else 0.0
+        changed = False
         if lamp.geom.range != reach:
-            lamp.geom.range = reach
+            lamp.geom.range, changed = reach, True
         if lit and tuple(lamp.geom.GetDiffuseColor()) != tuple(color):
             lamp.geom.SetDiffuseColor(color)
+            changed = True
+        if changed and self.publisher.HasConnections():
+            message = msgs.Light(name=f"{self.model.GetScopedName()}::{lamp.name.replace('/', '::')}", range=reach)
+            msgs.Set(message.diffuse, lamp.geom.GetDiffuseColor())
+            self.publisher.Publish(message, here=False)
 
     def TurnOn(self, light: str) -> bool:
         """Let a light flash, by `link/light`; whether there is such a light."""

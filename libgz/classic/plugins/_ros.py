@@ -1,4 +1,4 @@
-"""Elements, topics and joints as plugins of ROS and of ROS 2 name them."""
+"""Elements, topics, joints and rates as plugins of ROS and of ROS 2 name them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
     from libgz.sdf.element import Element
 
-__all__ = ["ros_elements", "ros_joints", "ros_topic"]
+__all__ = ["ros_elements", "ros_joints", "ros_rate", "ros_topic"]
 
 # Elements of ROS 2 whose name in ROS is another one than the same words in camel case.
 RENAMED = {"max_wheel_torque": "wheelTorque", "max_wheel_acceleration": "wheelAcceleration"}
@@ -64,3 +64,9 @@ def ros_joints(model: Model, sdf: Element, tag: str, default: str) -> list[Joint
                 f"{nearest(name, known)}"
             )
     return joints
+
+
+def ros_rate(model: Model, sdf: Element, default: float) -> float:
+    """The rate that `<updateRate>` gives [Hz]; 0 or less: that of the iterations."""
+    rate: float = sdf.Get(float, "updateRate", default)[0]
+    return rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize()

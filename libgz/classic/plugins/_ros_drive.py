@@ -9,7 +9,7 @@ from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d, Quaterniond
 from libgz.classic.msgs import ConvertIgn
 from libgz.classic.plugins._position_drive import PositionDrive, positive
-from libgz.classic.plugins._ros import ros_elements, ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
 
 if TYPE_CHECKING:
     from libgz.classic.physics import Joint, Model
@@ -30,9 +30,9 @@ class RosDrive(PositionDrive):
         sdf = ros_elements(sdf)
         left, right = self.wheels(model, sdf)
         torque = "wheelTorque" if sdf.HasElement("wheelTorque") else "torque"
-        rate = sdf.Get(float, "updateRate", 100.0)[0]
+        rate = ros_rate(model, sdf, 100.0)
         self.acceleration = sdf.Get(float, "wheelAcceleration", 0.0)[0]
-        self.period = 1.0 / rate if rate > 0.0 else model.GetWorld().Physics().GetMaxStepSize()
+        self.period = 1.0 / rate
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "odometryTopic", "odom"))
@@ -42,7 +42,7 @@ class RosDrive(PositionDrive):
             left,
             right,
             torque=positive(sdf, torque, 5.0),
-            rate=1.0 / self.period,
+            rate=rate,
             name=model.GetName(),
             diameter=positive(sdf, "wheelDiameter", 0.0) if sdf.HasElement("wheelDiameter") else None,
             distance=positive(sdf, "wheelSeparation", 0.0) if sdf.HasElement("wheelSeparation") else None,

@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_elements, ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -40,8 +40,7 @@ class GazeboRosImu(ModelPlugin):
         self.link = named_link(model, sdf, "bodyName")
         self.offset = Pose3d(sdf.Get(Vector3d, "xyzOffset"), Quaterniond(*sdf.Get(Vector3d, "rpyOffset")))
         self.noise = sdf.Get(float, "gaussianNoise", 0.0)[0]
-        rate = sdf.Get(float, "updateRate", 0.0)[0]
-        self.rate = UpdateRate(rate if rate > 0.0 else 1.0 / self.world.Physics().GetMaxStepSize())
+        self.rate = UpdateRate(ros_rate(model, sdf, 0.0))
         self.node = transport.Node()
         self.node.Init(self.world.Name())
         self.publisher = self.node.Advertise(msgs.IMU, ros_topic(model, sdf, "topicName", "imu"))

@@ -8,7 +8,7 @@ from libgz.classic import msgs, transport
 from libgz.classic.event import Events
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import find_joint
-from libgz.classic.plugins._ros import ros_elements, ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
 from libgz.simulation.rate import UpdateRate
 
 if TYPE_CHECKING:
@@ -33,8 +33,7 @@ class GazeboRosJointStatePublisher(ModelPlugin):
         sdf = ros_elements(sdf)
         names = [name.strip() for element in sdf.named("jointName") for name in element.Get(str).split(",")]
         self.joints = [find_joint(model, name) for name in names if name] or list(model.all_joints())
-        rate = sdf.Get(float, "updateRate", 100.0)[0]
-        self.rate = UpdateRate(rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize())
+        self.rate = UpdateRate(ros_rate(model, sdf, 100.0))
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.Param_V, ros_topic(model, sdf, "topicName", "joint_states"))

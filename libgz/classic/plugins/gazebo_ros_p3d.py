@@ -9,7 +9,7 @@ from libgz.classic.event import Events
 from libgz.classic.math import Pose3d, Quaterniond, Rand, Vector3d
 from libgz.classic.plugin import GZ_REGISTER_MODEL_PLUGIN, ModelPlugin
 from libgz.classic.plugins._names import named_link
-from libgz.classic.plugins._ros import ros_elements, ros_topic
+from libgz.classic.plugins._ros import ros_elements, ros_rate, ros_topic
 from libgz.errors import NotFoundError
 from libgz.simulation.rate import UpdateRate
 
@@ -54,8 +54,7 @@ class GazeboRosP3D(ModelPlugin):
         )
         self.offset = Pose3d(place, Quaterniond(*turn))
         self.noise = sdf.Get(float, "gaussianNoise", 0.0)[0]
-        rate = sdf.Get(float, "updateRate", 0.0)[0]
-        self.rate = UpdateRate(rate if rate > 0.0 else 1.0 / model.GetWorld().Physics().GetMaxStepSize())
+        self.rate = UpdateRate(ros_rate(model, sdf, 0.0))
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
         self.publisher = self.node.Advertise(msgs.PoseStamped, ros_topic(model, sdf, "topicName", "odom"))

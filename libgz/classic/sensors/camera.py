@@ -71,6 +71,15 @@ class CameraSensor(LinkSensor):
         """The last image as a msgs.ImageStamped."""
         return self.stamped(image=image_message(self.Camera()))
 
+    def FillMsg(self, msg: Any) -> None:
+        """Describe the sensor and its camera in a msgs.Sensor."""
+        super().FillMsg(msg)
+        about, camera = msg.camera, self.Camera()
+        about.horizontal_fov = float(camera.HFOV())
+        about.image_size.x, about.image_size.y = self.ImageWidth(), self.ImageHeight()
+        about.image_format = camera.ImageFormat()
+        about.near_clip, about.far_clip = camera.NearClip(), camera.FarClip()
+
     def Camera(self) -> CameraView:
         """The camera."""
         if self._camera is None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from libgz.classic import msgs
+from libgz.classic.common import Image
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.image_format import check_format
 from libgz.classic.sensors.noise import Noise
@@ -28,30 +29,6 @@ log = logging.getLogger("libgz.classic")
 
 C = TypeVar("C", bound=Camera)
 
-# Numbers of gazebo.common.Image's pixel formats.
-PIXEL_FORMATS = {
-    "L8": 1,
-    "L_INT8": 1,
-    "L16": 2,
-    "L_INT16": 2,
-    "L_UINT16": 2,
-    "R8G8B8": 3,
-    "RGB_INT8": 3,
-    "R8G8B8A8": 4,
-    "RGBA_INT8": 4,
-    "BGRA_INT8": 5,
-    "R16G16B16": 6,
-    "RGB_INT16": 6,
-    "RGB_UINT16": 6,
-    "B8G8R8": 8,
-    "BGR_INT8": 8,
-    "BGR_INT16": 9,
-    "FLOAT32": 13,
-    "BAYER_RGGB8": 15,
-    "BAYER_BGGR8": 16,
-    "BAYER_GBRG8": 17,
-    "BAYER_GRBG8": 18,
-}
 DEFAULT_FORMAT = "R8G8B8"
 NARROWEST, WIDEST = 0.01, math.pi - 0.01  # [rad]
 NEAREST = 0.01  # [m]
@@ -111,7 +88,7 @@ def add_noise(pixels: NDArray[np.uint8], noise: Noise) -> None:
 def image_message(camera: Camera) -> Any:
     """A camera's last image as a msgs.Image."""
     msg = msgs.Image(width=camera.ImageWidth(), height=camera.ImageHeight())
-    msg.pixel_format = PIXEL_FORMATS[camera.ImageFormat()]
+    msg.pixel_format = Image.ConvertPixelFormat(camera.ImageFormat())
     msg.step = camera.ImageWidth() * camera.ImageDepth()
     msg.data = camera.ImageData()
     return msg

@@ -7,10 +7,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from libgz.classic.common import Image
 from libgz.classic.rendering.camera import Camera
 from libgz.classic.rendering.depth_camera import DepthCamera as DepthCameraView
 from libgz.classic.sensors.camera import CameraSensor
-from libgz.classic.sensors.camera_sdf import PIXEL_FORMATS
 
 __all__ = ["DepthCameraSensor"]
 
@@ -34,7 +34,7 @@ class DepthCameraSensor(CameraSensor):
     def message(self) -> Any:
         """The last depths as a msgs.ImageStamped."""
         msg = super().message()
-        msg.image.pixel_format = PIXEL_FORMATS["FLOAT32"]
+        msg.image.pixel_format = Image.ConvertPixelFormat("FLOAT32")
         msg.image.step = 4 * self.ImageWidth()
         msg.image.data = self.DepthData().astype(np.float32).tobytes()
         return msg

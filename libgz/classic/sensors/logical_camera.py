@@ -89,6 +89,13 @@ class LogicalCameraSensor(LinkSensor):
 
     Image = message
 
+    def FillMsg(self, msg: Any) -> None:
+        """Describe the sensor and its field of view in a msgs.Sensor."""
+        super().FillMsg(msg)
+        about = msg.logical_camera
+        about.near_clip, about.far_clip = self.Near(), self.Far()
+        about.horizontal_fov, about.aspect_ratio = float(self.HorizontalFOV()), self.AspectRatio()
+
     def Near(self) -> float:
         """Nearest that is in sight [m]."""
         return self._near

@@ -7,12 +7,14 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
+from libgz.classic import msgs
 from libgz.classic.sensors.kinds import ABSENT, KINDS, ON_JOINTS, sensor_class
 from libgz.classic.sensors.sensor import Sensor
 from libgz.classic.transport import Node, TopicManager
 from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError, StateError, nearest
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
+from libgz.simulation.event import unowned
 from libgz.simulation.state import get_state, set_state
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ class WorldSensors:
         self.world = world
         self.sensors: dict[str, Sensor] = {}  # by full name
         self._new: list[Sensor] = []
+        self._unknown: list[Sensor] = []  # whose description was not published yet
         self._plugins: dict[Sensor, list[LoadedPlugin]] = {}
         self._active: dict[Sensor, None] = {}
         self._gathering: list[Sensor] = []  # active, and need every iteration
@@ -154,6 +157,8 @@ class WorldSensors:
         for topic, sensor in self._idle:
             if topic.subscribers or topic.remote:
                 self.reschedule(sensor)
+        if self._unknown:
+            self._announce()
         now = self.world.core.GetSimTime()
         if now < self._now:
             self._restart()
@@ -183,7 +188,7 @@ class WorldSensors:
         self._next = min((sensor.due for sensor in self._active), default=math.inf)
 
     def _advertise(self) -> None:
-        """Advertise the topics of new sensors."""
+        """Advertise the topics of new sensors, and the one on which all are described."""
         if self._node is None:
             self._node = Node()
             self._node.Init(self.world.core.topic_space)
@@ -191,10 +196,28 @@ class WorldSensors:
             topic = sensor.Topic()
             if sensor.publisher is None and topic and sensor.message_type:
                 try:
-                    sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
+                    with unowned():  # a plugin may have made the sensor's joint
+                        sensor.publisher = self._node.Advertise(sensor.message_type, topic, 100)
                 except GazeboError as error:
                     log.error("%s: <sensor>: %s", sensor.sdf.where, error)
+            if sensor.announcer is None:
+                with unowned():
+                    sensor.announcer = self._node.Advertise(msgs.Sensor, "~/sensor")
+                self._unknown.append(sensor)
         self._update_lists()
+
+    def _announce(self) -> None:
+        """Publish what describes new sensors, once somebody may want to know: it gives their links numbers."""
+        topics = TopicManager.Instance()
+        announcer = self._unknown[0].announcer
+        if topics.remote is None and not (announcer is not None and announcer.HasConnections()):
+            return
+        unknown, self._unknown = self._unknown, []
+        for sensor in unknown:
+            if sensor.announcer is not None:
+                message = msgs.Sensor()
+                sensor.FillMsg(message)
+                sensor.announcer.Publish(message)
 
     # State -------------------------------------------------------------------------------------------------------
 
@@ -289,6 +312,7 @@ class WorldSensors:
             self._deactivate(sensor)
         self.sensors = {name: kept for name, kept in self.sensors.items() if kept is not sensor}
         self._new = [new for new in self._new if new is not sensor]
+        self._unknown = [one for one in self._unknown if one is not sensor]
         sensor.Fini()
         self._update_lists()
         self.world.core.events["RemoveSensor"](sensor.ScopedName())

@@ -119,6 +119,18 @@ class RaySensor(LinkSensor):
         scan.ranges, scan.intensities = self._ranges.tolist(), self._retros.tolist()
         return msg
 
+    def FillMsg(self, msg: Any) -> None:
+        """Describe the sensor and its rays in a msgs.Sensor."""
+        super().FillMsg(msg)
+        about = msg.ray
+        about.display_scan = self.Visualize()
+        about.horizontal_samples, about.vertical_samples = self.RayCount(), self.VerticalRayCount()
+        about.horizontal_min_angle, about.horizontal_max_angle = float(self.AngleMin()), float(self.AngleMax())
+        about.vertical_min_angle = float(self.VerticalAngleMin())
+        about.vertical_max_angle = float(self.VerticalAngleMax())
+        about.range_min, about.range_max = self.RangeMin(), self.RangeMax()
+        about.range_resolution = self.RangeResolution()
+
     def Ranges(self) -> list[float]:
         """All readings of the last scan [m], row after row."""
         return self._ranges.tolist()  # type: ignore[no-any-return]

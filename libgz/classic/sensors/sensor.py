@@ -25,7 +25,7 @@ __all__ = ["LinkSensor", "Sensor", "SensorCategory", "SensorOwner"]
 
 TOLERANCE = 1e-9  # [s] sim times are sums of steps, and may miss a due time by less than this
 
-_ids = itertools.count(1)
+_ids = itertools.count(1 << 30)  # clients know sensors and entities by number, so that none may be equal
 
 
 class SensorCategory(IntEnum):
@@ -91,6 +91,7 @@ class Sensor:
         self._message_event = Event(f"Update of sensor {self.ScopedName()}")
         self.noises: dict[SensorNoiseType, NoiseModel] = {}
         self.publisher: Publisher | None = None
+        self.announcer: Publisher | None = None  # of what describes it
         self.source = ""  # the text of its element, if that is not in the element of its parent
 
     def __repr__(self) -> str:
@@ -339,6 +340,9 @@ class Sensor:
         if self.publisher is not None:
             self.publisher.Fini()
             self.publisher = None
+        if self.announcer is not None:
+            self.announcer.Fini()
+            self.announcer = None
 
     def gather(self) -> None:
         """Collect data of an iteration that will be lost when it measures."""

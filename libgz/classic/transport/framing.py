@@ -48,6 +48,11 @@ class Frames:
         self._largest = largest
         self._waiting = bytearray()
 
+    @property
+    def waiting(self) -> int:
+        """Bytes of a frame that is not complete yet."""
+        return len(self._waiting)
+
     def add(self, data: bytes) -> list[bytes]:
         """Add received bytes, and return the contents of the frames that are complete now.
 

@@ -1,7 +1,7 @@
 """SocketLoop: the one thread that handles all sockets of a link, and its connections.
 
 What comes in may be hostile. Handling it takes at most a share of the time, frames have a largest size, queues are
-bounded, and of too many connections those are closed that have sent nothing valid.
+bounded, each and together, and of too many connections those are closed that have sent nothing valid, or take nothing.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from libgz.classic.transport.backlog import Backlog
 from libgz.classic.transport.framing import Frames
 from libgz.classic.transport.topic import log
 from libgz.errors import ParameterError
@@ -28,6 +29,7 @@ CHUNK = 1 << 16  # [bytes] received at once from one connection
 EVENTS = 32  # connections that are handled before others have their turn
 STALLED = 1.0  # [s] without progress, after which a receiver is sent nothing more until it receives again
 QUEUE_BYTES, QUEUE_COUNT = 8 << 20, 1000  # that wait for one receiver; then the oldest are dropped
+PARTIAL_BYTES = 128 << 20  # of frames that have come in parts, of all connections together
 
 
 class SocketLoop:
@@ -50,6 +52,8 @@ class SocketLoop:
         self._calls: collections.deque[Callable[[], None]] = collections.deque()
         self._awake = False
         self.accepted: dict[Connection, None] = {}  # oldest first
+        self.backlog = Backlog()
+        self._partial = 0  # bytes of incomplete frames
         self._listeners: list[socket.socket] = []
         self._connections: set[Connection] = set()
         self._writing: set[Connection] = set()  # whose sockets are full
@@ -114,9 +118,11 @@ class SocketLoop:
         self._inputs.register(listener, selectors.EVENT_READ, on_ready)
 
     def _make_room(self, new: Connection) -> None:
-        """Close the oldest connection that has sent nothing valid, or the new one."""
-        self.warn("more than %d clients are connected; those that send nothing are disconnected", CONNECTIONS)
-        next((one for one in self.accepted if not one.valid and one is not new), new).drop()
+        """Close the oldest connection that has sent nothing valid, or else takes nothing, or else the new one."""
+        self.warn("more than %d clients are connected; those that send or take nothing are disconnected", CONNECTIONS)
+        others = [one for one in self.accepted if one is not new]
+        idle = next((one for one in others if not one.valid), None)
+        (idle or next((one for one in others if one.stalled), new)).drop()
 
     def warn(self, text: str, *values: object) -> None:
         """Log a warning of a client, once: there may be many."""
@@ -169,6 +175,16 @@ class SocketLoop:
             self._reading = False
             self._main.unregister(self._inputs.fileno())
 
+    def count_partial(self, change: int) -> None:
+        """Count bytes of incomplete frames; above the limit the connection with the longest one is closed."""
+        self._partial += change
+        while change > 0 and self._partial > PARTIAL_BYTES:
+            longest = max(self._connections, key=lambda one: one.partial)
+            if not longest.partial:
+                return
+            self.warn("clients have sent %d bytes of incomplete messages; the longest is dropped", self._partial)
+            longest.drop()
+
     def _woken(self, _mask: int) -> None:
         with contextlib.suppress(OSError):
             self._wake_end.recv(4096)
@@ -213,6 +229,9 @@ class Connection:
         on_room: Called after something was sent.
         open: Whether it is not closed.
         valid: Whether a valid frame was received.
+        lossless: Whether no message may be lost: it ends where others lose the oldest ones.
+        size: Bytes that wait to be sent.
+        partial: Bytes of a frame that is not complete yet.
     """
 
     def __init__(self, loop: SocketLoop, socket_: socket.socket, largest: int) -> None:
@@ -220,16 +239,18 @@ class Connection:
         self.on_frame: Callable[[bytes], None] = lambda _data: None
         self.on_close: Callable[[], None] = lambda: None
         self.on_room: Callable[[], None] = lambda: None
-        self.open, self.valid = True, False
+        self.open, self.valid, self.lossless = True, False, False
+        self.size = self.partial = 0
         self.tag: Any = None
         self._frames = Frames(largest)
         self._queue: collections.deque[bytes] = collections.deque()
-        self._size = 0
         self._sent = 0  # bytes of the first in the queue
-        self._lock = threading.Lock()
+        self._lock = loop.backlog.lock
         self._room = threading.Event()
         self._posted = False
         self._ends = False
+        self._ended = False  # nothing more is sent
+        self._taken = False  # whether the first in the queue is being sent
         self._dropped = False
         self._moved = time.monotonic()  # when something was sent, or began to wait
         socket_.setblocking(False)
@@ -254,28 +275,21 @@ class Connection:
 
     # Sending -----------------------------------------------------------------------------------------------------
 
-    def send(self, data: bytes, must: bool = False) -> None:
+    def send(self, data: bytes) -> None:
         """Queue a frame; any thread may call this.
 
-        Above the limits of the queue the oldest frames are dropped, or, if none must be lost, the connection is closed.
+        Above the limits of this queue its oldest frames are dropped, above that of all those of the longest queues.
         """
         with self._lock:
-            if not self.open:
+            if not self.open or self._ended:
                 return
             if not self._queue:
                 self._moved = time.monotonic()
             self._queue.append(data)
-            self._size += len(data)
-            while len(self._queue) > 2 and (self._size > QUEUE_BYTES or len(self._queue) > QUEUE_COUNT):
-                if must:
-                    self._loop.call(self.drop)
-                    return
-                first = self._queue.popleft() if not self._sent else None
-                if first is None:  # half of it is sent
-                    first = self._queue[1]
-                    del self._queue[1]
-                self._size -= len(first)
-                self._dropped = True
+            self.size += len(data)
+            self._loop.backlog.add(self, data)
+            while len(self._queue) > 2 and (self.size > QUEUE_BYTES or len(self._queue) > QUEUE_COUNT):
+                self.discard()
             if self._posted:
                 return
             self._posted = True
@@ -284,10 +298,36 @@ class Connection:
         else:
             self._loop.call(self._flush)
 
+    def discard(self) -> bool:
+        """Discard the oldest frame that is not half sent; if none must be lost, or there is none, the connection ends.
+
+        The lock is held. Returns whether there was anything.
+        """
+        at = 1 if self._sent or self._taken else 0
+        if self.lossless or at >= len(self._queue):
+            found = bool(self._queue)
+            self._discard_all()
+            self._loop.call(self.drop)
+            return found
+        frame = self._queue[at]
+        del self._queue[at]
+        self.size -= len(frame)
+        self._loop.backlog.remove(frame)
+        self._dropped = True
+        return True
+
+    def _discard_all(self) -> None:
+        self._ended = True
+        for frame in self._queue:
+            self._loop.backlog.remove(frame)
+        self._queue.clear()
+        self.size = self._sent = 0
+        self._loop.backlog.forget(self)
+
     def wait_room(self, timeout: float) -> None:
         """Wait until the queue is at most half full, or so long [s]; not in the loop's thread."""
         end = time.monotonic() + timeout
-        while self.open and (self._size > QUEUE_BYTES // 2 or len(self._queue) > QUEUE_COUNT // 2):
+        while self.open and (self.size > QUEUE_BYTES // 2 or len(self._queue) > QUEUE_COUNT // 2):
             self._room.clear()
             if not self._room.wait(min(0.05, max(0.0, end - time.monotonic()))) and time.monotonic() > end:
                 return
@@ -330,6 +370,7 @@ class Connection:
         """The frame to send next; None if there is none: then the next one in the queue has to be posted."""
         with self._lock:
             if self._queue:
+                self._taken = True
                 return self._queue[0]
             self._posted = False
             return None
@@ -338,13 +379,18 @@ class Connection:
         """Count bytes of a frame that the socket has taken; whether that was all that waits."""
         with self._lock:
             self._moved = time.monotonic()
+            self._taken = False
+            if self._ended:
+                return True
             self._sent += count
             if self._sent == len(first):
                 self._queue.popleft()
-                self._size -= len(first)
+                self.size -= len(first)
                 self._sent = 0
+                self._loop.backlog.remove(first)
                 if not self._queue:
                     self._posted = False
+                    self._loop.backlog.forget(self)
                     return True
             return False
 
@@ -365,11 +411,14 @@ class Connection:
             self.drop()
             return
         try:
-            for content in self._frames.add(data):
-                self.on_frame(content)
-                self.valid = True
+            frames = self._frames.add(data)
+            waiting, self.partial = self.partial, self._frames.waiting
+            self._loop.count_partial(self.partial - waiting)
+            for content in frames:
                 if not self.open:
                     return
+                self.on_frame(content)
+                self.valid = True
         except ParameterError as error:
             self._loop.warn("a client was disconnected: %s", error)
             self.drop()
@@ -391,8 +440,10 @@ class Connection:
         if self.open:
             with self._lock:
                 self.open = False
-                self._queue.clear()
+                self._discard_all()
             self._room.set()
+            self._loop.count_partial(-self.partial)
+            self.partial = 0
             self._loop.forget(self)
             with contextlib.suppress(OSError):
                 self.socket.close()

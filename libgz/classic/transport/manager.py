@@ -11,7 +11,8 @@ from typing import Any, ClassVar, Protocol
 
 from libgz.classic.msgs.declare import message_type
 from libgz.classic.msgs.message import Message
-from libgz.classic.transport.topic import INCOMING, Incoming, LocalSubscriber, Topic, log
+from libgz.classic.transport.received import Received
+from libgz.classic.transport.topic import Incoming, LocalSubscriber, Topic
 from libgz.errors import NotFoundError, ParameterError
 
 __all__ = ["PATIENCE", "DeliveryThread", "Remote", "TopicManager"]
@@ -63,6 +64,7 @@ class TopicManager:
         self.topics: dict[str, Topic] = {}
         self.queue: deque[Callable[[], None]] = deque()
         self.delivering = threading.RLock()  # held while callbacks run
+        self.received = Received()
         self.remote: Remote | None = None
         self.thread = DeliveryThread(self)
         self._namespaces: list[str] = []
@@ -114,7 +116,7 @@ class TopicManager:
         """Drop all waiting messages."""
         self.queue.clear()
         for topic in list(self.topics.values()):
-            topic.incoming.clear()
+            self.received.clear(topic)
             for publisher in topic.live_publishers():
                 publisher.ClearBuffer()
 
@@ -202,9 +204,8 @@ class TopicManager:
 
     def receive(self, topic: Topic, message: Incoming) -> None:
         """Queue a message from another process; any thread may call this."""
-        if len(topic.incoming) < INCOMING:  # else the oldest is dropped, and its place in the queue is reused
-            self.queue.append(functools.partial(_receive, topic))
-        topic.incoming.append(message)
+        if self.received.add(topic, message):
+            self.queue.append(functools.partial(_receive, topic, self.received))
 
     def link(self, remote: Remote) -> None:
         """Connect the topics to other processes."""
@@ -282,22 +283,19 @@ def _take(subscriber: weakref.ref[LocalSubscriber], message: Message) -> None:
         found.take(message)
 
 
-def _receive(topic: Topic) -> None:
+def _receive(topic: Topic, received: Received) -> None:
     """Decode and deliver the oldest message received from another process."""
-    try:
-        incoming = topic.incoming.popleft()
-    except IndexError:
+    incoming = received.take(topic)
+    if incoming is None:
         return
     known = topic.type_name()
     if known not in ("", incoming.type_name):
-        log.error(
-            "topic %s is published here with %s; a received %s was dropped", topic.name, known, incoming.type_name
-        )
+        received.refuse(topic.name, f"it is published here with {known}; a {incoming.type_name} was dropped")
         return
     try:
         message = message_type(incoming.type_name).FromString(incoming.data)
     except (NotFoundError, ParameterError) as error:
-        log.error("topic %s: a received message was dropped: %s", topic.name, error)
+        received.refuse(topic.name, f"a received message was dropped: {error}")
         return
     if incoming.subscriber is None:
         topic.deliver(incoming.number, message, latching=False)

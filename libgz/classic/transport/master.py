@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import socket
 from collections.abc import Callable, Iterator
@@ -17,8 +18,9 @@ from libgz.errors import ParameterError
 __all__ = ["Master"]
 
 VERSION = "gazebo 11.10.2"  # that clients compare with their own; another one makes them warn
-LARGEST = 1 << 20  # [bytes] of a packet
-MOST = 1000  # publishers, subscribers and namespaces of one client
+LARGEST = 1 << 16  # [bytes] of a packet
+CONTENT = 1 << 12  # [bytes] of what it announces
+MOST, MOST_OF_ALL = 1000, 10_000  # publishers, subscribers and namespaces of one client, and of all
 LONGEST = 1000  # characters of a topic's name
 
 
@@ -30,6 +32,14 @@ class _Client:
         self.publishers: list[Any] = []
         self.subscribers: list[Any] = []
         self.namespaces: list[str] = []
+        self.peer: object = None
+        with contextlib.suppress(OSError):  # it has closed the connection
+            self.peer = connection.socket.getpeername()
+
+    @property
+    def announced(self) -> int:
+        """How much that is."""
+        return len(self.publishers) + len(self.subscribers) + len(self.namespaces)
 
 
 class Master:
@@ -59,13 +69,14 @@ class Master:
 
     def _accept(self, connection: Connection) -> None:
         client = _Client(connection)
+        connection.lossless = True
         connection.on_frame = functools.partial(self._receive, client)
         connection.on_close = functools.partial(self._remove, client)
         self._clients.append(client)
-        connection.send(packet("version_init", message_type("GzString")(data=VERSION)), must=True)
+        connection.send(packet("version_init", message_type("GzString")(data=VERSION)))
         names = message_type("GzString_V")(data=self._namespaces())
-        connection.send(packet("topic_namepaces_init", names), must=True)
-        connection.send(packet("publishers_init", self._all_publishers()), must=True)
+        connection.send(packet("topic_namepaces_init", names))
+        connection.send(packet("publishers_init", self._all_publishers()))
 
     def _receive(self, client: _Client, data: bytes) -> None:
         """Handle a packet.
@@ -79,18 +90,27 @@ class Master:
             log.debug("the master was sent a packet %r, which it does not know", kind[:40])
             return
         name, handler = found
-        announced = len(client.publishers) + len(client.subscribers) + len(client.namespaces)
-        if announced > MOST and client.connection.socket.getpeername() != self.own:
-            raise ParameterError(f"it has announced more than {MOST} publishers and subscribers")
+        if client.peer != self.own:
+            self._check(client, name, content)
         message: Any = message_type(name).FromString(content)
         if name in ("Publish", "Subscribe") and not 0 < len(message.topic) <= LONGEST:
             raise ParameterError(f"the name of a topic has {len(message.topic)} characters; 1 to {LONGEST} are allowed")
         handler(client, message)
 
+    def _check(self, client: _Client, name: str, content: bytes) -> None:
+        """Raise ParameterError if another process announces too much."""
+        if client.announced > MOST:
+            raise ParameterError(f"it has announced more than {MOST} publishers and subscribers")
+        if name != "Request" and len(content) > CONTENT:
+            raise ParameterError(f"it has announced something of {len(content)} bytes; {CONTENT} are allowed")
+        others = (one.announced for one in self._clients if one.peer != self.own)
+        if name != "Request" and sum(others) > MOST_OF_ALL:
+            raise ParameterError(f"clients have announced more than {MOST_OF_ALL} publishers and subscribers")
+
     def _send_all(self, kind: str, message: Message) -> None:
         data = packet(kind, message)
         for client in tuple(self._clients):  # sending may find that one is closed
-            client.connection.send(data, must=True)
+            client.connection.send(data)
 
     # Tables ------------------------------------------------------------------------------------------------------
 
@@ -117,7 +137,7 @@ class Master:
         self._send_all("publisher_add", publisher)
         client.publishers.append(publisher)
         for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
-            other.connection.send(packet("publisher_advertise", publisher), must=True)
+            other.connection.send(packet("publisher_advertise", publisher))
 
     def _unadvertise(self, client: _Client, publisher: Any) -> None:
         if publisher in client.publishers:
@@ -127,12 +147,12 @@ class Master:
     def _announce_end(self, publisher: Any) -> None:
         self._send_all("publisher_del", publisher)
         for other in dict.fromkeys(other for other, _ in self._subscribers(publisher.topic)):
-            other.connection.send(packet("unadvertise", publisher), must=True)
+            other.connection.send(packet("unadvertise", publisher))
 
     def _subscribe(self, client: _Client, subscriber: Any) -> None:
         client.subscribers.append(subscriber)
         for publisher in tuple(self._publishers(subscriber.topic)):
-            client.connection.send(packet("publisher_subscribe", publisher), must=True)
+            client.connection.send(packet("publisher_subscribe", publisher))
 
     def _unsubscribe(self, client: _Client, subscriber: Any) -> None:
         found = next((one for one in client.subscribers if self._same(one, subscriber)), None)
@@ -147,24 +167,24 @@ class Master:
     def _announce_unsubscription(self, subscriber: Any) -> None:
         for client in tuple(self._clients):
             if any(one.topic == subscriber.topic for one in client.publishers):
-                client.connection.send(packet("unsubscribe", subscriber), must=True)
+                client.connection.send(packet("unsubscribe", subscriber))
 
     def _request(self, client: _Client, request: Any) -> None:
         if request.request == "get_publishers":
-            client.connection.send(packet("publisher_list", self._all_publishers()), must=True)
+            client.connection.send(packet("publisher_list", self._all_publishers()))
         elif request.request == "get_topics":
             topics = sorted({one.topic for one in self._publishers()})
-            client.connection.send(packet("topic_list", message_type("GzString_V")(data=topics)), must=True)
+            client.connection.send(packet("topic_list", message_type("GzString_V")(data=topics)))
         elif request.request == "get_topic_namespaces":
             names = message_type("GzString_V")(data=self._namespaces())
-            client.connection.send(packet("get_topic_namespaces_response", names), must=True)
+            client.connection.send(packet("get_topic_namespaces_response", names))
         elif request.request == "topic_info":
             info: Any = message_type("TopicInfo")()
             info.publisher.extend(self._publishers(request.data))
             info.subscriber.extend(one for _, one in self._subscribers(request.data))
             types = (one.msg_type for one in (*info.publisher, *info.subscriber) if one.msg_type)
             info.msg_type = next(types, "")
-            client.connection.send(packet("topic_info_response", info), must=True)
+            client.connection.send(packet("topic_info_response", info))
 
     def _remove(self, client: _Client) -> None:
         """Announce the end of what a closed connection had announced."""

@@ -27,7 +27,8 @@ from libgz.errors import GazeboError, ParameterError
 __all__ = ["Network"]
 
 SHARE = 0.02  # of a server's time, for handling what clients send
-REQUEST = 1 << 20  # [bytes] of a subscriber's request
+REQUEST = 1 << 16  # [bytes] of a subscriber's request
+SOURCES = 500  # connections of a server to publishers of other processes
 LARGEST = 1 << 26, 1 << 30  # [bytes] of a message that a server and a client accept
 SEND_PATIENCE, CLOSE_PATIENCE = 10.0, (0.5, 5.0)  # [s] of a client for a slow receiver; of servers and clients
 ANSWER_PATIENCE = 5.0  # [s] for the master
@@ -88,6 +89,7 @@ class Network:
         self._own = (own if named else listener.getsockname()[0], listener.getsockname()[1])
         self._loop.listen(listener, self._accept, REQUEST)
         self._master = Connection(self._loop, made, LARGEST[self.client])
+        self._master.lossless = True
         self._master.on_frame = self._receive_packet
         self._master.on_close = self._master_closed
         self._loop.call(self._master.start)
@@ -176,7 +178,7 @@ class Network:
     # This process ------------------------------------------------------------------------------------------------
 
     def _tell(self, kind: str, message: Message) -> None:
-        self._master.send(packet(kind, message), must=True)
+        self._master.send(packet(kind, message))
 
     def refresh_namespaces(self, names: list[str]) -> None:
         """Announce the names of this process's worlds."""
@@ -237,6 +239,9 @@ class Network:
     def _open_source(
         self, topic: Topic, key: _Key, type_name: str, target: int, subscriber: weakref.ref[LocalSubscriber] | None
     ) -> None:
+        if not self.client and len(self._sources) >= SOURCES:
+            self._loop.warn("clients publish on more than %d topics; others are not received", SOURCES)
+            return
         _, host, port = key
         try:
             flags = socket.AI_NUMERICHOST if host != "localhost" else 0
@@ -255,7 +260,7 @@ class Network:
         own = message_type("Subscribe")(
             topic=topic.name, host=host, port=port, msg_type=type_name, latching=subscriber is not None
         )
-        connection.send(packet("sub", own), must=True)
+        connection.send(packet("sub", own))
         connection.start()
 
     def _forget_source(self, key: _Key, target: int) -> None:

@@ -90,7 +90,9 @@ class Node:
     def Advertise(
         self, kind: type[Message] | str, topic: str, queueLimit: int = 1000, hzRate: float = 0.0
     ) -> Publisher:
-        """Return a publisher, such as ``node.Advertise(msgs.Vector3d, "~/my_topic")``; it ends when it is dropped.
+        """Return a publisher, such as ``node.Advertise(msgs.Vector3d, "~/my_topic")``.
+
+        It ends when it is dropped, and with the plugin that called this.
 
         Args:
             kind: The messages' type, or its name.

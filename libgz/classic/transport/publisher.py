@@ -12,6 +12,7 @@ from libgz.classic.msgs.message import Message
 from libgz.classic.transport.manager import PATIENCE, TopicManager
 from libgz.classic.transport.topic import Topic, log, sequence
 from libgz.errors import ClosedError, ParameterError
+from libgz.simulation.event import owner
 
 __all__ = ["Publisher", "drop_waiting", "queue_message", "waiting_messages"]
 
@@ -19,7 +20,7 @@ POLL = 0.002  # [s] between checks for a subscriber
 
 
 class Publisher:
-    """A publication, as returned by Node.Advertise; it ends when it is dropped.
+    """A publication, as returned by Node.Advertise; it ends when it is dropped, or with the plugin that made it.
 
     Raises:
         ParameterError: `queueLimit` is below 1, or `hzRate` is negative.
@@ -43,6 +44,8 @@ class Publisher:
         self._warned = False
         self.latest: tuple[int, Message] | None = None
         topic.publishers[id(self)] = weakref.ref(self)
+        if (by := owner.get()) is not None:
+            by.connections.add(self)
         self._manager = TopicManager.Instance()
         self._manager.refresh(topic)
 
@@ -145,6 +148,8 @@ class Publisher:
         self._open = False
         if self._topic.publishers.pop(id(self), None) is not None:
             self._manager.refresh(self._topic)
+
+    disconnect = Fini
 
     def __del__(self) -> None:
         topic = getattr(self, "_topic", None)

@@ -17,7 +17,6 @@ log = logging.getLogger("libgz.classic.transport")
 
 # Every message and every subscription of the process gets the next number: a subscriber receives what came after it.
 sequence = itertools.count(1)
-INCOMING = 1000  # messages from other processes that may wait on a topic; then the oldest are dropped
 
 
 def decode(topic: str, namespace: str) -> str:
@@ -94,7 +93,7 @@ class Topic:
         self.publishers: dict[int, weakref.ref[LocalPublisher]] = {}
         self.subscribers: dict[int, weakref.ref[LocalSubscriber]] = {}
         self.remote = False  # whether another process has a subscriber
-        self.incoming: deque[Incoming] = deque(maxlen=INCOMING)
+        self.incoming: deque[Incoming] = deque()
 
     @property
     def used(self) -> bool:

@@ -139,3 +139,8 @@ def test_a_message_is_published_once_by_a_node():
     transport.TopicManager.Instance().ProcessNodes()
     assert seen == ["hi"]
     subscriber.Unsubscribe()
+
+
+@pytest.mark.parametrize(("name", "number"), [("RGB_INT8", 3), ("R8G8B8", 3), ("L8", 1), ("B8G8R8", 8), ("?", 0)])
+def test_pixel_formats_of_cameras_have_numbers(name, number):
+    assert common.Image.ConvertPixelFormat(name) == number

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 from plugin_worlds import GROUND, HINGE, body, collision
 
+import libgz
 from libgz.classic import physics, sdf
 from libgz.classic.math import Pose3d, Vector3d
 from libgz.classic.physics import Base, JointState, LinkState, ModelState, WorldState
@@ -264,3 +265,33 @@ def test_errors_have_the_accessors_of_classic(run):
     assert common.Exception is GazeboError
     assert caught.value.GetErrorStr() == str(caught.value)
     assert caught.value.GetErrorFile().endswith("engine.py")
+
+
+def test_the_difference_of_two_states_is_what_has_changed():
+    text = """<sdf version='1.6'><world name='w'><model name='m'><pose>0 0 9 0 0 0.3</pose><link name='a'/>
+        <link name='b'><gravity>0</gravity></link>
+        <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis>
+        </joint></model><light name='l' type='point'><pose>0 0 3 0 0 0</pose></light></world></sdf>"""
+    with libgz.World.from_string(text) as core:
+        core.attach_era()
+        world = core.facade
+        old = WorldState(world)
+        assert (old - old).IsZero()
+        world.ModelByName("m").GetJoint("j").SetVelocity(0, 2.0)
+        world.LightByName("l").SetWorldPose(Pose3d(1, 0, 3, 0, 0, 0))
+        core.run(0.1)
+        new = WorldState(world)
+        change = new - old
+        model = change.GetModelState("m")
+        assert model.Pose().Z() == pytest.approx(new.GetModelState("m").Pose().Z() - 9.0)
+        assert model.GetJointState("j").Position(0) == pytest.approx(0.2, abs=0.01)
+        assert change.GetLightState("l").Pose().X() == 1.0
+        again = old + change
+        assert not change.IsZero()
+        for link in ("a", "b"):
+            one, two = (state.GetModelState("m").GetLinkState(link) for state in (again, new))
+            assert one.Pose().Pos().Equal(two.Pose().Pos(), 1e-12)
+            assert one.Pose().Rot().Equal(two.Pose().Rot(), 1e-12)
+            assert one.Velocity().Pos().Equal(two.Velocity().Pos(), 1e-12)
+        with pytest.raises(TypeError):
+            new - model

@@ -11,6 +11,7 @@ from plugin_worlds import GROUND, body, collision, command, plugin, wheel
 import libgz
 from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d
+from libgz.physics.geoms import LightGeom
 
 BOX = "<box><size>1 1 1</size></box>"
 
@@ -561,6 +562,26 @@ def test_ros_imu_measures_gravity_at_rest(run):
     heard = Heard("~/box/imu")
     core.run(2.0)
     assert heard[-1].linear_acceleration.z == pytest.approx(9.8, abs=0.01)
+
+
+def test_the_robot_of_the_ros_era_drives_and_measures():
+    with libgz.World.from_file(EXAMPLES / "ros_robot.world") as core:
+        topics = {"truth": "/rover/truth", "imu": "/rover/imu", "states": "/rover/joint_states"}
+        heard = {name: Heard(topic) for name, topic in topics.items()}
+        scans = Heard("~/rover/base/laser/scan")
+        target = msgs.JointCmd(name="rover::shoulder")
+        target.position.target, target.position.p_gain, target.position.d_gain = 0.6, 2.0, 0.4
+        kept = [command("/rover/cmd_vel", 0.3), send("~/rover/joint_cmd", target)]
+        core.run(2.0)
+        robot = core.facade.ModelByName("rover")
+        x = robot.GetLink("base").WorldPose().X()
+        assert x == pytest.approx(0.6, abs=0.06)
+        assert len(heard["truth"]) == pytest.approx(100, abs=2)
+        assert heard["truth"][-1].pose.position.x == pytest.approx(x, abs=0.3 / 50 + 1e-3)
+        assert heard["imu"][-1].linear_acceleration.z == pytest.approx(9.8, abs=0.5)
+        assert heard["states"][-1].param[0].value.double_value == pytest.approx(0.6, abs=0.05)
+        assert scans[-1].scan.ranges[45] == pytest.approx(2.0 - 0.1 - 0.2 - x, abs=0.04)
+        assert kept
 
 
 def test_an_unknown_plugin_of_ros_is_an_error(run, caplog):

@@ -1,6 +1,5 @@
 """Topics between processes: a second process, on an unused port."""
 
-import gc
 import logging
 import socket
 import subprocess
@@ -39,7 +38,6 @@ _started = []  # processes of the present test
 
 @pytest.fixture
 def uri(monkeypatch):
-    gc.collect()  # plugins of worlds that earlier tests closed, with their publishers
     for topic in list(manager.topics.values()):
         for publisher in topic.live_publishers():
             publisher.Fini()

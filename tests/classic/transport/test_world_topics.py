@@ -123,6 +123,28 @@ def test_the_world_is_paused_stepped_and_reset(view, core, send):
     assert view.SimTime().Double() < 0.01
 
 
+@pytest.mark.parametrize(
+    ("parts", "moved", "time"),
+    [
+        ({"time_only": True}, True, 0.0),
+        ({"model_only": True}, False, 0.05),
+        ({"time_only": True, "model_only": True}, False, 0.0),
+        ({"time_only": True, "all": True}, False, 0.0),
+        ({}, False, 0.0),
+    ],
+)
+def test_a_reset_may_be_of_the_time_or_of_the_models(view, core, send, parts, moved, time):
+    core.step(50)
+    view.ModelByName("box").SetWorldPose(Pose3d(9, 9, 0.5, 0, 0, 0))
+    message = msgs.WorldControl()
+    message.reset.SetInParent()
+    for name, value in parts.items():
+        setattr(message.reset, name, value)
+    send("~/world_control", message)
+    assert view.ModelByName("box").WorldPose().X() == pytest.approx(9.0 if moved else 0.0, abs=1e-3)
+    assert view.SimTime().Double() == pytest.approx(time, abs=0.004)
+
+
 def test_physics_models_lights_and_joints_are_changed(view, core, send):
     physics_message = msgs.Physics(max_step_size=0.002, iters=70)
     msgs.Set(physics_message.gravity, Vector3d(0, 0, -1.5))
@@ -343,3 +365,18 @@ def test_changes_are_published(view, core, node, send):
     assert view.ModelByName("arm2").GetJoint("hinge").GetVelocity(0) > 0.0
     assert received["~/diagnostics"].sim_time.nsec > 0
     assert len(kept) == 4
+
+
+def test_repeated_and_long_errors_of_messages_do_not_fill_the_log(core, node, caplog):
+    factory = node.Advertise(msgs.Factory, "~/factory")
+    for _ in range(150):
+        factory.Publish(
+            msgs.Factory(
+                sdf=f"<sdf version='1.6'><model name='{'x' * 50_000}'><link name='a'/><link name='a'/></model></sdf>"
+            )
+        )
+    core.step(2)
+    errors = [record.getMessage() for record in caplog.records if "~/factory" in record.getMessage()]
+    assert len(errors) == 2
+    assert "(100 times so far)" in errors[1]
+    assert all(len(text) < 3000 for text in errors)

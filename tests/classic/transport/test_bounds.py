@@ -1,0 +1,152 @@
+"""What other processes can make a server hold, each and together."""
+
+import socket
+import time
+
+import pytest
+
+from libgz.classic.transport import backlog, loop, received
+from libgz.classic.transport.backlog import Backlog
+from libgz.classic.transport.framing import frame
+from libgz.classic.transport.loop import Connection, SocketLoop
+from libgz.classic.transport.received import Received
+from libgz.classic.transport.topic import Incoming, Topic
+
+MIB = 1 << 20
+
+
+class Pair:
+    """A connection of a loop, and its other end, which reads nothing."""
+
+    def __init__(self, socket_loop, largest=MIB):
+        own, self.other = socket.socketpair()
+        for one in (own, self.other):
+            one.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+        self.connection = Connection(socket_loop, own, largest)
+        socket_loop.call(self.connection.start)
+
+
+@pytest.fixture
+def socket_loop():
+    made = SocketLoop()
+    yield made
+    made.close(0.0)
+
+
+@pytest.fixture
+def pairs(socket_loop):
+    made = []
+
+    def make(count, largest=MIB):
+        made.extend(Pair(socket_loop, largest) for _ in range(count))
+        return made
+
+    yield make
+    for pair in made:
+        pair.other.close()
+
+
+def until(condition):
+    end = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.002)
+
+
+def test_slow_receivers_lose_their_oldest_messages_and_hold_no_more_than_the_bound_of_all(
+    monkeypatch, socket_loop, pairs
+):
+    limit = 1 * MIB
+    monkeypatch.setattr(socket_loop, "backlog", Backlog(limit))
+    slow = pairs(20)
+    for number in range(40):
+        for pair in slow:
+            pair.connection.send(frame(b"%08d" % number + bytes(10_000)))
+        assert socket_loop.backlog.size <= limit
+    assert sum(pair.connection.size for pair in slow) > limit // 2
+    assert all(pair.connection.open for pair in slow)
+    newest = [pair.connection._queue[-1] for pair in slow if pair.connection._queue]
+    assert len(newest) == len(slow)
+    assert {one[8:16] for one in newest} == {b"%08d" % 39}
+
+
+def test_a_frame_for_many_is_counted_once(socket_loop, pairs):
+    data = frame(bytes(100_000))
+    for pair in pairs(10):
+        pair.connection.send(data)
+    assert socket_loop.backlog.size <= len(data)
+    for pair in pairs(0):
+        socket_loop.call(pair.connection.close)
+    until(lambda: socket_loop.backlog.size == 0)
+
+
+def test_where_nothing_may_be_lost_the_connection_ends(monkeypatch, socket_loop, pairs):
+    monkeypatch.setattr(loop, "QUEUE_COUNT", 20)
+    (pair,) = pairs(1)
+    pair.connection.lossless = True
+    for _ in range(40):
+        pair.connection.send(frame(bytes(10_000)))
+    until(lambda: not pair.connection.open)
+    assert socket_loop.backlog.size == 0
+
+
+def test_frames_stay_whole_while_the_oldest_are_dropped(monkeypatch, socket_loop, pairs):
+    monkeypatch.setattr(loop, "QUEUE_COUNT", 5)
+    (pair,) = pairs(1)
+    for number in range(3000):
+        pair.connection.send(frame(b"%06d" % number * 50))
+    pair.other.settimeout(20.0)
+    data = b""
+    while not data.endswith(b"002999" * 50):
+        data += pair.other.recv(1 << 16)
+    while data:
+        assert data[:8] == b"0000012c"
+        content, data = data[8:308], data[308:]
+        assert content == content[:6] * 50
+
+
+def test_incomplete_messages_are_bounded_together(monkeypatch, socket_loop, pairs):
+    monkeypatch.setattr(loop, "PARTIAL_BYTES", 300_000)
+    made = pairs(5)
+    for pair in made:
+        pair.connection.valid = True
+        pair.other.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 1 << 18)
+        pair.other.setblocking(False)
+    ends = list(made)
+    head = b"%08x" % 500_000
+    for pair in ends:
+        pair.other.send(head)
+    for _ in range(30):
+        for pair in ends:
+            try:
+                pair.other.send(bytes(8000))
+            except OSError:
+                continue
+        time.sleep(0.002)
+        assert sum(pair.connection.partial for pair in ends) <= 300_000 + (1 << 16)
+    until(lambda: not all(pair.connection.open for pair in ends))
+    assert any(pair.connection.open for pair in ends)
+
+
+def test_received_messages_are_bounded_in_number_and_size(caplog):
+    topic, other, waiting = Topic("/a"), Topic("/b"), Received(limit=10_000)
+    asked = [waiting.add(topic, Incoming(n, "t", b"", None)) for n in range(received.COUNT + 5)]
+    assert sum(asked) == len(topic.incoming) == received.COUNT
+    assert waiting.take(topic).number == 5
+    waiting.clear(topic)
+    for number in range(30):
+        waiting.add(topic, Incoming(number, "t", bytes(1000), None))
+        assert waiting.size <= 10_000
+    assert waiting.add(other, Incoming(0, "t", bytes(2000), None))
+    assert [one.number for one in topic.incoming] == list(range(22, 30))
+    while waiting.take(topic) or waiting.take(other):
+        pass
+    assert waiting.size == 0
+    assert waiting.add(topic, Incoming(0, "t", bytes(20_000), None))  # it is handled alone
+    assert "the oldest are dropped" in caplog.text
+
+
+def test_the_bounds_are_those_of_the_security_page():
+    text = (__import__("pathlib").Path(__file__).parents[3] / "SECURITY.md").read_text()
+    for size in (loop.QUEUE_BYTES, backlog.BACKLOG_BYTES, loop.PARTIAL_BYTES, received.BYTES):
+        assert f"{size // MIB} MiB" in text

@@ -24,7 +24,7 @@ from libgz.sdf.element import Element
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
-from libgz.simulation.state import get_state, set_state, undeclared
+from libgz.simulation.state import Kept, decode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -100,7 +100,8 @@ class WorldServer:
         self._new: list[CoreModel] = list(core.entities)
         self._started = self._reloading = False
         self._first: dict[str, Any] | None = None  # the state at the start, if the world ran before
-        self._undeclared: set[type] = set()  # classes of plugins without a declared state that were reported
+        self._kept = Kept()  # of `_settings`
+        self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
     @property
     def filename(self) -> str | None:
@@ -425,13 +426,9 @@ class WorldServer:
         """
         starting = self.core.starting
         self.finish_added()
-        if not starting and not self._reloading:
-            self._warn_of_undeclared()
         return {
             "random": Rand.SaveState(),
-            "physics": get_state(self.physics),
-            "presets": get_state(self.presets),
-            "paused_steps": get_state(self.paused_steps),
+            "settings": self._settings(),
             "ids": self.ids.save(),
             "activity": self.activity.save(),
             "sensors": self.sensors.save() if self.sensors is not None else None,
@@ -460,10 +457,19 @@ class WorldServer:
         if state["plugins"] is not None:
             self._load_plugins(state["plugins"])
         self.ids.load(state["ids"])
-        for part in ("physics", "presets", "paused_steps"):
-            set_state(getattr(self, part), state[part])
+        if state["settings"] != self._settings():
+            for part, values in zip(self._parts_with_settings, decode(state["settings"]), strict=True):
+                set_values(part, values)
+        self.physics.GetContactManager().forget()
         if self.topics is not None and state["topics"] is not None:
             self.topics.load(state["topics"], replace=state["plugins"] is not None)
+
+    @property
+    def _parts_with_settings(self) -> tuple[Any, ...]:
+        return self.physics, self.presets, self.paused_steps
+
+    def _settings(self) -> bytes:
+        return self._kept.encode([get_values(part) for part in self._parts_with_settings])
 
     def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins.
@@ -488,10 +494,14 @@ class WorldServer:
                 yield from part.plugins_by_holder()
 
     def _saved_plugins(self) -> list[tuple[Any, ...]]:
-        return [
-            (kind, holder, [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None])
-            for kind, holder, plugins in self._plugins_by_holder()
-        ]
+        saved = []
+        for kind, holder, plugins in self._plugins_by_holder():
+            for plugin in plugins:
+                if plugin.plugin_class not in self._seen and not self._reloading:
+                    self._warn_of_undeclared(plugin)
+            rows = [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None]
+            saved.append((kind, holder, rows))
+        return saved
 
     def _load_plugins(self, rows: Iterable[Any]) -> None:
         wanted = {(kind, holder): plugins for kind, holder, plugins in rows}
@@ -540,18 +550,16 @@ class WorldServer:
         part = self.sensors if kind == "Sensor" else self.serve_visuals()
         return part.holder(name) if part is not None else (None, print)
 
-    def _warn_of_undeclared(self) -> None:
-        for *_, plugins in self._plugins_by_holder():
-            for plugin in plugins:
-                kind: Any = plugin.plugin_class
-                if kind not in self._undeclared and undeclared(kind):
-                    self._undeclared.add(kind)
-                    log.warning(
-                        "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
-                        'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',
-                        plugin,
-                        kind.__name__,
-                    )
+    def _warn_of_undeclared(self, plugin: LoadedPlugin) -> None:
+        kind: Any = plugin.plugin_class
+        self._seen.add(kind)
+        if undeclared(kind):
+            log.warning(
+                "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
+                'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',
+                plugin,
+                kind.__name__,
+            )
 
     def close(self) -> None:
         """Drop all plugins, and close sensors and topics."""

@@ -18,6 +18,7 @@ import weakref
 import zlib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -61,7 +62,8 @@ _POSE = struct.Struct("7d")
 _settings = attrgetter(*SETTINGS.values())
 _numbers = attrgetter(*SETTINGS.values(), *COUNTERS, *SOLVER, *CONSTRAINTS, *PROGRESS)
 _solver, _constraints = attrgetter(*SOLVER), attrgetter(*CONSTRAINTS)
-_PARTS_OF_NUMBERS = (SETTINGS, COUNTERS, SOLVER, CONSTRAINTS, PROGRESS)
+_ENDS = list(accumulate(map(len, (SETTINGS, COUNTERS, SOLVER, CONSTRAINTS, PROGRESS))))
+_COUNT, _PARTS_OF_NUMBERS = _ENDS[-1], [slice(*ends) for ends in pairwise([0, *_ENDS])]
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -236,7 +238,7 @@ class EngineState:
             present = self._present(engine)
             self._objects(engine, present)
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._present_parts(engine, present), state["memory"]):
+        if not engine.step_form.set_state(self._present_parts(engine, present), bytes(state["memory"])):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
         self._restore_tables(state)
         self._restore_parts(state)
@@ -246,14 +248,12 @@ class EngineState:
         engine, context = self._engine, self._context
         engine.quirks = frozenset(state["quirks"])
         numbers = tuple(state["numbers"])
-        if len(numbers) != sum(map(len, _PARTS_OF_NUMBERS)):
+        if len(numbers) != _COUNT:
             raise StateError("the state is damaged: it has not all numbers of an engine")
-        rest = iter(numbers)
-        settings, counters, solver, constraints, progress = (
-            tuple(next(rest) for _ in part) for part in _PARTS_OF_NUMBERS
-        )
-        for name, value, present in zip(SETTINGS, settings, _settings(engine), strict=True):
-            if value != present:
+        settings, counters, solver, constraints, progress = (numbers[part] for part in _PARTS_OF_NUMBERS)
+        present = _settings(engine)
+        for name, value, now in zip(SETTINGS, settings, present, strict=True) if settings != present else ():
+            if value != now:
                 setattr(engine, name, ContactRule(value) if name == "contact_rule" else value)
         engine.collisions, engine.abandoned = counters
         if solver != _solver(engine):

@@ -24,6 +24,7 @@ import io
 import marshal
 import pickle
 import random
+import struct
 import sys
 import weakref
 from collections import deque
@@ -39,14 +40,17 @@ from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = [
+    "Kept",
     "carry_state",
     "declares",
     "decode",
     "encode",
+    "equal",
     "fields",
     "get_rows",
     "get_state",
     "get_values",
+    "large",
     "plain",
     "set_state",
     "set_values",
@@ -55,7 +59,15 @@ __all__ = [
 
 C = TypeVar("C", bound=Callable[..., Any])
 
-FORMAT = b"libgz state 3\n"  # at the start of encoded states
+FORMAT = (
+    b"libgz state 3\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
+)
+LARGE = 4096  # [byte]
+_COUNT = struct.Struct("<q")
+_NO_BLOCKS = FORMAT + _COUNT.pack(0)
+_DAMAGES = (
+    *(pickle.UnpicklingError, struct.error, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError),
+)
 
 # What an encoded state may consist of besides the builtin types: decoding one never runs other code.
 _ALLOWED = {
@@ -78,6 +90,7 @@ _MADE: list[type] = []  # base classes of what allowed functions make
 _PCG_PARTS = 4  # of what numpy returns as the state of its usual generator
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
+_COMPARED = _EXACT | {float}
 
 
 def array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -86,7 +99,16 @@ def array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
 
 
 def _array_parts(value: NDArray[Any]) -> tuple[Any, ...]:
-    return pickle.PickleBuffer(memoryview(np.ascontiguousarray(value)).toreadonly()), value.dtype.str, value.shape
+    return value.tobytes() if value.nbytes < LARGE else _viewed(value), value.dtype.str, value.shape
+
+
+def _viewed(value: NDArray[Any]) -> pickle.PickleBuffer:
+    return pickle.PickleBuffer(memoryview(np.ascontiguousarray(value)).toreadonly())
+
+
+def large(data: bytes) -> Any:
+    """Bytes for a state; many of them are written behind the rest, which saves copies, and read as a memoryview."""
+    return data if len(data) < LARGE else pickle.PickleBuffer(data)
 
 
 # Structs are tuples in a state: a mark with the name of their class, and their numbers. That takes a tenth of the time
@@ -229,11 +251,12 @@ def get_values(thing: Any) -> Sequence[Any]:
 def get_rows(kind: Any, things: Sequence[Any]) -> list[Sequence[Any]]:
     """What `get_values` returns of each of these objects, which are all of one class."""
     declared = _class(kind)
-    if not declared.saves:
-        rows: list[Sequence[Any]] = list(map(declared.read, things))
-        if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
-            return rows
-    return [get_values(thing) for thing in things]
+    if declared.saves:
+        return [get_values(thing) for thing in things]
+    rows: list[Sequence[Any]] = list(map(declared.read, things))
+    if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
+        return rows
+    return [[value if type(value) in _PLAIN else _saved(value) for value in row] for row in rows]
 
 
 def set_values(thing: Any, values: Sequence[Any]) -> None:
@@ -243,9 +266,18 @@ def set_values(thing: Any, values: Sequence[Any]) -> None:
     """
     kind: Any = type(thing)
     declared = _classes.get(id(kind)) or _class(kind)
-    if not declared.saves and _PLAIN.issuperset(map(type, values)) and _is_now(thing, declared, values):
-        return
-    for place, value in zip(declared.places, values, strict=True):
+    try:
+        present: Sequence[Any] = declared.read(thing)
+    except AttributeError:
+        present = ()
+    same = 0  # how many at the front need no change; to set one of them may change what is behind it
+    for value, before in zip(values, present, strict=False):
+        if type(value) not in _COMPARED or type(before) is not type(value) or before != value:
+            break
+        if value == 0.0 and str(before) != str(value):  # zeros have signs
+            break
+        same += 1
+    for place, value in zip(declared.places[same:], values[same:], strict=True):
         _set(thing, place, value)
 
 
@@ -263,15 +295,6 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
     after = _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
-
-
-def _is_now(thing: Any, declared: _Class, values: Sequence[Any]) -> bool:
-    """Whether an object has these values, which are numbers and texts, to the bit."""
-    try:
-        now = declared.read(thing)
-    except AttributeError:
-        return False
-    return _PLAIN.issuperset(map(type, now)) and marshal.dumps(now, 2) == marshal.dumps(tuple(values), 2)
 
 
 def get_state(thing: Any) -> Any:
@@ -320,6 +343,8 @@ def _made(value: Any) -> Any:
         return value if _PLAIN.issuperset(map(type, value)) else tuple(map(_made, value))
     if kind is list:
         return value if _PLAIN.issuperset(map(type, value)) else [*map(_made, value)]
+    if kind is deque:
+        return deque(map(_made, value), value.maxlen)
     if kind is dict:
         plain_ = _PLAIN.issuperset(map(type, value.values()))
         return value if plain_ else {key: _made(item) for key, item in value.items()}
@@ -410,7 +435,10 @@ def _load_tuple(before: tuple[Any, ...], value: Any) -> Any:
 def _load_dict(before: dict[Any, Any], value: Any) -> Any:
     if type(value) is not dict:
         return _made(value)
-    if before or value:
+    if _PLAIN.issuperset(map(type, (*before.values(), *value.values()))):
+        before.clear()
+        before.update(value)
+    else:
         items = {key: _loaded(before.get(key), item) for key, item in value.items()}
         before.clear()
         before.update(items)
@@ -474,14 +502,44 @@ def encode(state: Any) -> bytes:
         ParameterError: something in it is not plain data.
     """
     buffer = io.BytesIO()
-    buffer.write(FORMAT)
-    pickler = _Writer(buffer, 5)
+    buffer.write(_NO_BLOCKS)
+    blocks: list[pickle.PickleBuffer] = []
+    pickler = _Writer(buffer, 5, buffer_callback=blocks.append)
     pickler.fast = True  # no references within the data, which would depend on which objects are identical
     try:
         pickler.dump(state)
     except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
         raise ParameterError(f"a state must be plain data: {error}") from error
-    return buffer.getvalue()
+    if not blocks:
+        return buffer.getvalue()
+    contents = [block.raw() for block in blocks]
+    head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
+    return b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
+
+
+class Kept:
+    """The encoding of plain data that seldom changes: it is made anew only where they have changed, to the bit."""
+
+    def __init__(self) -> None:
+        self._key = self._encoded = b""
+
+    def encode(self, plain_: Any) -> bytes:
+        """Like the function `encode`, for data of builtin types."""
+        try:
+            key = marshal.dumps(plain_, 2)
+        except ValueError:  # there is something in them that is not of a builtin type
+            return encode(plain_)
+        if key != self._key:
+            self._key, self._encoded = key, encode(plain_)
+        return self._encoded
+
+
+def equal(one: Any, other: Any) -> bool:
+    """Whether plain data are the same to the bit; those of other than builtin types never are."""
+    try:
+        return marshal.dumps(one, 2) == marshal.dumps(other, 2)
+    except ValueError:
+        return False
 
 
 class _Writer(pickle.Pickler):
@@ -523,6 +581,16 @@ def decode(data: bytes) -> Any:
     if not data.startswith(FORMAT):
         raise ParameterError(f"these {len(data)} bytes are no state of this version of libgz")
     try:
-        return _Reader(io.BytesIO(data[len(FORMAT) :])).load()
-    except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
+        (count,) = _COUNT.unpack_from(data, len(FORMAT))
+        begin, end = len(FORMAT) + 8 * (1 + count), len(data)
+        blocks: list[memoryview] = []
+        if count:
+            view = memoryview(data)
+            for size in reversed(struct.unpack_from(f"<{count}q", data, len(FORMAT) + 8)):
+                end -= size
+                if size < 0 or end < begin:
+                    raise ValueError("its blocks are longer than it")
+                blocks.append(view[end : end + size])
+        return _Reader(io.BytesIO(data[begin:end]), buffers=reversed(blocks)).load()
+    except _DAMAGES as error:
         raise ParameterError(f"the state is damaged: {error}") from error

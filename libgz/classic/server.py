@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +39,8 @@ __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
 
+# What its state consists of, in order.
+PARTS = ("random", "settings", "ids", "activity", "sensors", "scene", "topics", "plugins")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
@@ -99,7 +101,7 @@ class WorldServer:
         self.stopped = False
         self._new: list[CoreModel] = list(core.entities)
         self._started = self._reloading = False
-        self._first: dict[str, Any] | None = None  # the state at the start, if the world ran before
+        self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
         self._kept = Kept()  # of `_settings`
         self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
@@ -419,29 +421,30 @@ class WorldServer:
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> tuple[Any, ...]:
         """The state of sensors, plugins, topics and all else of classic, as plain data.
 
         That of the start has no plugins, for a reset calls their Reset.
         """
         starting = self.core.starting
         self.finish_added()
-        return {
-            "random": Rand.SaveState(),
-            "settings": self._settings(),
-            "ids": self.ids.save(),
-            "activity": self.activity.save(),
-            "sensors": self.sensors.save() if self.sensors is not None else None,
-            "scene": self.scene.save() if self.scene is not None else None,
-            "topics": self.topics.save() if self.topics is not None else None,
-            "plugins": self._saved_plugins() if not starting else None,
-        }
+        return (
+            Rand.SaveState(),
+            self._settings(),
+            self.ids.save(),
+            self.activity.save(),
+            self.sensors.save() if self.sensors is not None else None,
+            self.scene.save() if self.scene is not None else None,
+            self.topics.save() if self.topics is not None else None,
+            self._saved_plugins() if not starting else None,
+        )
 
-    def set_state(self, state: dict[str, Any] | None) -> None:
+    def set_state(self, state: Sequence[Any] | None) -> None:
         """Take what `get_state` returned; None, for what a world was before this was attached to it."""
-        state = self._first if state is None else state
-        if state is None:
+        values = self._first if state is None else state
+        if values is None:
             return
+        state = dict(zip(PARTS, values, strict=True))
         Rand.LoadState(state["random"])
         if state["sensors"] is not None:
             self.all_sensors().load(state["sensors"])

@@ -32,11 +32,14 @@ from libgz.ode.lib import ode
 from libgz.ode.memory import layout
 from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
+from libgz.physics.edits import edits
 from libgz.physics.meshes import Mesh
 
-__all__ = ["EngineState"]
+__all__ = ["PARTS", "EngineState"]
 
 MOST_NAMED = 5  # missing objects in a message
+
+PARTS = ("ode", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")  # in order
 
 # Attributes of an engine that are numbers, and those that are settings.
 COUNTERS = ("collisions", "abandoned")
@@ -132,6 +135,7 @@ class EngineState:
         self._now: _Present | None = None
         self._collected: list[Any] = []  # at the last encoding
         self._block = b""  # that encoding
+        self._seen: tuple[int, ...] = ()  # how much was edited by then, and how many objects there were
         self._parts: Parts | None = None
         self._parts_have_motion = 0
 
@@ -141,7 +145,7 @@ class EngineState:
 
     def forget(self) -> None:
         """Drop what was collected, which can be large."""
-        self._now, self._collected, self._block, self._parts = None, [], b"", None
+        self._now, self._collected, self._block, self._seen, self._parts = None, [], b"", (), None
 
     # Get ---------------------------------------------------------------------------------------------------------
 
@@ -192,6 +196,9 @@ class EngineState:
 
     def _objects(self, engine: Any, present: _Present) -> bytes:
         """What Python knows of the objects, as compressed JSON."""
+        seen = edits.last, len(engine.dummies), len(engine.attached), len(engine.spaces)
+        if self._seen == seen and self._collected[0] is present:
+            return self._block
         dummies, attached = list(engine.dummies), list(engine.attached)
         collected: list[Any] = [present, dummies, attached, list(engine.spaces)]
         collected += [list(map(get, things)) for get, things in present.watched]
@@ -200,6 +207,7 @@ class EngineState:
             text = self._encode(present.bodies, dummies, present.geoms, present.joints, attached)
             self._block = zlib.compress(text, 1)
             self._collected, self._parts = collected, None
+        self._seen = seen
         return self._block
 
     def _encode(

@@ -10,6 +10,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
+from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 from libgz.simulation.plugins import own_traceback
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
 __all__ = ["Snapshots"]
+
+# What a state consists of, in order.
+PARTS = ("file", "list", "world", "random", "entities", "companions", "extensions", "engine", "interfaces")
 
 
 class StoppedError(GazeboError):
@@ -54,17 +58,17 @@ class Snapshots:
         world = self._world
         engine = world.engine.get_state()
         engine["memory"] = state.large(engine["memory"])
-        plain = {
-            "file": world.era.digest,
-            "list": self._list(),
-            "world": state.get_values(world),
-            "random": (world.spawned, world.journal.inserted),
-            "entities": [_own_states(kind, entities) for kind, entities in self._kinds.items()],
-            "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
-            "extensions": {name: state.get_values(extension) for name, extension in self._extensions()},
-            "engine": engine,
-            "interfaces": {key: state.large(interface.get_bytes()) for key, interface in _interfaces(world)},
-        }
+        plain = (
+            world.era.digest,
+            self._list(),
+            state.get_values(world),
+            (world.spawned, world.journal.inserted),
+            [_own_states(kind, entities) for kind, entities in self._kinds.items()],
+            {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+            {name: state.get_values(extension) for name, extension in self._extensions()},
+            (*engine.values(),),
+            [(key, state.large(interface.get_bytes())) for key, interface in _interfaces(world)],
+        )
         try:
             return state.encode(plain)
         except ParameterError as error:
@@ -86,7 +90,10 @@ class Snapshots:
             StateError: the state is of another file, or something that cannot be built again is missing.
             ParameterError: these bytes are no state.
         """
-        world, saved = self._world, state.decode(data)
+        world, decoded = self._world, state.decode(data)
+        if not isinstance(decoded, tuple) or len(decoded) != len(PARTS):
+            raise ParameterError("the state is damaged: it has not the parts of one")
+        saved = dict(zip(PARTS, decoded, strict=True))
         if saved["file"] != world.era.digest:
             raise StateError("this state is of another world: its file has another text than this world's")
         if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
@@ -119,10 +126,11 @@ class Snapshots:
         for name, extension in self._extensions():
             if name in saved["extensions"]:
                 state.set_values(extension, saved["extensions"][name])
-        world.engine.set_state(saved["engine"])
+        world.engine.set_state(dict(zip(ENGINE_PARTS, saved["engine"], strict=True)))
+        contents = dict(saved["interfaces"])
         for key, interface in _interfaces(world):
-            if key in saved["interfaces"]:
-                interface.set_bytes(saved["interfaces"][key])
+            if key in contents:
+                interface.set_bytes(contents[key])
 
     def _extensions(self) -> list[tuple[str, Any]]:
         """The extensions of the world that declare state, and their names."""

@@ -444,28 +444,28 @@ class WorldServer:
         values = self._first if state is None else state
         if values is None:
             return
-        state = dict(zip(PARTS, values, strict=True))
-        Rand.LoadState(state["random"])
-        if state["sensors"] is not None:
-            self.all_sensors().load(state["sensors"])
+        saved = dict(zip(PARTS, values, strict=True))
+        Rand.LoadState(saved["random"])
+        if saved["sensors"] is not None:
+            self.all_sensors().load(saved["sensors"])
         elif self.sensors is not None:
             self.sensors.load((0.0, -math.inf, ()))
-        self.activity.load(state["activity"])
-        if self.scene is None and state["scene"] is not None:
+        self.activity.load(saved["activity"])
+        if self.scene is None and saved["scene"] is not None:
             from libgz.classic.rendering.scene import scene_of
 
             scene_of(self.world)
         if self.scene is not None:
-            self.scene.load(state["scene"])
-        if state["plugins"] is not None:
-            self._load_plugins(state["plugins"])
-        self.ids.load(state["ids"])
-        if state["settings"] != self._settings():
-            for part, values in zip(self._parts_with_settings, decode(state["settings"]), strict=True):
+            self.scene.load(saved["scene"])
+        if saved["plugins"] is not None:
+            self._load_plugins(saved["plugins"])
+        self.ids.load(saved["ids"])
+        if saved["settings"] != self._settings():
+            for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
                 set_values(part, values)
         self.physics.GetContactManager().forget()
-        if self.topics is not None and state["topics"] is not None:
-            self.topics.load(state["topics"], replace=state["plugins"] is not None)
+        if self.topics is not None and saved["topics"] is not None:
+            self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
 
     @property
     def _parts_with_settings(self) -> tuple[Any, ...]:

@@ -491,7 +491,7 @@ class SdfModel(Entity):
         return (efforts, *(gripper.save() for gripper in self.grippers.values())) if self.grippers else efforts
 
     @_motion.setter
-    def _motion(self, state: bytes | Sequence[Any]) -> None:
+    def _motion(self, state: bytes | tuple[Any, ...]) -> None:
         efforts, *held = (state,) if isinstance(state, bytes) else state
         SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
         for gripper, one in zip(self.grippers.values(), held, strict=False):

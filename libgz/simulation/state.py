@@ -103,7 +103,7 @@ def _array_parts(value: NDArray[Any]) -> tuple[Any, ...]:
 
 
 def _viewed(value: NDArray[Any]) -> pickle.PickleBuffer:
-    return pickle.PickleBuffer(memoryview(np.ascontiguousarray(value)).toreadonly())
+    return pickle.PickleBuffer(np.ascontiguousarray(value).data.toreadonly())
 
 
 def large(data: bytes) -> Any:

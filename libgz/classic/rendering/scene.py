@@ -436,11 +436,8 @@ class Scene:
         self.made = [present[key] for key in wanted]
         if not edited and not self.edited:
             return
+        visuals = {_key(visual): visual for visual in self.visuals()}
         rows = {(name, above): row for name, above, row in edited}
-        if [*map(_key, self.edited)] == [*rows]:
-            visuals = dict(zip(rows, self.edited, strict=True))
-        else:
-            visuals = {_key(visual): visual for visual in self.visuals()}
         for visual, before in list(self.edited.items()):
             if not visual.deleted and _key(visual) not in rows:
                 visual.load(before)

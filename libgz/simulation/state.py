@@ -591,6 +591,10 @@ def decode(data: bytes) -> Any:
                 if size < 0 or end < begin:
                     raise ValueError("its blocks are longer than it")
                 blocks.append(view[end : end + size])
-        return _Reader(io.BytesIO(data[begin:end]), buffers=reversed(blocks)).load()
+        stream = io.BytesIO(data[begin:end])
+        state = _Reader(stream, buffers=reversed(blocks)).load()
+        if stream.read(1):
+            raise ValueError("there is more than a state")
     except _DAMAGES as error:
         raise ParameterError(f"the state is damaged: {error}") from error
+    return state

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from step import build
+from scale import text
 
 import libgz
 from libgz.files import installed_worlds
@@ -74,8 +74,9 @@ def measure(name: str, of: Engine | libgz.World, steps: int = 200) -> tuple[floa
 
 def main() -> None:
     """Measure engines of robots on a plane and of boxes in a pile, then worlds of both eras."""
-    measure("engine: 1 robot", build(1))
-    measure("engine: 10 robots", build(10))
+    for count in (1, 10):
+        with libgz.World.from_string(text(count)) as world:
+            measure(f"engine: {count} Pioneer2AT", world.engine)
     with boxes(50) as world:
         measure("engine: 50 SDF boxes", world.engine)
         measure("  asleep", world.engine, 3000)

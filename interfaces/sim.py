@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import struct
 from typing import Any
 
 from libgz.transport.interface import Interface
@@ -20,6 +22,9 @@ __all__ = [
     "gz_sim_open",
     "gz_sim_unlock",
 ]
+
+
+_SECONDS = struct.Struct("d")
 
 
 @layout
@@ -69,20 +74,14 @@ class Sim(Interface[SimData]):
     def get_bytes(self) -> bytes:
         """All bytes of the struct, with zeros for real time, which is no state of a world."""
         content = super().get_bytes()
-        first, end = self._real_time
+        first, end = _place_of_real_time(self.layout)
         return content[:first] + bytes(end - first) + content[end:]
 
     def set_bytes(self, state: bytes) -> None:
         """Write bytes that `get_bytes` returned; real time stays."""
-        first, end = self._real_time
-        now = super().get_bytes()[first:end]
+        first, end = _place_of_real_time(self.layout)
+        now = _SECONDS.pack(self.data.real_time)
         super().set_bytes(state[:first] + now + state[end:])
-
-    @property
-    def _real_time(self) -> tuple[int, int]:
-        """Where the field real_time begins and ends [byte]."""
-        field: Any = type(self.data).real_time  # ctypes' descriptor
-        return field.offset, field.offset + field.size
 
     def reset(self) -> None:
         """Request that the server resets all models to their initial poses."""
@@ -93,6 +92,13 @@ class Sim(Interface[SimData]):
         """Request that the server writes the poses of all top-level models to the worldfile."""
         with self.locked() as data:
             data.save = 1
+
+
+@functools.cache
+def _place_of_real_time(layout: Any) -> tuple[int, int]:
+    """Where the field real_time of a struct begins and ends [byte]."""
+    field = layout.real_time  # ctypes' descriptor
+    return field.offset, field.offset + field.size
 
 
 _functions = LegacyFunctions(Sim)

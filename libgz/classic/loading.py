@@ -19,7 +19,7 @@ from libgz.simulation.event import Ends, WorldEvents, owner
 from libgz.simulation.plugins import Plugin as PluginFile, called, load_plugin, own_traceback, reload_plugin, search
 from libgz.simulation.problems import NOTED, note, note_threads_of
 from libgz.simulation.running_code import names
-from libgz.simulation.state import carry_state, declares, get_state, set_state
+from libgz.simulation.state import carry_state, declares, fields, get_state, set_state
 
 __all__ = ["LoadedPlugin", "called", "find_plugin", "new_plugin", "reload_all"]
 
@@ -178,6 +178,8 @@ class LoadedPlugin:
         kind: Any = self.plugin_class
         if self.plugin is None or not declares(kind):
             return None
+        if not fields(kind):
+            return {}
         return self._guarded("saved", get_state, self.plugin)
 
     def load_state(self, state: Any) -> None:
@@ -186,7 +188,7 @@ class LoadedPlugin:
         Raises:
             PluginError: its LoadState failed.
         """
-        if self.plugin is not None and state is not None:
+        if self.plugin is not None and state:
             self._guarded("restored", set_state, self.plugin, state)
 
     def _guarded(self, what: str, function: Callable[..., Any], *values: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,7 +25,7 @@ from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST, upgraded
 from libgz.sdfworld.world import SdfWorld
 from libgz.simulation.event import unowned
-from libgz.simulation.state import get_state, set_state, undeclared
+from libgz.simulation.state import Kept, decode, get_values, set_values, undeclared
 from libgz.simulation.world import World as CoreWorld
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ __all__ = ["WorldServer", "attach", "system_plugins"]
 
 log = logging.getLogger("libgz.classic")
 
+# What its state consists of, in order.
+PARTS = ("random", "settings", "ids", "activity", "sensors", "scene", "topics", "plugins")
 PLUGIN = f"<sdf version='{NEWEST}'><model name='any'>%s</model></sdf>"
 
 system_plugins: list[LoadedPlugin] = []  # System plugins belong to the process, not to a world
@@ -102,8 +104,9 @@ class WorldServer:
         self.stopped = False
         self._new: list[CoreModel] = list(core.entities)
         self._started = self._reloading = False
-        self._first: dict[str, Any] | None = None  # the state at the start, if the world ran before
-        self._undeclared: set[type] = set()  # classes of plugins without a declared state that were reported
+        self._first: Sequence[Any] | None = None  # the state at the start, if the world ran before
+        self._kept = Kept()  # of `_settings`
+        self._seen: set[type] = set()  # classes of plugins; those without a declared state were reported
 
     @property
     def filename(self) -> str | None:
@@ -421,52 +424,58 @@ class WorldServer:
 
     # State -------------------------------------------------------------------------------------------------------
 
-    def get_state(self) -> dict[str, Any]:
+    def get_state(self) -> tuple[Any, ...]:
         """The state of sensors, plugins, topics and all else of classic, as plain data.
 
         That of the start has no plugins, for a reset calls their Reset.
         """
         starting = self.core.starting
         self.finish_added()
-        if not starting and not self._reloading:
-            self._warn_of_undeclared()
-        return {
-            "random": Rand.SaveState(),
-            "physics": get_state(self.physics),
-            "presets": get_state(self.presets),
-            "paused_steps": get_state(self.paused_steps),
-            "ids": self.ids.save(),
-            "activity": self.activity.save(),
-            "sensors": self.sensors.save() if self.sensors is not None else None,
-            "scene": self.scene.save() if self.scene is not None else None,
-            "topics": self.topics.save() if self.topics is not None else None,
-            "plugins": self._saved_plugins() if not starting else None,
-        }
+        return (
+            Rand.SaveState(),
+            self._settings(),
+            self.ids.save(),
+            self.activity.save(),
+            self.sensors.save() if self.sensors is not None else None,
+            self.scene.save() if self.scene is not None else None,
+            self.topics.save() if self.topics is not None else None,
+            self._saved_plugins() if not starting else None,
+        )
 
-    def set_state(self, state: dict[str, Any] | None) -> None:
+    def set_state(self, state: Sequence[Any] | None) -> None:
         """Take what `get_state` returned; None, for what a world was before this was attached to it."""
-        state = self._first if state is None else state
-        if state is None:
+        values = self._first if state is None else state
+        if values is None:
             return
-        Rand.LoadState(state["random"])
-        if state["sensors"] is not None:
-            self.all_sensors().load(state["sensors"])
+        saved = dict(zip(PARTS, values, strict=True))
+        Rand.LoadState(saved["random"])
+        if saved["sensors"] is not None:
+            self.all_sensors().load(saved["sensors"])
         elif self.sensors is not None:
             self.sensors.load((0.0, -math.inf, ()))
-        self.activity.load(state["activity"])
-        if self.scene is None and state["scene"] is not None:
+        self.activity.load(saved["activity"])
+        if self.scene is None and saved["scene"] is not None:
             from libgz.classic.rendering.scene import scene_of
 
             scene_of(self.world)
         if self.scene is not None:
-            self.scene.load(state["scene"])
-        if state["plugins"] is not None:
-            self._load_plugins(state["plugins"])
-        self.ids.load(state["ids"])
-        for part in ("physics", "presets", "paused_steps"):
-            set_state(getattr(self, part), state[part])
-        if self.topics is not None and state["topics"] is not None:
-            self.topics.load(state["topics"], replace=state["plugins"] is not None)
+            self.scene.load(saved["scene"])
+        if saved["plugins"] is not None:
+            self._load_plugins(saved["plugins"])
+        self.ids.load(saved["ids"])
+        if saved["settings"] != self._settings():
+            for part, values in zip(self._parts_with_settings, decode(saved["settings"]), strict=True):
+                set_values(part, values)
+        self.physics.GetContactManager().forget()
+        if self.topics is not None and saved["topics"] is not None:
+            self.topics.load(saved["topics"], replace=saved["plugins"] is not None)
+
+    @property
+    def _parts_with_settings(self) -> tuple[Any, ...]:
+        return self.physics, self.presets, self.paused_steps
+
+    def _settings(self) -> bytes:
+        return self._kept.encode([get_values(part) for part in self._parts_with_settings])
 
     def entities_rebuilt(self) -> None:
         """Entities were built again: make their sensors, and load their plugins.
@@ -491,10 +500,14 @@ class WorldServer:
                 yield from part.plugins_by_holder()
 
     def _saved_plugins(self) -> list[tuple[Any, ...]]:
-        return [
-            (kind, holder, [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None])
-            for kind, holder, plugins in self._plugins_by_holder()
-        ]
+        saved = []
+        for kind, holder, plugins in self._plugins_by_holder():
+            for plugin in plugins:
+                if plugin.plugin_class not in self._seen and not self._reloading:
+                    self._warn_of_undeclared(plugin)
+            rows = [(p.filename, p.name, p.source, p.save()) for p in plugins if p.plugin is not None]
+            saved.append((kind, holder, rows))
+        return saved
 
     def _load_plugins(self, rows: Iterable[Any]) -> None:
         wanted = {(kind, holder): plugins for kind, holder, plugins in rows}
@@ -543,18 +556,16 @@ class WorldServer:
         part = self.sensors if kind == "Sensor" else self.serve_visuals()
         return part.holder(name) if part is not None else (None, print)
 
-    def _warn_of_undeclared(self) -> None:
-        for *_, plugins in self._plugins_by_holder():
-            for plugin in plugins:
-                kind: Any = plugin.plugin_class
-                if kind not in self._undeclared and undeclared(kind):
-                    self._undeclared.add(kind)
-                    log.warning(
-                        "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
-                        'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',
-                        plugin,
-                        kind.__name__,
-                    )
+    def _warn_of_undeclared(self, plugin: LoadedPlugin) -> None:
+        kind: Any = plugin.plugin_class
+        self._seen.add(kind)
+        if undeclared(kind):
+            log.warning(
+                "%s: class %s does not declare its state, so snapshots of the world do not have it; name its "
+                'attributes, `STATE = ("goal", "since")`, or write `STATE = ()` if it remembers nothing',
+                plugin,
+                kind.__name__,
+            )
 
     def close(self) -> None:
         """Drop all plugins, and close sensors and topics."""

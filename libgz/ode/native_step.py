@@ -72,9 +72,9 @@ class NativeStep:
         library.gz_overlap.argtypes = [c_void_p, c_void_p, c_void_p]
         library.gz_overlap.restype = ctypes.c_double
         library.gz_parts_size.restype = ctypes.c_size_t
-        library.gz_state_size.restype, library.gz_state_size.argtypes = c_int64, [c_void_p]
-        library.gz_get_state.restype, library.gz_get_state.argtypes = None, [c_void_p, c_void_p]
-        library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p]
+        library.gz_get_state.restype = c_int64
+        library.gz_get_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
+        library.gz_set_state.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         library.gz_set_contacts.restype = None
         library.gz_set_contacts.argtypes = [c_void_p, ctypes.c_char_p, c_int64]
         sizes = library.gz_step_context_size(), library.gz_parts_size()
@@ -117,18 +117,16 @@ class NativeStep:
 
     def get_state(self, parts: Parts) -> bytes:
         """The memory of ODE that decides what comes next."""
-        address = ctypes.addressof(parts)
-        size = self._shared.gz_state_size(address)
-        if len(self._buffer) != size:
-            self._buffer = ctypes.create_string_buffer(size)
-        self._shared.gz_get_state(address, self._buffer)
-        return self._buffer.raw
+        address, buffer = ctypes.addressof(parts), self._buffer
+        size = self._shared.gz_get_state(address, buffer, len(buffer))
+        if size > len(buffer):
+            self._buffer = buffer = ctypes.create_string_buffer(size)
+            self._shared.gz_get_state(address, buffer, size)
+        return buffer.raw if size == len(buffer) else ctypes.string_at(buffer, size)
 
     def set_state(self, parts: Parts, state: bytes) -> bool:
         """Put it back; false, and nothing has changed, if a geom is not where the state has it."""
-        address = ctypes.addressof(parts)
-        fits = len(state) == self._shared.gz_state_size(address)
-        return fits and bool(self._shared.gz_set_state(address, state))
+        return bool(self._shared.gz_set_state(ctypes.addressof(parts), state, len(state)))
 
     def read(self) -> None:
         """Copy all states out."""

@@ -59,7 +59,7 @@ def _put(state: bytes, at: int, address: int, size: int) -> int:
 
 
 def _places(ode_: OdeLibrary, parts: Parts) -> Iterator[_Place]:
-    """The memory of bodies, joints and geoms; address 0: there is none."""
+    """The memory of bodies, joints, geoms and tables; address 0: there is none."""
     where, (bodies, joints, geoms, _) = parts.where, parts.handles
     first, last = where.body
     damping, end = where.damping
@@ -80,6 +80,7 @@ def _places(ode_: OdeLibrary, parts: Parts) -> Iterator[_Place]:
             yield ctypes.addressof(ode_.dGeomGetOffsetPosition(geom).contents), _POSR_SIZE
         else:
             yield 0, _POSR_SIZE
+    yield from parts.places
 
 
 def _marks(parts: Parts) -> Iterator[_Place]:

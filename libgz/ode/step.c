@@ -1799,8 +1799,13 @@ typedef struct {
     int64_t dirty, stale_place, stale_box;
 } layout;
 
+typedef struct {
+    void *memory;
+    int64_t size;
+} block;
+
 /* What a state is of; mirrored by Parts in parts.py. Bodies and joints are in order of construction, geoms by row (NULL:
- * one that touches nothing, or a free row), the top space is the first of the spaces. */
+ * one that touches nothing, or a free row), the top space is the first of the spaces. Blocks are rows of the tables. */
 typedef struct {
     layout where;
     void *const *bodies;
@@ -1811,14 +1816,16 @@ typedef struct {
     int64_t geom_count;
     void *const *spaces;
     int64_t space_count;
+    const block *blocks;
+    int64_t block_count;
 } parts;
 
 size_t gz_parts_size(void) { return sizeof(parts); }
 
-/* What a state is copied to, or from; `bytes` NULL: it is only measured. */
+/* What a state is copied to, or from; beyond its end it is only measured. */
 typedef struct {
     unsigned char *bytes;
-    int64_t at;
+    int64_t size, at;
     int reading; /* 1: from the bytes into ODE's memory */
 } tape;
 
@@ -1827,9 +1834,11 @@ static void copy(tape *t, void *object, int64_t begin, int64_t end)
 {
     unsigned char *memory = (unsigned char *)object + begin;
     int64_t size = end - begin, padded = (size + 7) / 8 * 8;
-    if (t->bytes && t->reading)
+    if (t->at + padded > t->size)
+        ;
+    else if (t->reading)
         memcpy(memory, t->bytes + t->at, (size_t)size);
-    else if (t->bytes) {
+    else {
         memset(t->bytes + t->at + size, 0, (size_t)(padded - size));
         memcpy(t->bytes + t->at, memory, (size_t)size);
     }
@@ -1883,6 +1892,13 @@ static void copy_geoms(const parts *p, tape *t)
         else
             t->at += POSR_SIZE;
     }
+}
+
+static void copy_blocks(const parts *p, tape *t)
+{
+    int64_t i;
+    for (i = 0; i < p->block_count; i++)
+        copy(t, p->blocks[i].memory, 0, p->blocks[i].size);
 }
 
 /* The marks of geoms, last of all. */
@@ -2004,37 +2020,30 @@ static void read_order(const parts *p, tape *t)
     }
 }
 
-/* How many bytes gz_get_state writes. */
-int64_t gz_state_size(const parts *p)
+/* Returns how many bytes a state has; if there are more than `size`, those written are none. */
+int64_t gz_get_state(const parts *p, unsigned char *bytes, int64_t size)
 {
-    tape t = {NULL, 0, 0};
-    write_order(p, &t);
-    copy_bodies(p, &t);
-    copy_joints(p, &t);
-    copy_geoms(p, &t);
-    copy_marks(p, &t);
-    return t.at;
-}
-
-void gz_get_state(const parts *p, unsigned char *bytes)
-{
-    tape t = {bytes, 0, 0};
+    tape t = {bytes, size, 0, 0};
     enter_ode();
     write_order(p, &t);
     copy_bodies(p, &t);
     copy_joints(p, &t);
     copy_geoms(p, &t);
+    copy_blocks(p, &t);
     copy_marks(p, &t);
     pthread_mutex_unlock(&ode_lock);
+    return t.at;
 }
 
-/* Returns 0, and has changed nothing, if a geom is not where the state has it. */
-int gz_set_state(const parts *p, unsigned char *bytes)
+/* Returns 0, and has changed nothing, if a geom is not where the state has it, or the state has another size. */
+int gz_set_state(const parts *p, unsigned char *bytes, int64_t size)
 {
-    tape t = {bytes, 0, 1};
+    tape t = {bytes, size, 0, 1};
     double box[6];
     int64_t i;
     int done;
+    if (gz_get_state(p, NULL, 0) != size)
+        return 0;
     enter_ode();
     done = fits(p, &t);
     if (done) {
@@ -2043,6 +2052,7 @@ int gz_set_state(const parts *p, unsigned char *bytes)
         copy_bodies(p, &t);
         copy_joints(p, &t);
         copy_geoms(p, &t);
+        copy_blocks(p, &t);
         for (i = 0; i < p->geom_count; i++)
             if (p->geoms[i])
                 *marks(p, p->geoms[i]) |= (uint32_t)(p->where.dirty | p->where.stale_box |

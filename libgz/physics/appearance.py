@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from libgz.geometry import GzColor, GzPose, GzVector
+from libgz.physics.edits import edits
 
 __all__ = ["RENDER_LIGHT", "RENDER_OPAQUE", "RENDER_TRANSPARENT", "Appearance", "Backdrop"]
 
@@ -47,6 +48,7 @@ class Appearance:
         values = vars(self)
         values[name] = value
         values["edits"] = values.get("edits", 0) + 1
+        edits.count()
 
     def set_color(self, color: GzColor) -> None:
         """The material of one colour: ambient a fifth of it, specular a fifth above it."""

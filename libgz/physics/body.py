@@ -34,6 +34,7 @@ from libgz.geometry import (
 from libgz.ode.lib import ode
 from libgz.physics import mass as mass_
 from libgz.physics.check import FAR, LARGEST, finite_tuple, not_negative, rotation_tuple
+from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
 
@@ -53,7 +54,7 @@ _STILL = (0.0, 0.0, 0.0)
 _numbers = itertools.count(1)
 
 
-class Body:
+class Body(Edited):
     """A rigid body.
 
     Its frame is the one its geoms are placed in; ODE's own origin is the centre of mass, and the difference is kept

@@ -27,6 +27,7 @@ from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_OPAQUE, RENDER_TRANSPARENT, Appearance
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, WIDE, finite, finite_tuple, not_negative, positive, rotation_tuple
+from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine
 from libgz.physics.lock import built, exclusive
 from libgz.physics.space import Space
@@ -40,7 +41,7 @@ Color = tuple[float, ...]  # red, green, blue, alpha
 _numbers = itertools.count(1)
 
 
-class Geom:
+class Geom(Edited):
     """Base of all kinds of geom.
 
     Attributes:

@@ -28,6 +28,7 @@ from libgz.ode.types import (
 )
 from libgz.physics.body import Body
 from libgz.physics.check import LARGEST, finite, finite_tuple, joint_value, known_parameter, unit_axis
+from libgz.physics.edits import Edited
 from libgz.physics.engine import Engine, HasEngine
 from libgz.physics.lock import built, exclusive
 
@@ -93,7 +94,7 @@ class JointGroup:
             self._native = None
 
 
-class Joint:
+class Joint(Edited):
     """Base of all joints.
 
     Attributes:

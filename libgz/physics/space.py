@@ -7,6 +7,7 @@ from typing import Protocol
 from libgz.errors import ClosedError
 from libgz.ode.context import Step
 from libgz.ode.lib import ode
+from libgz.physics.edits import Edited
 from libgz.physics.lock import WorldLock, built, exclusive
 
 __all__ = ["Space"]
@@ -34,7 +35,7 @@ class SpaceOwner(Protocol):
         """The form of the step."""
 
 
-class Space:
+class Space(Edited):
     """A simple ODE space inside the engine's top space. Geoms of one space never touch each other.
 
     Args:

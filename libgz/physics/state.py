@@ -17,7 +17,8 @@ import struct
 import weakref
 import zlib
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import accumulate, pairwise
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -31,35 +32,41 @@ from libgz.ode.lib import ode
 from libgz.ode.memory import layout
 from libgz.ode.parts import Parts
 from libgz.ode.types import ContactRule, JointFeedback, Mass
+from libgz.physics.edits import edits
 from libgz.physics.meshes import Mesh
 
-__all__ = ["EngineState"]
+__all__ = ["PARTS", "EngineState"]
 
 MOST_NAMED = 5  # missing objects in a message
 
+PARTS = ("ode", "numbers", "quirks", "objects", "memory", "fresh", "dummies", "couplings", "contacts")  # in order
+
 # Attributes of an engine that are numbers, and those that are settings.
 COUNTERS = ("collisions", "abandoned")
-SETTINGS = (
-    "step_time",
-    "solver",
-    "seed",
-    "gravity",
-    "count_turns",
-    "check_divergence",
-    "contact_rule",
-    "max_contacts",
-    "cone",
-    "record_contacts",
-    "record_motion",
-    "exact_rest",
-    "surface_layer",
-)
+SETTINGS = {  # by the place where they are read quickest
+    "step_time": "_context.step",
+    "solver": "solver",
+    "seed": "_context.seed",
+    "gravity": "_gravity",
+    "count_turns": "_context.count_turns",
+    "check_divergence": "_context.check_divergence",
+    "contact_rule": "_context.contact_rule",
+    "max_contacts": "_context.max_contacts",
+    "cone": "_context.cone",
+    "record_contacts": "_context.record_contacts",
+    "record_motion": "_context.record_motion",
+    "exact_rest": "_context.exact_rest",
+    "surface_layer": "_surface_layer",
+}
+SOLVER = ("iterations", "over_relaxation")
+CONSTRAINTS = ("erp", "cfm", "correcting_velocity")
+PROGRESS = ("_context.steps", "_context.contact_count", "_context.max_distance")
 _POSE = struct.Struct("7d")
-_settings = attrgetter(*(f"_context.{name}" if name == "contact_rule" else name for name in SETTINGS))
-_counters = attrgetter(*COUNTERS)
-_solver = attrgetter("iterations", "over_relaxation")
-_constraints = attrgetter("erp", "cfm", "correcting_velocity")
-_progress = attrgetter("steps", "contact_count", "max_distance")
+_settings = attrgetter(*SETTINGS.values())
+_numbers = attrgetter(*SETTINGS.values(), *COUNTERS, *SOLVER, *CONSTRAINTS, *PROGRESS)
+_solver, _constraints = attrgetter(*SOLVER), attrgetter(*CONSTRAINTS)
+_ENDS = list(accumulate(map(len, (SETTINGS, COUNTERS, SOLVER, CONSTRAINTS, PROGRESS))))
+_COUNT, _PARTS_OF_NUMBERS = _ENDS[-1], [slice(*ends) for ends in pairwise([0, *_ENDS])]
 
 
 _type: Any = type  # mypy takes a class for no key of a cache
@@ -128,7 +135,9 @@ class EngineState:
         self._now: _Present | None = None
         self._collected: list[Any] = []  # at the last encoding
         self._block = b""  # that encoding
+        self._seen: tuple[int, ...] = ()  # how much was edited by then, and how many objects there were
         self._parts: Parts | None = None
+        self._parts_have_motion = 0
 
     @property
     def _engine(self) -> Any:
@@ -136,40 +145,30 @@ class EngineState:
 
     def forget(self) -> None:
         """Drop what was collected, which can be large."""
-        self._now, self._collected, self._block, self._parts = None, [], b"", None
+        self._now, self._collected, self._block, self._seen, self._parts = None, [], b"", (), None
 
     # Get ---------------------------------------------------------------------------------------------------------
 
     def get(self) -> dict[str, Any]:
         """The state; see `Engine.get_state`."""
         engine, tables = self._engine, self._engine.tables
-        turning = engine.count_turns
+        turning = self._context.count_turns
         _refresh(tables.bodies)
         if not turning:  # else reading would count turns
             _refresh(tables.joints)
         present = self._present(engine)
         objects = self._objects(engine, present)
-        body_rows, joint_rows, geom_rows = present.rows
         joints, dummies, couplings = present.joints, engine.dummies, engine.couplings
         return {
             "ode": layout().digest,
-            "settings": _settings(engine),
-            "counters": _counters(engine),
-            "solver": _solver(engine),
-            "constraints": _constraints(engine),
-            "context": _progress(self._context),
+            "numbers": _numbers(engine),
             "quirks": sorted(engine.quirks),
             "objects": objects,
             "memory": engine.step_form.get_state(self._present_parts(engine, present)),
-            "bodies": [tables.bodies.com[body_rows].tobytes(), tables.bodies.state[body_rows].tobytes()],
-            "motion": tables.bodies.motion[body_rows].tobytes() if engine.record_motion else b"",
-            "joints": [tables.joints.state[joint_rows].tobytes(), tables.joints.springs[joint_rows].tobytes()],
             "fresh": bytes([tables.joints.fresh[joint.row] for joint in joints]) if turning and joints else b"",
-            "surfaces": tables.geoms.surface[geom_rows].tobytes(),
             "dummies": b"".join([_pose_bytes(dummy._pose) for dummy in dummies]) if dummies else b"",
             "couplings": [list(_plain_values(one)) for one in couplings if not one.broken] if couplings else [],
-            "feedback": b"".join([bytes(joint._feedback) for joint in joints if joint._feedback is not None]),
-            "contacts": engine.contacts.tobytes() if engine.record_contacts else b"",
+            "contacts": engine.contacts.tobytes() if self._context.record_contacts else b"",
         }
 
     def _present(self, engine: Any) -> _Present:
@@ -179,7 +178,8 @@ class EngineState:
 
     def _present_parts(self, engine: Any, present: _Present) -> Parts:
         """For the step; to be called after `_objects`, which notices other handles."""
-        if self._parts is None:
+        motion = self._context.record_motion
+        if self._parts is None or self._parts_have_motion != motion:
             geoms = [0] * engine.tables.geoms.used
             for row, geom in engine.geoms.items():
                 geoms[row] = geom._id or 0
@@ -189,11 +189,16 @@ class EngineState:
                 [joint._id for joint in present.joints],
                 geoms,
                 [engine.top.id, *(space._id for space in engine.spaces)],
+                [*_memory(engine.tables, present, motion), *_feedbacks(present.joints)],
             )
+            self._parts_have_motion = motion
         return self._parts
 
     def _objects(self, engine: Any, present: _Present) -> bytes:
         """What Python knows of the objects, as compressed JSON."""
+        seen = edits.last, len(engine.dummies), len(engine.attached), len(engine.spaces)
+        if self._seen == seen and self._collected[0] is present:
+            return self._block
         dummies, attached = list(engine.dummies), list(engine.attached)
         collected: list[Any] = [present, dummies, attached, list(engine.spaces)]
         collected += [list(map(get, things)) for get, things in present.watched]
@@ -202,6 +207,7 @@ class EngineState:
             text = self._encode(present.bodies, dummies, present.geoms, present.joints, attached)
             self._block = zlib.compress(text, 1)
             self._collected, self._parts = collected, None
+        self._seen = seen
         return self._block
 
     def _encode(
@@ -240,45 +246,42 @@ class EngineState:
             present = self._present(engine)
             self._objects(engine, present)
         self._restore_settings(state)
-        if not engine.step_form.set_state(self._present_parts(engine, present), state["memory"]):
+        if not engine.step_form.set_state(self._present_parts(engine, present), bytes(state["memory"])):
             raise StateError("geoms are in other spaces, or on other bodies, than in this state")
-        self._restore_tables(state, present)
+        self._restore_tables(state)
         self._restore_parts(state)
         engine.tables.disturb()
 
     def _restore_settings(self, state: dict[str, Any]) -> None:
         engine, context = self._engine, self._context
-        for name, value, present in zip(SETTINGS, state["settings"], _settings(engine), strict=True):
-            if value != present:
-                setattr(engine, name, ContactRule(value) if name == "contact_rule" else value)
-        for name, value in zip(COUNTERS, state["counters"], strict=True):
-            setattr(engine, name, value)
-        if tuple(state["solver"]) != _solver(engine):
-            engine.set_quick_step(*state["solver"])
-        if tuple(state["constraints"]) != _constraints(engine):
-            engine.set_constraints(*state["constraints"])
         engine.quirks = frozenset(state["quirks"])
-        steps, contact_count, max_distance = state["context"]
+        numbers = tuple(state["numbers"])
+        if len(numbers) != _COUNT:
+            raise StateError("the state is damaged: it has not all numbers of an engine")
+        settings, counters, solver, constraints, progress = (numbers[part] for part in _PARTS_OF_NUMBERS)
+        present = _settings(engine)
+        for name, value, now in zip(SETTINGS, settings, present, strict=True) if settings != present else ():
+            if value != now:
+                setattr(engine, name, ContactRule(value) if name == "contact_rule" else value)
+        engine.collisions, engine.abandoned = counters
+        if solver != _solver(engine):
+            engine.set_quick_step(*solver)
+        if constraints != _constraints(engine):
+            engine.set_constraints(*constraints)
+        steps, contact_count, max_distance = progress
         if max_distance != context.max_distance:
             engine.set_range(max_distance)
         context.steps, context.contact_count = steps, contact_count
 
-    def _restore_tables(self, state: dict[str, Any], present: _Present) -> None:
+    def _restore_tables(self, state: dict[str, Any]) -> None:
+        """What follows from the tables, whose numbers were copied with ODE's memory."""
         engine, tables = self._engine, self._engine.tables
         bodies, joints, geoms = tables.bodies, tables.joints, tables.geoms
-        body_rows, joint_rows, geom_rows = present.rows
-        for table, data in zip((bodies.com, bodies.state), state["bodies"], strict=True):
-            _put(table, body_rows, data)
-        if state["motion"]:
-            _put(bodies.motion, body_rows, state["motion"])
-        for table, data in zip((joints.state, joints.springs), state["joints"], strict=True):
-            _put(table, joint_rows, data)
         joints.find_sprung()
         bodies.fresh[:] = b"\1" * len(bodies.fresh)
         joints.fresh[:] = b"\1" * len(joints.fresh)
         for joint, fresh in zip(engine.joints.values(), state["fresh"], strict=bool(state["fresh"])):
             joints.fresh[joint.row] = fresh
-        _put(geoms.surface, geom_rows, state["surfaces"])
         geoms.edits += 1
         tables.touched = True
 
@@ -287,15 +290,9 @@ class EngineState:
         for coupling, values in zip(engine.couplings, state["couplings"], strict=True):
             for name, value in zip(_kept(_type(coupling)), values, strict=True):
                 setattr(coupling, name, value)
-        size, at = ctypes.sizeof(JointFeedback), 0
-        for joint in engine.joints.values():
-            if joint._feedback is not None:
-                ctypes.memmove(ctypes.addressof(joint._feedback), state["feedback"][at : at + size], size)
-                at += size
-        numbers = np.frombuffer(state["dummies"]).reshape(-1, 7).tolist()
         engine.moved_dummies.update(engine.dummies)
         engine.tables.record.changes += 1
-        for dummy, place in zip(engine.dummies, numbers, strict=True):
+        for dummy, place in zip(engine.dummies, _POSE.iter_unpack(state["dummies"]), strict=True):
             dummy._pose = GzPose(GzVector(*place[:3]), GzQuatern(*place[3:]))
         if engine.record_contacts:
             engine.step_form.set_contacts(state["contacts"])
@@ -456,17 +453,33 @@ def _codes(bodies: Sequence[Any], dummies: Sequence[Any]) -> dict[Any, int]:
 # Tables -------------------------------------------------------------------------------------------------------------
 
 
-def _rows(table: Any) -> Any:
-    """The rows in use, in order of construction: a slice where that is the same."""
-    rows = list(table.objects)
-    first = rows[0] if rows else 0
-    if rows == list(range(first, first + len(rows))):
-        return slice(first, first + len(rows))
-    return np.array(rows)
+def _rows(table: Any) -> list[tuple[int, int]]:
+    """The rows in use, in order of construction: (first, count) of those that follow each other."""
+    runs: list[tuple[int, int]] = []
+    for row in table.objects:
+        if runs and row == sum(runs[-1]):
+            runs[-1] = (runs[-1][0], runs[-1][1] + 1)
+        else:
+            runs.append((row, 1))
+    return runs
 
 
-def _put(table: Any, rows: Any, data: bytes) -> None:
-    table[rows] = np.frombuffer(data).reshape(-1, table.shape[1])
+def _memory(tables: Any, present: _Present, motion: bool) -> Iterator[tuple[int, int]]:
+    """Where the numbers of all objects are in the tables: (address, size [byte]) of rows that follow each other."""
+    bodies, joints, geoms = present.rows
+    arrays = [(tables.bodies.com, bodies), (tables.bodies.state, bodies)]
+    arrays += [(tables.bodies.motion, bodies)] * bool(motion)
+    arrays += [(tables.joints.state, joints), (tables.joints.springs, joints), (tables.geoms.surface, geoms)]
+    for array, rows in arrays:
+        width = array.strides[0]
+        for first, count in rows:
+            yield array.ctypes.data + first * width, count * width
+
+
+def _feedbacks(joints: Iterable[Any]) -> Iterator[tuple[int, int]]:
+    for joint in joints:
+        if joint._feedback is not None:
+            yield ctypes.addressof(joint._feedback), ctypes.sizeof(JointFeedback)
 
 
 def _refresh(table: Any) -> None:

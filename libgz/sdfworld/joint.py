@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 from typing import Any
 
 from libgz.errors import GazeboError, ParameterError, nearest
@@ -54,6 +56,23 @@ RANGES = {
     "fmax": (0.0, 1e16),
     "vel": (-1e6, 1e6),
 }
+
+
+# What a state has of a joint.
+_EFFORTS = struct.Struct("2dq2dq")
+_VECTOR, _TURN = ("x", "y", "z"), ("u", "x", "y", "z")
+_numbers_of_vector = attrgetter(*_VECTOR)
+_numbers_of_axis = attrgetter(*(f"direction.{name}" for name in _VECTOR), *NUMBERS)
+_description = attrgetter(
+    *(f"plan.{name}" for name in ("kind", "implicit", "parameters", "pitch", "ratio", "feedback")),
+    *("acts", "_engine_springs", "_step_time", "_set", "_stop_turns", "_spring_stops"),
+    *(
+        f"{frame}.{part}.{name}"
+        for frame in ("_in_child", "_in_parent")
+        for part, names in (("pos", _VECTOR), ("rot", _TURN))
+        for name in names
+    ),
+)
 
 
 class SdfJoint:
@@ -183,26 +202,33 @@ class SdfJoint:
     # State -----------------------------------------------------------------------------------------------------------
 
     def save(self) -> tuple[Any, ...]:
-        """Its state as plain data, beside what the engine has of its ODE joints."""
+        """Its state as plain data, beside its efforts, and what the engine has of its ODE joints."""
         self.release_deleted()
-        plan, mechanism = self.plan, self._mechanism
+        links, mechanism = self.links, self._mechanism
         return (
             None if mechanism is None else type(mechanism).__name__,
-            (place_of(self.parent), place_of(self.child)),
-            (plan.kind, plan.implicit, place_of(plan.reference), plan.parameters),
-            (plan.pitch, plan.ratio, plan.feedback),
-            [(*axis.direction, *(getattr(axis, name) for name in NUMBERS)) for axis in self.axes],
-            [(*place.pos, *place.rot) for place in (self._in_child, self._in_parent)],
-            [tuple(axis) for axis in self._local],
-            (self.acts, self._engine_springs, self._step_time),
-            (self._applied, self._applied_at, self._before, self._before_at),
-            (self._set, self._stop_turns, self._spring_stops),
+            (place_of(links.parent), place_of(links.child), place_of(self.plan.reference)),
+            _description(self),
+            [_numbers_of_axis(axis) for axis in self.axes],
+            [_numbers_of_vector(axis) for axis in self._local],
         )
+
+    @property
+    def efforts(self) -> bytes:
+        """The efforts of the last two steps that had some, each with the number of its step; kept in states."""
+        return _EFFORTS.pack(*self._applied, self._applied_at, *self._before, self._before_at)
+
+    @classmethod
+    def load_efforts(cls, joints: Iterable[SdfJoint], packed: bytes) -> None:
+        """Give joints the efforts that they had, those of one after those of the other."""
+        for joint, numbers in zip(joints, _EFFORTS.iter_unpack(packed), strict=False):
+            first, second, joint._applied_at, third, fourth, joint._before_at = numbers
+            joint._applied, joint._before = [first, second], [third, fourth]
 
     @classmethod
     def saved_plan(cls, name: str, state: Sequence[Any], find: FindPlace) -> JointPlan:
         """What to make for a joint that a state has."""
-        _, (parent, child), (kind, implicit, reference, parameters), (pitch, ratio, feedback), axes, *_ = state
+        _, (parent, child, reference), (kind, implicit, parameters, pitch, ratio, feedback, *_), axes, _ = state
         made = [Axis(GzVector(*numbers[:3]), *numbers[3:-1]) for numbers in axes]  # it moves nothing to its initial
         frame = find(child) or find(parent)
         anchor = frame.GetPose() if frame is not None else GzPose()
@@ -231,8 +257,8 @@ class SdfJoint:
             find: returns a link by its place.
         """
         self.release_deleted()
-        name, ends, _, (pitch, ratio, feedback), axes, frames, local, flags, applied, tables = state
-        plan = self.plan
+        name, (*ends, _), (_, _, _, pitch, ratio, feedback, *flags), axes, local = state
+        plan, tables, frames = self.plan, flags[3:6], (flags[6:13], flags[13:])
         plan.pitch, plan.ratio = pitch, ratio
         self._in_child, self._in_parent = (GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:])) for frame in frames)
         self._local = [GzVector(*axis) for axis in local]
@@ -242,14 +268,13 @@ class SdfJoint:
                 setattr(axis, key, number)
         self._set, self._stop_turns, self._spring_stops = map(dict, tables)
         present = type(self._mechanism).__name__ if self._mechanism is not None else None
-        if (present, (place_of(self.parent), place_of(self.child))) != (name, tuple(ends)):
+        if (present, [place_of(self.parent), place_of(self.child)]) != (name, ends):
             self._rejoin(name is not None, Links(*map(find, ends)))
         if plan.feedback != feedback:
             self.provide_feedback(feedback)
         for axis, numbers in zip(self.axes, axes, strict=True):
             axis.direction = GzVector(*numbers[:3])
-        self.acts, self._engine_springs, self._step_time = flags
-        self._applied, self._applied_at, self._before, self._before_at = map(_copied, applied)
+        self.acts, self._engine_springs, self._step_time = flags[:3]
         self._set, self._stop_turns, self._spring_stops = map(dict, tables)
 
     def _rejoin(self, holds: bool, links: Links) -> None:
@@ -704,7 +729,3 @@ def place_of(body: Body | None) -> Place:
     if body is None or body.model is None:
         return None
     return body.model.GetId(), body.model.bodies.index(body)
-
-
-def _copied(value: Any) -> Any:
-    return list(value) if isinstance(value, list) else value

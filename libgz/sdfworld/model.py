@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from libgz.errors import Diagnostics, NotFoundError, ParameterError, StateError, nearest
@@ -24,6 +24,7 @@ from libgz.sdfworld.surface import set_body_surface, set_surface
 from libgz.sdfworld.visual import dress, link_lights
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.state import Kept, decode
 from libgz.simulation.updates import UpdateRows, replaced
 from libgz.simulation.world import World
 
@@ -38,7 +39,7 @@ class SdfModel(Entity):
     when all models of a file stand, for joints reach into other models.
     """
 
-    STATE = ("_parts",)
+    STATE = ("_parts", "_motion")
 
     def __init__(
         self, world: World, element: Element, diagnostics: Diagnostics, parent: SdfModel | None = None
@@ -62,6 +63,7 @@ class SdfModel(Entity):
         self._spaces: dict[Body, Space] = {}  # of links that touch, or have touched, others of the model
         self._self_colliding: set[Body] = set()
         self._added: dict[str, Element] = {}  # elements of links that `create_link` made
+        self._kept = Kept()  # of `_parts`
         self.SetName("model")
         self.SetId(self.name)
         if parent is not None:
@@ -452,21 +454,20 @@ class SdfModel(Entity):
         return bodies.index(self.links[name]) if self.links[name] in bodies else -1
 
     @property
-    def _parts(self) -> tuple[Any, ...] | None:
-        """Links that were added, joints, grippers, and where the frame is of a model without links, as plain data."""
-        if not (self._canonical is None or self._added or self.sdf_joints or self.grippers or self._self_colliding):
+    def _parts(self) -> bytes | None:
+        """Links that were added, joints, and where the frame is of a model without links: what seldom changes."""
+        if not (self._canonical is None or self._added or self.sdf_joints or self._self_colliding):
             return None
         frame = (*self._frame.pos, *self._frame.rot) if self._canonical is None else None
         joints = [(name, joint.save()) for name, joint in self.sdf_joints.items()] if self.sdf_joints else None
         added = [(name, self._start_of(name)) for name in self._added] if self._added else None
-        grippers = [gripper.save() for gripper in self.grippers.values()] if self.grippers else None
         colliding = [name for name, body in self.links.items() if body in self._self_colliding]
-        return frame, added, joints, grippers, colliding
+        return self._kept.encode((frame, added, joints, colliding))
 
     @_parts.setter
-    def _parts(self, state: Sequence[Any] | None) -> None:
+    def _parts(self, state: bytes | None) -> None:
         """Links and joints that came since go, those that went are made again."""
-        frame, added, joints, grippers, colliding = state or (None, None, None, None, None)
+        frame, added, joints, colliding = decode(state) if state is not None else (None, None, None, None)
         if frame is not None:
             self._frame = GzPose(GzVector(*frame[:3]), GzQuatern(*frame[3:]))
         places = dict(added or ())
@@ -483,7 +484,20 @@ class SdfModel(Entity):
         for name, body in self.links.items():
             self.set_self_collide(body, name in (colliding or ()))
         load_joints(self.world, self.sdf_joints, joints or ())
-        for gripper, one in zip(self.grippers.values(), grippers or (), strict=False):
+
+    @property
+    def _motion(self) -> bytes | tuple[Any, ...]:
+        """The efforts of joints, and behind them what grippers hold."""
+        if not (self.sdf_joints or self.grippers):
+            return b""
+        efforts = b"".join([joint.efforts for joint in self.sdf_joints.values()])
+        return (efforts, *(gripper.save() for gripper in self.grippers.values())) if self.grippers else efforts
+
+    @_motion.setter
+    def _motion(self, state: bytes | tuple[Any, ...]) -> None:
+        efforts, *held = (state,) if isinstance(state, bytes) else state
+        SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
+        for gripper, one in zip(self.grippers.values(), held, strict=False):
             gripper.load(one)
 
     def MasterJoints(self) -> list[Joint]:

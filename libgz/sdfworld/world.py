@@ -85,8 +85,10 @@ class SdfWorld(Era):
     @property
     def profile(self) -> str:
         """The name of the applied `<physics>`; setting it applies nothing."""
-        profiles = self.settings.profiles
-        return next((name for name, element in profiles.items() if element is self.settings.physics), "")
+        for name, element in self.settings.profiles.items():
+            if element is self.settings.physics:
+                return name
+        return ""
 
     @profile.setter
     def profile(self, name: str) -> None:

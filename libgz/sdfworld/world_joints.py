@@ -15,6 +15,7 @@ from libgz.sdfworld.joint import SdfJoint
 from libgz.sdfworld.model import load_joints
 from libgz.simulation.description import Store
 from libgz.simulation.entity import Entity
+from libgz.simulation.state import Kept, decode
 from libgz.simulation.updates import UpdateRows
 from libgz.simulation.world import World
 
@@ -38,6 +39,7 @@ class WorldJoints(Entity):
         self.SetId("world_joints")
         self.AddBody(Body(world, dummy=True), True)
         self.sdf_joints: dict[str, SdfJoint] = {}
+        self._kept = Kept()
         for element in elements:
             if lost := lost_link(element, self.find_link):
                 diagnostics.warn(element, lost)
@@ -49,13 +51,17 @@ class WorldJoints(Entity):
             except Exception as error:  # noqa: BLE001 - an error of the file, whatever it met
                 diagnostics.failure(element, error)
 
-    def SaveState(self) -> list[tuple[str, Any]]:
-        """The joints."""
-        return [(name, joint.save()) for name, joint in self.sdf_joints.items()]
+    def SaveState(self) -> tuple[bytes, bytes]:
+        """The joints, and their efforts."""
+        joints = self._kept.encode([(name, joint.save()) for name, joint in self.sdf_joints.items()])
+        return joints, b"".join([joint.efforts for joint in self.sdf_joints.values()])
 
-    def LoadState(self, state: list[tuple[str, Any]]) -> None:
+    def LoadState(self, state: tuple[bytes, bytes]) -> None:
         """Take what SaveState returned."""
-        load_joints(self.world, self.sdf_joints, state)
+        joints, efforts = state
+        if joints != self.SaveState()[0]:
+            load_joints(self.world, self.sdf_joints, decode(joints))
+        SdfJoint.load_efforts(self.sdf_joints.values(), efforts)
 
     def MasterRows(self, rows: UpdateRows) -> None:
         """Updated in Python while a joint acts by itself."""

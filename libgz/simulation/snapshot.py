@@ -10,6 +10,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from libgz.errors import USER_ERRORS, GazeboError, ParameterError, StateError, pass_interrupt
+from libgz.physics.state import PARTS as ENGINE_PARTS
 from libgz.simulation import state
 from libgz.simulation.journal import Journal, Origin, Source
 from libgz.simulation.plugins import own_traceback
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from libgz.transport.interface import Interface
 
 __all__ = ["Snapshots"]
+
+# What a state consists of, in order.
+PARTS = ("file", "list", "world", "random", "entities", "companions", "extensions", "engine", "interfaces")
 
 
 class StoppedError(GazeboError):
@@ -42,6 +46,8 @@ class Snapshots:
         self._collected: list[Any] = []  # at the last encoding of the list of entities
         self._listed = b""  # that encoding
         self._kinds: dict[type[Entity], list[Entity]] = {}  # the entities of it by their classes
+        self._extended = 0  # how many extensions the world had
+        self._declaring: list[tuple[str, Any]] = []  # those of them that declare state
 
     def save(self) -> bytes:
         """The state between two steps.
@@ -50,17 +56,19 @@ class Snapshots:
             ParameterError: an object declares something as its state that is not plain data, or cannot be read.
         """
         world = self._world
-        plain = {
-            "file": world.era.digest,
-            "list": self._list(),
-            "world": state.get_values(world),
-            "random": (world.spawned, world.journal.inserted),
-            "entities": [_own_states(kind, entities) for kind, entities in self._kinds.items()],
-            "companions": {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
-            "extensions": {_name(e): state.get_values(e) for e in world.extensions if _declares(e)},
-            "engine": world.engine.get_state(),
-            "interfaces": {key: interface.get_bytes() for key, interface in _interfaces(world)},
-        }
+        engine = world.engine.get_state()
+        engine["memory"] = state.large(engine["memory"])
+        plain = (
+            world.era.digest,
+            self._list(),
+            state.get_values(world),
+            (world.spawned, world.journal.inserted),
+            [_own_states(kind, entities) for kind, entities in self._kinds.items()],
+            {name: kept for name, kept in map(_saved_companion, world.companions) if kept is not None},
+            {name: state.get_values(extension) for name, extension in self._extensions()},
+            (*engine.values(),),
+            [(key, state.large(interface.get_bytes())) for key, interface in _interfaces(world)],
+        )
         try:
             return state.encode(plain)
         except ParameterError as error:
@@ -82,7 +90,10 @@ class Snapshots:
             StateError: the state is of another file, or something that cannot be built again is missing.
             ParameterError: these bytes are no state.
         """
-        world, saved = self._world, state.decode(data)
+        world, decoded = self._world, state.decode(data)
+        if not isinstance(decoded, tuple) or len(decoded) != len(PARTS):
+            raise ParameterError("the state is damaged: it has not the parts of one")
+        saved = dict(zip(PARTS, decoded, strict=True))
         if saved["file"] != world.era.digest:
             raise StateError("this state is of another world: its file has another text than this world's")
         if saved["companions"] and not saved["companions"].keys() <= set(map(_name, world.companions)):
@@ -112,13 +123,22 @@ class Snapshots:
             world.followers[:] = [world.entities[index] for index in listed["followers"]]
         for companion in world.companions:
             companion.set_state(saved["companions"].get(_name(companion)))
-        for extension in world.extensions:
-            if _name(extension) in saved["extensions"]:
-                state.set_values(extension, saved["extensions"][_name(extension)])
-        world.engine.set_state(saved["engine"])
+        for name, extension in self._extensions():
+            if name in saved["extensions"]:
+                state.set_values(extension, saved["extensions"][name])
+        world.engine.set_state(dict(zip(ENGINE_PARTS, saved["engine"], strict=True)))
+        contents = dict(saved["interfaces"])
         for key, interface in _interfaces(world):
-            if key in saved["interfaces"]:
-                interface.set_bytes(saved["interfaces"][key])
+            if key in contents:
+                interface.set_bytes(contents[key])
+
+    def _extensions(self) -> list[tuple[str, Any]]:
+        """The extensions of the world that declare state, and their names."""
+        present = self._world.extensions
+        if len(present) != self._extended:
+            self._extended = len(present)
+            self._declaring = [(_name(one), one) for one in present if state.declares(_type(one))]
+        return self._declaring
 
     def _list(self) -> bytes:
         """Which entities there are, where they come from, what is attached to what, and who has stopped; encoded."""
@@ -153,11 +173,6 @@ _type: Any = type  # mypy takes a class for no key of a cache
 
 def _saved_companion(companion: Companion) -> tuple[str, object]:
     return _name(companion), companion.get_state()
-
-
-def _declares(thing: Any) -> bool:
-    kind: Any = type(thing)
-    return state.declares(kind)
 
 
 def _name(thing: Any) -> str:
@@ -288,4 +303,5 @@ def _restore_entities(world: World, listed: dict[str, Any], anew: bool) -> None:
 
 
 def _interfaces(world: World) -> list[tuple[tuple[str, str], Interface[Any]]]:
-    return sorted(world.gz_server.interfaces.items(), key=lambda item: item[0])
+    found = world.gz_server.interfaces
+    return [(key, found[key]) for key in sorted(found)]

@@ -19,32 +19,38 @@ list or dict. What a class inherits is added. `STATE = ()` says that there is no
 from __future__ import annotations
 
 import ctypes
+import functools
 import io
+import marshal
 import pickle
 import random
+import struct
 import sys
+import weakref
 from collections import deque
 from collections.abc import Callable, Sequence
-from functools import wraps
 from itertools import chain
 from operator import attrgetter
 from typing import Any, TypeVar
-from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from libgz.errors import ParameterError
 from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 
 __all__ = [
+    "Kept",
     "carry_state",
     "declares",
     "decode",
     "encode",
+    "equal",
     "fields",
     "get_rows",
     "get_state",
     "get_values",
+    "large",
     "plain",
     "set_state",
     "set_values",
@@ -52,9 +58,16 @@ __all__ = [
 ]
 
 C = TypeVar("C", bound=Callable[..., Any])
-T = TypeVar("T")
 
-FORMAT = b"libgz state 2\n"  # at the start of encoded states
+FORMAT = (
+    b"libgz state 3\n"  # at the start of encoded states; the number and sizes of the large blocks at the end follow
+)
+LARGE = 4096  # [byte]
+_COUNT = struct.Struct("<q")
+_NO_BLOCKS = FORMAT + _COUNT.pack(0)
+_DAMAGES = (
+    *(pickle.UnpicklingError, struct.error, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError),
+)
 
 # What an encoded state may consist of besides the builtin types: decoding one never runs other code.
 _ALLOWED = {
@@ -65,21 +78,84 @@ _ALLOWED = {
     ("libgz.geometry", "GzPose"),
     ("libgz.geometry", "GzQuatern"),
     ("libgz.geometry", "GzVector"),
+    *(("libgz.simulation.state", name) for name in ("array", "made")),
     ("numpy", "dtype"),
     ("numpy", "ndarray"),
-    *((f"numpy.{core}.numeric", "_frombuffer") for core in ("core", "_core")),
     *((f"numpy.{core}.multiarray", name) for core in ("core", "_core") for name in ("_reconstruct", "scalar")),
 }
+_ARRAYS = "biufc?"  # kinds of arrays that are written as their bytes
 _NUMBERS = (np.ndarray, np.generic, np.dtype, complex)
 _WRITTEN: set[type] = set()  # classes of values that were found to be plain
 _MADE: list[type] = []  # base classes of what allowed functions make
+_PCG_PARTS = 4  # of what numpy returns as the state of its usual generator
 _PLAIN = frozenset({int, float, bool, str, bytes, type(None), complex})
 _EXACT = frozenset({int, bool, str, bytes, type(None)})  # whose equal values are the same in every respect
-# Written as their class and numbers: that is what their constructors take, and five times as quick as by default.
-_STRUCTS: dict[type, Callable[[Any], tuple[Any, ...]]] = {
-    **dict.fromkeys((GzVector, GzQuatern, GzColor), tuple),
-    GzPose: attrgetter("pos", "rot"),
-}
+_COMPARED = _EXACT | {float}
+
+
+def array(data: Any, kind: str, shape: tuple[int, ...]) -> NDArray[Any]:
+    """An array of numbers that is in a state."""
+    return np.frombuffer(data, kind).reshape(shape).copy()
+
+
+def _array_parts(value: NDArray[Any]) -> tuple[Any, ...]:
+    return value.tobytes() if value.nbytes < LARGE else _viewed(value), value.dtype.str, value.shape
+
+
+def _viewed(value: NDArray[Any]) -> pickle.PickleBuffer:
+    return pickle.PickleBuffer(np.ascontiguousarray(value).data.toreadonly())
+
+
+def large(data: bytes) -> Any:
+    """Bytes for a state; many of them are written behind the rest, which saves copies, and read as a memoryview."""
+    return data if len(data) < LARGE else pickle.PickleBuffer(data)
+
+
+# Structs are tuples in a state: a mark with the name of their class, and their numbers. That takes a tenth of the time
+# of pickling them. A tuple of users that begins with such a mark is put behind another one.
+_MARK = "\0"
+_TUPLE = "\0tuple"
+_makers: dict[str, Callable[..., Any]] = {}  # by those marks
+_NUMBERS_OF_POSE = 7
+
+
+def _add_struct(kind: Any) -> None:
+    mark = _MARK + kind.__qualname__
+    if issubclass(kind, GzPose):
+        parts: tuple[Any, Any] = (GzVector, GzQuatern)
+        if kind is not GzPose:  # a layer above has vectors of its own
+            parts = (type(kind().pos), type(kind().rot))
+        _makers[mark] = functools.partial(_pose, kind, *parts)
+        _STRUCTS[kind] = functools.partial(_pose_parts, mark, parts)
+    else:
+        get: Callable[[Any], tuple[Any, ...]] = attrgetter(*kind.__match_args__)
+        _makers[mark] = functools.partial(_struct, kind)
+        _STRUCTS[kind] = lambda thing: (mark, *get(thing))
+
+
+def _struct(kind: Any, *values: Any) -> Any:
+    made = kind.__new__(kind)  # a constructor might convert
+    for name, value in zip(kind.__match_args__, values, strict=True):
+        setattr(made, name, value)
+    return made
+
+
+def _pose(kind: Any, place: Any, turn: Any, *numbers: Any) -> Any:
+    if len(numbers) == _NUMBERS_OF_POSE:
+        return _struct(kind, _struct(place, *numbers[:3]), _struct(turn, *numbers[3:]))
+    return _struct(kind, *map(_made, numbers))
+
+
+_pose_numbers = attrgetter("pos.x", "pos.y", "pos.z", "rot.u", "rot.x", "rot.y", "rot.z")
+
+
+def _pose_parts(mark: str, parts: tuple[Any, Any], thing: Any) -> tuple[Any, ...]:
+    if (type(thing.pos), type(thing.rot)) == parts:
+        return mark, *_pose_numbers(thing)
+    return mark, _saved(thing.pos), _saved(thing.rot)
+
+
+_STRUCTS: dict[type, Callable[[Any], tuple[Any, ...]]] = {}  # by their classes
 
 
 def plain(kind: C, of: type | None = None) -> C:
@@ -90,89 +166,97 @@ def plain(kind: C, of: type | None = None) -> C:
         of: the base class of what that function makes.
     """
     _ALLOWED.add((kind.__module__, kind.__qualname__))
+    if isinstance(kind, type) and issubclass(kind, (GzVector, GzQuatern, GzColor, GzPose)):
+        _add_struct(kind)
     if of is not None:
         _MADE.append(of)
     return kind
 
 
-def _once_a_class(function: Callable[[Any], T]) -> Callable[[Any], T]:
-    """Keep what a function returns for a class, as long as the class lives: those of plugins come and end."""
-    kept: WeakKeyDictionary[Any, T] = WeakKeyDictionary()
+class _Class:
+    """What a class declares, and how its objects become plain data and take it again.
 
-    @wraps(function)
-    def kept_of(kind: Any) -> T:
-        try:
-            return kept[kind]
-        except KeyError:
-            return kept.setdefault(kind, function(kind))
+    Attributes:
+        names: the attributes that the class and its bases declare, each once.
+        fields: what the values of an object are called: those names, and an empty one for what SaveState returns.
+        places: for each of them what finds the part that has it, None for the object itself; and its name there.
+        read: reads the values of those names of an object.
+        saves: whether objects have a SaveState.
+        declares: whether the class, or one of its bases, declares state.
+        undeclared: whether neither it nor a base declares any, those of libgz left aside; never of a class of libgz.
+        ours: whether it is one of libgz's, whose states need no names.
+        save: makes plain data of an object.
+        load: puts plain data into an object; returns it, or what takes its place.
+    """
 
-    return kept_of
+    __slots__ = (
+        *("_alive", "declares", "fields", "load", "names", "ours", "places", "read", "save", "saves", "undeclared"),
+    )
+
+    def __init__(self, kind: Any) -> None:
+        bases = kind.__mro__
+        own = [base for base in bases if base is not object and not base.__module__.startswith("libgz.")]
+        names = tuple(dict.fromkeys(name for base in reversed(bases) for name in vars(base).get("STATE", ())))
+        self.names = names
+        self.saves = hasattr(kind, "SaveState")
+        self.fields = (*names, "") if self.saves else names
+        parts = [name.rpartition(".") for name in self.fields]
+        self.places = tuple((attrgetter(part) if part else None, name) for part, _, name in parts)
+        read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
+        self.read: Callable[[Any], tuple[Any, ...]] = (lambda thing: (read(thing),)) if len(names) == 1 else read
+        self.declares = any(map(_declares_itself, bases))
+        self.undeclared = bool(own) and not any(map(_declares_itself, own))
+        self.ours = kind.__module__.startswith("libgz.")
+        self.save, self.load = _forms(kind, self)
+        identity = id(kind)
+        self._alive = weakref.ref(kind, lambda _: _classes.pop(identity, None))  # those of plugins come and end
 
 
-@_once_a_class
-def _names(kind: Any) -> tuple[str, ...]:
-    """The attributes that a class and its bases declare, each once."""
-    return tuple(dict.fromkeys(name for base in reversed(kind.__mro__) for name in vars(base).get("STATE", ())))
+_classes: dict[int, _Class] = {}  # by the classes' ids, for a dictionary of weak keys takes ten times as long
 
 
-@_once_a_class
-def _reader(kind: Any) -> tuple[Callable[[Any], tuple[Any, ...]], bool]:
-    """A function that reads the values of those names of an object, and whether it has a SaveState."""
-    names = _names(kind)
-    read: Callable[[Any], Any] = attrgetter(*names) if names else lambda _: ()
-    one = len(names) == 1
-    return (lambda thing: (read(thing),)) if one else read, hasattr(kind, "SaveState")
+def _class(kind: Any) -> _Class:
+    return _classes.get(id(kind)) or _classes.setdefault(id(kind), _Class(kind))
 
 
-@_once_a_class
+def _declares_itself(kind: Any) -> bool:
+    return "STATE" in vars(kind) or "SaveState" in vars(kind)
+
+
 def fields(kind: Any) -> tuple[str, ...]:
     """What the values of an object of a class are called: its attributes; an empty name for what SaveState returns."""
-    return (*_names(kind), "") if hasattr(kind, "SaveState") else _names(kind)
+    return _class(kind).fields
 
 
-@_once_a_class
-def _places(kind: Any) -> tuple[tuple[Callable[[Any], Any] | None, str], ...]:
-    """For each of those: what finds the part that has it, None for the object itself; and its name there."""
-    names = [name.rpartition(".") for name in fields(kind)]
-    return tuple((attrgetter(part) if part else None, name) for part, _, name in names)
-
-
-@_once_a_class
-def _is_ours(kind: Any) -> bool:
-    return bool(kind.__module__.startswith("libgz."))
-
-
-@_once_a_class
 def declares(kind: Any) -> bool:
     """Whether a class, or one of its bases, declares state."""
-    return any("STATE" in vars(base) or "SaveState" in vars(base) for base in kind.__mro__)
+    return _class(kind).declares
 
 
-@_once_a_class
 def undeclared(kind: Any) -> bool:
     """Whether a class is not one of libgz's, and neither it nor another such class that it extends declares state."""
-    own = [base for base in kind.__mro__ if base is not object and not base.__module__.startswith("libgz.")]
-    return bool(own) and not any("STATE" in vars(base) or "SaveState" in vars(base) for base in own)
+    return _class(kind).undeclared
 
 
 def get_values(thing: Any) -> Sequence[Any]:
     """The declared state of an object, for `set_values`: values in the order of `fields`."""
     kind: Any = type(thing)
-    read, saves = _reader(kind)
-    values: Sequence[Any] = read(thing)
+    declared = _classes.get(id(kind)) or _class(kind)
+    values: Sequence[Any] = declared.read(thing)
     if not _PLAIN.issuperset(map(type, values)):
         values = [value if type(value) in _PLAIN else _saved(value) for value in values]
-    return (*values, thing.SaveState()) if saves else values
+    return (*values, thing.SaveState()) if declared.saves else values
 
 
 def get_rows(kind: Any, things: Sequence[Any]) -> list[Sequence[Any]]:
     """What `get_values` returns of each of these objects, which are all of one class."""
-    read, saves = _reader(kind)
-    if not saves:
-        rows: list[Sequence[Any]] = list(map(read, things))
-        if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
-            return rows
-    return [get_values(thing) for thing in things]
+    declared = _class(kind)
+    if declared.saves:
+        return [get_values(thing) for thing in things]
+    rows: list[Sequence[Any]] = list(map(declared.read, things))
+    if _PLAIN.issuperset(map(type, chain.from_iterable(rows))):
+        return rows
+    return [[value if type(value) in _PLAIN else _saved(value) for value in row] for row in rows]
 
 
 def set_values(thing: Any, values: Sequence[Any]) -> None:
@@ -181,9 +265,19 @@ def set_values(thing: Any, values: Sequence[Any]) -> None:
     Containers, arrays and generators are changed in place, for others may hold them.
     """
     kind: Any = type(thing)
-    if _EXACT.issuperset(map(type, values)) and _is_now(thing, kind, values):
-        return
-    for place, value in zip(_places(kind), values, strict=True):
+    declared = _classes.get(id(kind)) or _class(kind)
+    try:
+        present: Sequence[Any] = declared.read(thing)
+    except AttributeError:
+        present = ()
+    same = 0  # how many at the front need no change; to set one of them may change what is behind it
+    for value, before in zip(values, present, strict=False):
+        if type(value) not in _COMPARED or type(before) is not type(value) or before != value:
+            break
+        if value == 0.0 and str(before) != str(value):  # zeros have signs
+            break
+        same += 1
+    for place, value in zip(declared.places[same:], values[same:], strict=True):
         _set(thing, place, value)
 
 
@@ -195,108 +289,207 @@ def _set(thing: Any, place: tuple[Callable[[Any], Any] | None, str], value: Any)
         return
     holder = thing if part is None else part(thing)
     before = getattr(holder, name, None)
-    if type(value) in _EXACT and type(before) is type(value) and before == value:
+    kind = type(value)
+    if kind in _EXACT and type(before) is kind and before == value:
         return
     after = _loaded(before, value)
     if after is not before:
         setattr(holder, name, after)
 
 
-def _is_now(thing: Any, kind: Any, values: Sequence[Any]) -> bool:
-    """Whether an object has these values, which are of `_EXACT` types."""
-    read, saves = _reader(kind)
-    try:
-        now = () if saves else read(thing)
-        return tuple(values) == now and tuple(map(type, values)) == tuple(map(type, now))
-    except AttributeError:
-        return False
-
-
 def get_state(thing: Any) -> Any:
     """The declared state of an object by names, for `set_state`."""
-    kind: Any = type(thing)
-    return dict(zip(fields(kind), get_values(thing), strict=True))
+    return dict(zip(_class(type(thing)).fields, get_values(thing), strict=True))
 
 
 def set_state(thing: Any, state: Any) -> None:
     """Give an object the state that `get_state` returned of it, or of one that was made in the same way."""
-    kind: Any = type(thing)
-    set_values(thing, [state[name] for name in fields(kind)])
+    set_values(thing, [state[name] for name in _class(type(thing)).fields])
 
 
 def carry_state(thing: Any, state: Any) -> None:
     """Give an object the state of one of an earlier form of its class: what both declare."""
     kind: Any = type(thing)
-    for name, place in zip(fields(kind), _places(kind), strict=True):
+    for name, place in zip(fields(kind), _class(kind).places, strict=True):
         if name in state and (name or hasattr(kind, "LoadState")):
             _set(thing, place, state[name])
 
 
-def _is_generator(value: object) -> bool:
-    """Whether a value is a generator of numpy, which loads them slowly; before that there are none."""
-    return "numpy.random" in sys.modules and isinstance(value, np.random.Generator)
+# Values -------------------------------------------------------------------------------------------------------------
 
 
 def _saved(value: Any) -> Any:
     kind: Any = type(value)
-    if kind in _PLAIN:
-        return value
-    if kind is list or kind is tuple:
-        return kind(value) if _PLAIN.issuperset(map(type, value)) else kind(map(_saved, value))
-    if kind is dict:
-        if _PLAIN.issuperset(map(type, value.values())):
-            return value.copy()
-        return {key: _saved(item) for key, item in value.items()}
-    if isinstance(value, ctypes.Array):
-        return value[:]
-    if _is_generator(value):
-        return value.bit_generator.state
-    if isinstance(value, random.Random):
-        return value.getstate()
-    if not declares(kind):
-        return value
-    return [*get_values(value)] if _is_ours(kind) else get_state(value)
+    return value if kind in _PLAIN else (_classes.get(id(kind)) or _class(kind)).save(value)
 
 
 def _loaded(before: Any, value: Any) -> Any:
     """`value`, put into the object that was there where that can be changed."""
     kind: Any = type(before)
-    if kind in _PLAIN:
-        return value
-    if _is_generator(before):
-        before.bit_generator.state = value
-    elif isinstance(before, random.Random):
-        before.setstate(value)
-    elif declares(kind):
-        if value is None:
-            return None
-        (set_values if _is_ours(kind) else set_state)(before, value)
-    elif isinstance(before, ctypes.Array):
-        before[:] = value
-    elif kind is list and type(value) is list:
-        before[:] = _matched(before, value)
-    elif kind is tuple and type(value) is tuple:
-        return _matched(before, value)
-    elif kind is dict and type(value) is dict:
+    return _made(value) if kind in _PLAIN else (_classes.get(id(kind)) or _class(kind)).load(before, value)
+
+
+def made(mark: str, *parts: Any) -> Any:
+    """A struct that is in a state."""
+    return _makers[mark](*parts)
+
+
+def _made(value: Any) -> Any:
+    """A value of a state, with its structs."""
+    kind = type(value)
+    if kind is tuple:
+        if value and type(value[0]) is str and value[0][:1] == _MARK:
+            return tuple(map(_made, value[1:])) if value[0] == _TUPLE else _makers[value[0]](*value[1:])
+        return value if _PLAIN.issuperset(map(type, value)) else tuple(map(_made, value))
+    if kind is list:
+        return value if _PLAIN.issuperset(map(type, value)) else [*map(_made, value)]
+    if kind is deque:
+        return deque(map(_made, value), value.maxlen)
+    if kind is dict:
+        plain_ = _PLAIN.issuperset(map(type, value.values()))
+        return value if plain_ else {key: _made(item) for key, item in value.items()}
+    return value
+
+
+def _forms(kind: Any, declared: _Class) -> tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]:
+    """How values of a class become plain data, and take it."""
+    if kind in _CONTAINERS:
+        return _CONTAINERS[kind]
+    if issubclass(kind, ctypes.Array):
+        return (lambda value: value[:]), _load_items
+    if "numpy.random" in sys.modules and issubclass(kind, np.random.Generator):
+        return _generator_state, _load_generator
+    if issubclass(kind, random.Random):
+        return (lambda value: value.getstate()), _load_random
+    if kind in _STRUCTS:
+        return _STRUCTS[kind], (lambda _before, value: _made(value))
+    if not declared.declares:
+        return (lambda value: value), (lambda _before, value: _made(value))
+    if declared.ours:
+        return (lambda value: [*get_values(value)]), _load_ours
+    return get_state, _load_users
+
+
+def _save_dict(value: dict[Any, Any]) -> dict[Any, Any]:
+    if _PLAIN.issuperset(map(type, value.values())):
+        return value.copy()
+    return {key: _saved(item) for key, item in value.items()}
+
+
+def _generator_state(generator: np.random.Generator) -> Any:
+    """The state of a generator: of numpy's usual one its numbers, of others what numpy returns."""
+    state: Any = generator.bit_generator.state
+    if len(state) != _PCG_PARTS or state["bit_generator"] != "PCG64":
+        return state
+    return state["state"]["state"], state["state"]["inc"], state["has_uint32"], state["uinteger"]
+
+
+def _load_generator(before: np.random.Generator, value: Any) -> Any:
+    if isinstance(value, tuple):
+        if value == _generator_state(before):
+            return before
+        state, inc, has, integer = value
+        numbers = {"state": state, "inc": inc}
+        value = {"bit_generator": "PCG64", "state": numbers, "has_uint32": has, "uinteger": integer}
+    before.bit_generator.state = value
+    return before
+
+
+def _load_random(before: random.Random, value: Any) -> Any:
+    before.setstate(value)
+    return before
+
+
+def _load_ours(before: Any, value: Any) -> Any:
+    if value is None:
+        return None
+    set_values(before, value)
+    return before
+
+
+def _load_users(before: Any, value: Any) -> Any:
+    if value is None:
+        return None
+    set_state(before, value)
+    return before
+
+
+def _load_items(before: Any, value: Any) -> Any:
+    before[:] = value
+    return before
+
+
+def _load_list(before: list[Any], value: Any) -> Any:
+    if type(value) is not list:
+        return _made(value)
+    before[:] = _matched(before, value)
+    return before
+
+
+def _load_tuple(before: tuple[Any, ...], value: Any) -> Any:
+    if type(value) is not tuple or (value and type(value[0]) is str and value[0][:1] == _MARK):
+        return _made(value)
+    return _matched(before, value)
+
+
+def _load_dict(before: dict[Any, Any], value: Any) -> Any:
+    if type(value) is not dict:
+        return _made(value)
+    if _PLAIN.issuperset(map(type, (*before.values(), *value.values()))):
+        before.clear()
+        before.update(value)
+    else:
         items = {key: _loaded(before.get(key), item) for key, item in value.items()}
         before.clear()
         before.update(items)
-    elif kind is deque:
-        kept = tuple(value)
-        before.clear()
-        before.extend(kept)
-    elif kind is np.ndarray and before.shape == np.shape(value) and before.flags.writeable:
-        before[...] = value
-    else:
-        return value
+    return before
+
+
+def _load_deque(before: deque[Any], value: Any) -> Any:
+    kept = tuple(map(_made, value))
+    before.clear()
+    before.extend(kept)
+    return before
+
+
+def _load_array(before: Any, value: Any) -> Any:
+    if type(value) is not np.ndarray or before.shape != value.shape or not before.flags.writeable:
+        return _made(value)
+    before[...] = value
     return before
 
 
 def _matched(before: Any, value: Any) -> Any:
     if _PLAIN.issuperset(map(type, before)):
-        return value
+        return _made(value)
     rest = [None] * (len(value) - len(before))
     return type(value)(_loaded(old, new) for old, new in zip([*before, *rest], value, strict=False))
+
+
+def _save_list(value: list[Any]) -> list[Any]:
+    return value[:] if _PLAIN.issuperset(map(type, value)) else [*map(_saved, value)]
+
+
+def _save_tuple(value: tuple[Any, ...]) -> tuple[Any, ...]:
+    saved = value if _PLAIN.issuperset(map(type, value)) else (*map(_saved, value),)
+    return (_TUPLE, *saved) if value and type(value[0]) is str and value[0][:1] == _MARK else saved
+
+
+def _save_deque(value: deque[Any]) -> deque[Any]:
+    return deque(map(_saved, value), value.maxlen)
+
+
+_CONTAINERS: dict[Any, tuple[Callable[[Any], Any], Callable[[Any, Any], Any]]] = {
+    list: (_save_list, _load_list),
+    tuple: (_save_tuple, _load_tuple),
+    dict: (_save_dict, _load_dict),
+    deque: (_save_deque, _load_deque),
+    np.ndarray: ((lambda value: value), _load_array),
+}
+
+
+for _kind in (GzVector, GzQuatern, GzColor, GzPose):
+    _add_struct(_kind)
 
 
 # As bytes -----------------------------------------------------------------------------------------------------------
@@ -309,14 +502,44 @@ def encode(state: Any) -> bytes:
         ParameterError: something in it is not plain data.
     """
     buffer = io.BytesIO()
-    buffer.write(FORMAT)
-    pickler = _Writer(buffer, 5)
+    buffer.write(_NO_BLOCKS)
+    blocks: list[pickle.PickleBuffer] = []
+    pickler = _Writer(buffer, 5, buffer_callback=blocks.append)
     pickler.fast = True  # no references within the data, which would depend on which objects are identical
     try:
         pickler.dump(state)
     except (pickle.PicklingError, TypeError, AttributeError, RecursionError) as error:
         raise ParameterError(f"a state must be plain data: {error}") from error
-    return buffer.getvalue()
+    if not blocks:
+        return buffer.getvalue()
+    contents = [block.raw() for block in blocks]
+    head = struct.pack(f"<{1 + len(blocks)}q", len(blocks), *(content.nbytes for content in contents))
+    return b"".join((FORMAT, head, buffer.getbuffer()[len(_NO_BLOCKS) :], *contents))
+
+
+class Kept:
+    """The encoding of plain data that seldom changes: it is made anew only where they have changed, to the bit."""
+
+    def __init__(self) -> None:
+        self._key = self._encoded = b""
+
+    def encode(self, plain_: Any) -> bytes:
+        """Like the function `encode`, for data of builtin types."""
+        try:
+            key = marshal.dumps(plain_, 2)
+        except ValueError:  # there is something in them that is not of a builtin type
+            return encode(plain_)
+        if key != self._key:
+            self._key, self._encoded = key, encode(plain_)
+        return self._encoded
+
+
+def equal(one: Any, other: Any) -> bool:
+    """Whether plain data are the same to the bit; those of other than builtin types never are."""
+    try:
+        return marshal.dumps(one, 2) == marshal.dumps(other, 2)
+    except ValueError:
+        return False
 
 
 class _Writer(pickle.Pickler):
@@ -326,7 +549,9 @@ class _Writer(pickle.Pickler):
         """Refuse what is not plain data; called for everything that is not of a simple builtin type."""
         kind: Any = type(thing)
         if kind in _STRUCTS:
-            return kind, _STRUCTS[kind](thing)
+            return made, _STRUCTS[kind](thing)
+        if kind is np.ndarray and thing.dtype.kind in _ARRAYS:
+            return array, _array_parts(thing)
         if kind in _WRITTEN or isinstance(thing, (*_NUMBERS, *_MADE)):
             return NotImplemented
         itself = hasattr(thing, "__qualname__")  # classes and functions stand for themselves
@@ -356,6 +581,20 @@ def decode(data: bytes) -> Any:
     if not data.startswith(FORMAT):
         raise ParameterError(f"these {len(data)} bytes are no state of this version of libgz")
     try:
-        return _Reader(io.BytesIO(data[len(FORMAT) :])).load()
-    except (pickle.UnpicklingError, EOFError, ValueError, TypeError, AttributeError, IndexError, KeyError) as error:
+        (count,) = _COUNT.unpack_from(data, len(FORMAT))
+        begin, end = len(FORMAT) + 8 * (1 + count), len(data)
+        blocks: list[memoryview] = []
+        if count:
+            view = memoryview(data)
+            for size in reversed(struct.unpack_from(f"<{count}q", data, len(FORMAT) + 8)):
+                end -= size
+                if size < 0 or end < begin:
+                    raise ValueError("its blocks are longer than it")
+                blocks.append(view[end : end + size])
+        stream = io.BytesIO(data[begin:end])
+        state = _Reader(stream, buffers=reversed(blocks)).load()
+        if stream.read(1):
+            raise ValueError("there is more than a state")
+    except _DAMAGES as error:
         raise ParameterError(f"the state is damaged: {error}") from error
+    return state

@@ -122,7 +122,6 @@ class World(Closing):
 
     STATE: ClassVar[tuple[str, ...]] = (
         "name",
-        *("clock.sim_time", "clock.pause_time", "clock.iterations", "clock.day_time"),
         "simSpeed",
         "utcOffset",
         "fogEnable",
@@ -134,6 +133,7 @@ class World(Closing):
         "_fallen_rows",
         "_numbers",
         "_paused",
+        *("clock.day_time", "clock.pause_time", "clock.iterations", "clock.sim_time"),  # what changes comes last
     )
 
     def __init__(
@@ -182,6 +182,7 @@ class World(Closing):
         self._start_is_old = False  # since a model's class was edited
         self._rewind: Rewind | None = None
         self.snapshots = Snapshots(self)
+        self._checked: list[Entity] = []  # whose classes declare state, or were named in a warning
         self._undeclared: set[type] = set()  # classes of users that were named in a warning
         self._paused = self._closed = False
         self._inside = False  # whether Step runs
@@ -1199,8 +1200,10 @@ class World(Closing):
         )
 
     def _warn_of_models(self) -> None:
-        for kind in {type(entity): None for entity in self.entities}:
-            self.warn_of_undeclared("model", kind)
+        if self.entities != self._checked:
+            self._checked = list(self.entities)
+            for kind in {type(entity): None for entity in self.entities}:
+                self.warn_of_undeclared("model", kind)
 
     def next_number(self) -> int:
         """A number for a new entity."""

@@ -282,8 +282,8 @@ class Interface(Generic[D]):
             memory: Any = self._memory
             size = self.size
             begin, end = self.gap
-            first = bytes(memory[:begin])
-            return first if end == size else first + bytes(memory[end:size])
+            with memoryview(memory) as view:
+                return bytes(view[:begin]) if end == size else b"".join((view[:begin], view[end:size]))
         finally:
             if taken:
                 self.unlock()
@@ -310,13 +310,16 @@ class Interface(Generic[D]):
             memory: Any = self._memory
             before, end = self.gap
             begin = len(state) - (self.size - end)
-            memory[:begin], memory[end : self.size] = state[:begin], state[begin:]
+            content = memoryview(state)
+            memory[:begin], memory[end : self.size] = content[:begin], content[begin:]
             if before > begin:
                 memory[begin:before] = bytes(before - begin)
-            self._set_head(bytes(state[: len(self._head)]))
-            head = self.data.head
-            self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
-            self.keep_commands()
+            if state[: len(self._head)] != self._head:
+                self._set_head(bytes(state[: len(self._head)]))
+                head = self.data.head
+                self._owner = (head.model_type.decode(errors="replace"), head.model_id, head.parent_model_id)
+            if self.descriptor is not None:
+                self.keep_commands()
         finally:
             if taken:
                 self.unlock()

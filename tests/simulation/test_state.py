@@ -4,6 +4,7 @@ import os
 import pickle
 import subprocess
 import sys
+from collections import deque
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from state_runs import difference, look, run
 import libgz
 from libgz.errors import ClosedError, GazeboError, ParameterError, StateError
 from libgz.files import installed_worlds
+from libgz.geometry import GzColor, GzPose, GzQuatern, GzVector
 from libgz.physics.joint import HingeJoint
 
 WORLDS = sorted(installed_worlds().glob("*.world"))
@@ -541,3 +543,83 @@ def test_a_body_that_was_added_before_the_one_that_holds_a_model(world):
     assert world.get_state() != state
     one.bodies.pop(0).close()
     assert world.get_state() == state
+
+
+STRUCTS = [
+    GzVector(1.0, -0.0, 3.0),
+    GzQuatern(0.0, 1.0, 0.0, 0.0),
+    GzColor(0.1, 0.2, 0.3, 0.4),
+    GzPose(GzVector(1.0, 2.0, 3.0), GzQuatern(0.5, 0.5, 0.5, 0.5)),
+    [GzVector(), (GzVector(1.0, 2.0, 3.0), {"at": GzPose()})],
+    ("\0GzVector", 1.0, 2.0),  # what a state has of a vector begins like this
+    ("\0tuple",),
+    deque([GzVector(1.0, 2.0, 3.0)], maxlen=2),
+]
+
+
+def test_vectors_return_in_place_of_anything(world):
+    model = made(world, "made", value=None)
+    for value in STRUCTS:
+        model.value = value
+        state = world.get_state()
+        for before in (None, 0, [], (), {}, GzVector(), "text"):
+            model.value = before
+            world.set_state(state)
+            assert (type(model.value), repr(model.value)) == (type(value), repr(value))
+            assert world.get_state() == state
+
+
+def test_arrays_of_every_size_return_as_they_were(world):
+    shapes = [((), "f8"), ((0, 3), "i4"), ((5,), "?"), ((40, 60, 3), "u1"), ((300, 4), "c16"), ((2000,), ">f4")]
+    arrays = [np.arange(np.prod(shape, dtype=int)).reshape(shape).astype(kind) for shape, kind in shapes]
+    arrays += [arrays[3][::2], np.asfortranarray(arrays[4])]
+    models = [made(world, f"m{i}", value=array) for i, array in enumerate(arrays)]
+    state = world.get_state()
+    for model in models:
+        vars(model).update(value=None)
+    world.set_state(state)
+    for model, array in zip(models, arrays, strict=True):
+        assert model.value.dtype == array.dtype
+        assert np.array_equal(model.value, array)
+        model.value[...] = 0  # it can be written
+    assert world.get_state() != state
+
+
+def test_a_truncated_state_is_refused_wherever_it_ends(world):
+    made(world, "made", value=np.zeros(10_000))
+    state = world.get_state()
+    before = world.get_state()
+    for end in [*range(0, 200, 7), *range(200, len(state), len(state) // 50)]:
+        with pytest.raises(ParameterError):
+            world.set_state(state[:end])
+    with pytest.raises(ParameterError):
+        world.set_state(state + b"more")
+    count = state.index(b"\n") + 1
+    for number in (-1, 2**40, 3):
+        with pytest.raises(ParameterError):
+            world.set_state(state[:count] + number.to_bytes(8, "little", signed=True) + state[count + 8 :])
+    assert world.get_state() == before
+
+
+def test_a_state_of_an_older_version_is_refused(world):
+    with pytest.raises(ParameterError, match="no state of this version"):
+        world.set_state(b"libgz state 2\n" + world.get_state()[14:])
+
+
+def test_what_is_assigned_to_parts_is_in_the_next_state(world):
+    body = world.model("box").GetBody()
+    geom = body.geoms[0]
+    for thing, name, value in (
+        (body, "in_wind", True),
+        (body, "diverged", True),
+        (geom, "scale", (2.0, 1.0, 1.0)),
+        (geom.appearance, "visible", False),
+        (geom.appearance, "retro", 0.5),
+    ):
+        state, before = world.get_state(), getattr(thing, name)
+        assert world.get_state() == state
+        setattr(thing, name, value)
+        assert world.get_state() != state, name
+        world.set_state(state)
+        assert getattr(thing, name) == before
+        assert world.get_state() == state

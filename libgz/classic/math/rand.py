@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import random
+import struct
 from typing import Any, ClassVar
 
 __all__ = ["Rand"]
+
+_GENERATOR = struct.Struct("625I?d")  # 624 words and their index; whether there is a spare normal number, and it
 
 
 class Rand:
@@ -17,6 +20,7 @@ class Rand:
     _seed: ClassVar[int] = random.SystemRandom().getrandbits(32)
     _engine: ClassVar[random.Random] = random.Random(_seed)
     _used: ClassVar[bool] = False  # whether there were numbers since it was seeded
+    _kept: ClassVar[bytes] = b""  # the generator in a state, until there is another number
 
     @classmethod
     def Seed(cls, seed: int | None = None) -> int:
@@ -24,45 +28,56 @@ class Rand:
         if seed is not None:
             cls._seed = int(seed)
             cls._engine.seed(cls._seed)
-            cls._used = False
+            cls._used, cls._kept = False, b""
         return cls._seed
+
+    @classmethod
+    def _draw(cls) -> random.Random:
+        cls._used, cls._kept = True, b""
+        return cls._engine
 
     @classmethod
     def SaveState(cls) -> tuple[object, ...]:
         """Seed and generator, for a snapshot of a world."""
-        return cls._seed, cls._engine.getstate() if cls._used else None
+        if not cls._used:
+            return cls._seed, None
+        if not cls._kept:
+            _, words, spare = cls._engine.getstate()
+            has, value = spare is not None, spare or 0.0
+            cls._kept = _GENERATOR.pack(*words, has, value)
+        return cls._seed, cls._kept
 
     @classmethod
     def LoadState(cls, state: tuple[Any, ...]) -> None:
         """Take what SaveState returned."""
-        cls.Seed(state[0])
-        if state[1] is not None:
-            cls._engine.setstate(state[1])
-            cls._used = True
+        if state == cls.SaveState():
+            return
+        seed, packed = state
+        cls.Seed(seed)
+        if packed is not None:
+            *words, has, value = _GENERATOR.unpack(packed)
+            cls._engine.setstate((cls._engine.VERSION, tuple(words), value if has else None))
+            cls._used, cls._kept = True, packed
 
     @classmethod
     def DblUniform(cls, low: float = 0.0, high: float = 1.0) -> float:
         """Return a number of the uniform distribution between `low` and `high`."""
-        cls._used = True
-        return cls._engine.uniform(low, high)
+        return cls._draw().uniform(low, high)
 
     @classmethod
     def DblNormal(cls, mean: float = 0.0, sigma: float = 1.0) -> float:
         """Return a number of the normal distribution."""
-        cls._used = True
-        return cls._engine.normalvariate(mean, sigma)
+        return cls._draw().normalvariate(mean, sigma)
 
     @classmethod
     def IntUniform(cls, low: int, high: int) -> int:
         """Return a uniformly distributed integer from `low` to `high`, both included."""
-        cls._used = True
-        return cls._engine.randint(low, high)
+        return cls._draw().randint(low, high)
 
     @classmethod
     def IntNormal(cls, mean: int, sigma: int) -> int:
         """Return a number of the normal distribution, truncated to an integer."""
-        cls._used = True
-        return int(cls._engine.normalvariate(mean, sigma))
+        return int(cls._draw().normalvariate(mean, sigma))
 
     SetSeed = GetSeed = Seed
     GetDblUniform = DblUniform

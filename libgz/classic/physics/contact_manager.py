@@ -39,8 +39,7 @@ class ContactManager:
         return [(name, sorted(collisions)) for name, (_, collisions) in self._filters.items()]
 
     def LoadState(self, state: Iterable[tuple[str, list[str]]]) -> None:
-        """Take what SaveState returned. The recorded contacts are the engine's."""
-        self._read_at = (-1, -1)
+        """Take what SaveState returned."""
         wanted, published = dict(state), self._published
         for name in [name for name in self._filters if name not in wanted]:
             self.RemoveFilter(name)
@@ -49,6 +48,10 @@ class ContactManager:
                 self.CreateFilter(name, collisions)
         self._filters = {name: self._filters[name] for name in wanted}
         self._published = published
+
+    def forget(self) -> None:
+        """Read the contacts of the last step again: the engine has others."""
+        self._read_at = (-1, -1)
 
     def want(self) -> None:
         """Record contacts from the next step on."""

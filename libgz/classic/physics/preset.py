@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from libgz.errors import NotFoundError, nearest
 from libgz.sdfworld.physics import PHYSICS, read_physics
 from libgz.sdfworld.world import SdfWorld
+from libgz.simulation.state import decode, encode
 
 if TYPE_CHECKING:
     from libgz.classic.physics.world import World
@@ -17,17 +18,28 @@ __all__ = ["PresetManager"]
 class PresetManager:
     """The physics profiles of a world."""
 
-    STATE = ("_profiles", "_current")
+    STATE = ("_packed", "_current")
 
     def __init__(self, world: World) -> None:
         self._world = world
         self._profiles: dict[str, dict[str, Any]] = {}
         self._current = ""
+        self._encoded = b""  # the profiles in a state, until one changes
         self._settings = world.core.extension(SdfWorld).settings
         for name, element in self._settings.profiles.items():
             self._profiles[name] = read_physics(element)
             if element is self._settings.physics:
                 self._current = name
+
+    @property
+    def _packed(self) -> bytes:
+        if not self._encoded:
+            self._encoded = encode(self._profiles)
+        return self._encoded
+
+    @_packed.setter
+    def _packed(self, packed: bytes) -> None:
+        self._profiles, self._encoded = decode(packed), packed
 
     def AllProfiles(self) -> list[str]:
         """The names of all profiles."""
@@ -63,12 +75,13 @@ class PresetManager:
     def CreateProfile(self, name: str) -> str:
         """Add a profile with the present parameters; returns its name."""
         physics = self._world.Physics()
-        self._profiles[name] = {key: physics.GetParam(key) for key in PHYSICS}
+        self._profiles[name], self._encoded = {key: physics.GetParam(key) for key in PHYSICS}, b""
         return name
 
     def RemoveProfile(self, name: str) -> None:
         """Remove a profile."""
         self._profiles.pop(name, None)
+        self._encoded = b""
 
     def ProfileParam(self, name: str, key: str) -> Any:
         """A parameter of a profile."""
@@ -76,7 +89,7 @@ class PresetManager:
 
     def SetProfileParam(self, name: str, key: str, value: Any) -> bool:
         """Set a parameter of a profile, and of the engine if it is the current one; returns True."""
-        self._profile(name)[key] = value
+        self._profile(name)[key], self._encoded = value, b""
         if name == self._current:
             self._world.Physics().SetParam(key, value)
         return True

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from array import array
+from collections.abc import Iterable
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -45,7 +47,7 @@ class DynamicLines:
         attached: the visuals that points move with, by the points' numbers.
     """
 
-    STATE = ("type", "_points", "_colors", "_visible")
+    STATE = ("type", "_packed", "_visible")
 
     POINT_LIST: ClassVar[int] = 1  # each point by itself
     LINE_LIST: ClassVar[int] = 2  # a line from each even point to the next one
@@ -53,8 +55,7 @@ class DynamicLines:
 
     def __init__(self, visual: LineFrame, type: int = LINE_STRIP) -> None:
         self.visual, self.type = visual, type
-        self._points: list[Vector3d] = []
-        self._colors: list[Color] = []
+        self._points, self._colors = array("d"), array("d")  # numbers: x, y, z of each; r, g, b, a
         self.attached: dict[int, LineFrame] = {}
         self._visible = True
 
@@ -64,13 +65,26 @@ class DynamicLines:
             numbers = [float(v) for v in values[:2] if isinstance(v, int | float)]
             point, values = Vector3d(float(point), *numbers), values[2:]
         color = values[0] if values else Color(1.0, 1.0, 1.0)
-        self._points.append(Vector3d(*point))
-        self._colors.append(Color(*color) if isinstance(color, GzColor) else Color(1.0, 1.0, 1.0))
+        self._points.extend(Vector3d(*point))
+        self._colors.extend(color if isinstance(color, GzColor) else Color(1.0, 1.0, 1.0))
+
+    @property
+    def _packed(self) -> tuple[bytes, bytes]:
+        """Points and colours, as the bytes of their numbers."""
+        return self._points.tobytes(), self._colors.tobytes()
+
+    @_packed.setter
+    def _packed(self, packed: tuple[bytes, bytes]) -> None:
+        self._points, self._colors = (array("d", part) for part in packed)
 
     def _check(self, index: int) -> int:
-        if not 0 <= index < len(self._points):
-            raise NotFoundError(f"these lines have {len(self._points)} points, from 0 on; not {index}")
+        count = self.PointCount()
+        if not 0 <= index < count:
+            raise NotFoundError(f"these lines have {count} points, from 0 on; not {index}")
         return index
+
+    def _set_point(self, index: int, point: Iterable[float]) -> None:
+        self._points[3 * index : 3 * index + 3] = array("d", point)
 
     def SetPoint(self, index: int, value: VectorLike) -> None:
         """Move a point [m].
@@ -78,7 +92,7 @@ class DynamicLines:
         Raises:
             NotFoundError: there is no such point.
         """
-        self._points[self._check(index)] = Vector3d(*value)
+        self._set_point(self._check(index), Vector3d(*value))
 
     def Point(self, index: int) -> Vector3d:
         """A point [m].
@@ -86,26 +100,28 @@ class DynamicLines:
         Raises:
             NotFoundError: there is no such point.
         """
-        return self._points[self._check(index)]
+        at = 3 * self._check(index)
+        return Vector3d(*self._points[at : at + 3])
 
     GetPoint = Point
 
     def PointCount(self) -> int:
         """The number of points."""
-        return len(self._points)
+        return len(self._points) // 3
 
     GetPointCount = PointCount
 
     def SetColor(self, index: int, color: GzColor) -> None:
         """Set the colour of a point and of the line from it."""
-        self._colors[self._check(index)] = Color(*color)
+        at = 4 * self._check(index)
+        self._colors[at : at + 4] = array("d", Color(*color))
 
     def setMaterial(self, name: str) -> None:
         """Give all present points the colour of a material."""
         material = find_material(name)
         if material is not None:
             glow = material.emissive if any(material.emissive[:3]) else material.ambient
-            self._colors = [Color(*glow) for _ in self._points]
+            self._colors = array("d", Color(*glow)) * self.PointCount()
 
     SetMaterial = setMaterial
 
@@ -118,8 +134,7 @@ class DynamicLines:
 
     def Clear(self) -> None:
         """Remove all points."""
-        self._points.clear()
-        self._colors.clear()
+        del self._points[:], self._colors[:]
         self.attached.clear()
 
     def Update(self) -> None:
@@ -134,20 +149,17 @@ class DynamicLines:
         frame = self.visual.world_pose()
         self.attached = {index: visual for index, visual in self.attached.items() if not visual.deleted}
         for index, visual in self.attached.items():
-            if index < len(self._points):
-                self._points[index] = Vector3d(*GzCoordPositionSub(visual.world_pose().pos, frame.pos, frame.rot))
+            if index < self.PointCount():
+                self._set_point(index, GzCoordPositionSub(visual.world_pose().pos, frame.pos, frame.rot))
         if not self._visible or not self.visual.Visible():
             return []
         of_color: dict[tuple[float, float, float], list[NDArray[np.float64]]] = {}
         step = 2 if self.type == self.LINE_LIST else 1
-        starts = range(0, len(self._points) - (self.type != self.POINT_LIST), step)
-        for i in starts:
-            if self.type == self.POINT_LIST:
-                ends = CROSS + np.array(self._points[i])
-            else:
-                ends = np.array((tuple(self._points[i]), tuple(self._points[i + 1])))
-            color = self._colors[i]
-            of_color.setdefault((color.r, color.g, color.b), []).append(ends)
+        points = np.array(self._points).reshape(-1, 3)
+        for i in range(0, len(points) - (self.type != self.POINT_LIST), step):
+            ends = CROSS + points[i] if self.type == self.POINT_LIST else points[i : i + 2]
+            red, green, blue = self._colors[4 * i : 4 * i + 3]
+            of_color.setdefault((red, green, blue), []).append(ends)
         return [placed(np.concatenate(parts), frame, color) for color, parts in of_color.items()]
 
 

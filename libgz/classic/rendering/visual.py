@@ -19,7 +19,7 @@ from libgz.physics.geom import Geom
 from libgz.rendering.shot import Lines
 from libgz.sdf.element import Element
 from libgz.sdfworld.visual import material_name, put_on, scripted_material, set_transparency
-from libgz.simulation.state import get_state, set_state
+from libgz.simulation.state import equal, get_values, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -239,13 +239,15 @@ class Visual:
 
     def save(self) -> tuple[Any, ...]:
         """Its state and its lines, as plain data."""
-        lines = [(get_state(line), {at: part.Name() for at, part in line.attached.items()}) for line in self._lines]
-        return get_state(self), lines
+        lines = [(get_values(line), {at: part.Name() for at, part in line.attached.items()}) for line in self._lines]
+        return get_values(self), lines
 
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: lines that came since go, those that went are made again."""
+        if equal(state, self.save()):
+            return
         own, lines = state
-        set_state(self, own)
+        set_values(self, own)
         self._scene.highlight(self, self._highlighted)
         self._scene.mark(self)
         for line in self._lines[len(lines) :]:
@@ -253,7 +255,7 @@ class Visual:
         for _ in lines[len(self._lines) :]:
             self.CreateDynamicLine()
         for line, (kept, attached) in zip(self._lines, lines, strict=True):
-            set_state(line, kept)
+            set_values(line, kept)
             found = {at: self._scene.GetVisual(name) for at, name in attached.items()}
             line.attached = {at: visual for at, visual in found.items() if visual is not None}
 

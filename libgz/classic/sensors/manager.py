@@ -15,7 +15,7 @@ from libgz.errors import Diagnostics, GazeboError, LibraryError, ParameterError,
 from libgz.sdf.reader import SdfFile
 from libgz.sdf.upgrade import NEWEST
 from libgz.simulation.event import unowned
-from libgz.simulation.state import get_state, set_state
+from libgz.simulation.state import equal, get_values, set_values
 
 if TYPE_CHECKING:
     from libgz.classic.loading import LoadedPlugin
@@ -224,7 +224,7 @@ class WorldSensors:
     def save(self) -> tuple[Any, ...]:
         """The state of all sensors, as plain data."""
         sensors = [
-            (name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, get_state(one))
+            (name, one.Type(), one.parent.GetScopedName(), one.source, one in self._active, get_values(one))
             for name, one in self.sensors.items()
         ]
         return self._now, self._next, sensors
@@ -232,6 +232,18 @@ class WorldSensors:
     def load(self, state: Sequence[Any]) -> None:
         """Take what `save` returned: sensors that came since go, those that were removed since are made again."""
         now, due, rows = state
+        if [(name, kind, active) for name, kind, _, _, active, _ in rows] != [
+            (name, one.Type(), one in self._active) for name, one in self.sensors.items()
+        ]:
+            self._match(rows)
+        for name, *_, values in rows:
+            sensor = self.sensors[name]
+            if not equal(values, get_values(sensor)):
+                set_values(sensor, values)
+        self._now, self._next = now, due
+
+    def _match(self, rows: Sequence[Any]) -> None:
+        """Make the sensors those of a state."""
         kinds = {name: kind for name, kind, *_ in rows}
         for sensor in [s for name, s in self.sensors.items() if kinds.get(name) != s.Type()]:
             self.remove(sensor)
@@ -244,15 +256,14 @@ class WorldSensors:
             raise StateError(f"sensors of this state cannot be made again: {', '.join(missing)}")
         self.sensors = {name: self.sensors[name] for name, *_ in rows}
         self._active = {sensor: None for sensor in self.sensors.values() if sensor in self._active}
-        for name, *_, active, one in rows:
+        for name, *_, active, values in rows:
             sensor = self.sensors[name]
-            set_state(sensor, one)
+            set_values(sensor, values)
             if active and sensor not in self._active:
                 self._activate(sensor)
             elif not active and sensor in self._active:
                 self._deactivate(sensor)
         self._update_lists()
-        self._now, self._next = now, due
 
     def _make_again(self, name: str, parent: str, source: str) -> None:
         holder = self.world.BaseByName(parent)

@@ -171,8 +171,11 @@ def _send_one(topic: Topic, outbox: deque[tuple[int, Message]]) -> None:
 
 def waiting_messages(prefix: str) -> list[tuple[str, Message]]:
     """Return (topic, message) of all that waits in this process on topics with a prefix, in the order of delivery."""
+    queue = TopicManager.Instance().queue
+    if not queue:
+        return []
     found: dict[int, tuple[str, Message]] = {}
-    for deliver in list(TopicManager.Instance().queue):
+    for deliver in list(queue):
         if isinstance(deliver, functools.partial) and deliver.func is _send_one:
             topic, outbox = deliver.args
             found.update({number: (topic.name, message) for number, message in outbox})

@@ -11,7 +11,6 @@ from plugin_worlds import GROUND, body, collision, command, plugin, wheel
 import libgz
 from libgz.classic import msgs, transport
 from libgz.classic.math import Pose3d
-from libgz.physics.geoms import LightGeom
 
 BOX = "<box><size>1 1 1</size></box>"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable
 
-from libgz.view.gate import POLICY
+from libgz.view.gate import LEAN_SCRIPT, POLICY
 from libgz.view.viewer import Viewer
 
 __all__ = ["replay_page"]
@@ -31,5 +31,6 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
         viewer.frame()
         recording = viewer.page.get_scene_serializer()
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY.format(socket="")}">'
+    script = f"<script>{LEAN_SCRIPT.read_text()}</script>"
     text = recording.as_html().replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-    return text.replace("<head>", f"<head>{policy}", 1)
+    return text.replace("<head>", f"<head>{policy}{script}", 1)

@@ -70,7 +70,7 @@ def test_a_replay_has_the_run_in_one_file(recorded, tmp_path):
         assert np.ptp(path[:, 1]) == pytest.approx(0.5 * 3.9, abs=0.1)
 
 
-@pytest.mark.trial  # software rendering takes up to a minute for an image of it
+@pytest.mark.trial
 @needs_chromium
 def test_a_replay_plays_in_a_browser(chromium, recorded, tmp_path):
     page_file = tmp_path / "replay.html"
@@ -87,6 +87,8 @@ def test_a_replay_plays_in_a_browser(chromium, recorded, tmp_path):
         return places and np.ptp(np.array(places), axis=0).max() > 10.0
 
     wait_for(moved, "the robot moves", 600.0)
+    found, wanted = page.evaluate("window.libgzChanges")
+    assert found == wanted > 4
     assert all(re.match("file:|blob:|data:", url) for url in fetched)
     page.close()
 

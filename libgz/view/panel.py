@@ -273,14 +273,15 @@ class Panel:
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the cameras' images."""
-        for name in set(self._images) - set(images):
-            self._images.pop(name).remove()
+        for name, handle in self._images.items():
+            if handle.visible != (name in images):
+                handle.visible = name in images
         for name, image in images.items():
-            if name in self._images:
-                self._images[name].image = image
-            else:
+            if name not in self._images:
                 with self._image_folder:
                     self._images[name] = self.page.gui.add_image(image, label=name, format="jpeg", jpeg_quality=80)
+            elif self._images[name].image is not image:
+                self._images[name].image = image
         if self._image_folder.visible != bool(images):
             self._image_folder.visible = bool(images)
 

@@ -15,7 +15,7 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
     """The page of a run.
 
     Args:
-        viewer: of a source that `moments` advances.
+        viewer: of a source that `moments` advances; it waits for answers.
         moments: advances the source with each item, and yields the time of its state [s]; the first one is the start.
         title: of the page.
     """
@@ -23,7 +23,7 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
     for now in moments:
         if recording is not None:
             recording.insert_sleep(max(now - before, 0.0))
-        viewer.frame()
+        viewer.frame(now)
         if recording is None:
             recording = viewer.page.get_scene_serializer()
         before = now

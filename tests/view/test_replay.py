@@ -19,6 +19,14 @@ from libgz.transport.server import free_server_id
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
+EYE = """<?xml version="1.0"?><gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz"
+ xmlns:model="http://playerstage.sourceforge.net/gazebo/xmlschema/#model">
+<model:GroundPlane><id>ground</id></model:GroundPlane>
+<model:SimpleSolid><id>box</id><xyz>3 0 0.5</xyz></model:SimpleSolid>
+<model:Pioneer2AT><id>robot1</id><model:SonyVID30><id>cam1</id><xyz>0.15 0 0.2</xyz><imageSize>32 24</imageSize>
+</model:SonyVID30></model:Pioneer2AT></gz:world>"""
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     path = tmp_path_factory.mktemp("log") / "run.mcap"
@@ -68,6 +76,25 @@ def test_a_replay_has_the_run_in_one_file(recorded, tmp_path):
     for path in map(np.array, paths.values()):
         assert path[:, 0] == pytest.approx(np.arange(1, 41) / 10)
         assert np.ptp(path[:, 1]) == pytest.approx(0.5 * 3.9, abs=0.1)
+
+
+def test_a_replay_shows_the_images_of_cameras(tmp_path):
+    world = libgz.World.from_string(EYE)
+    with world, Capture(world, tmp_path / "run.mcap") as log:
+        for step in range(60):
+            if step == 20:
+                world.SetModelPose(world.model("box"), libgz.GzPose(libgz.GzVector(1.0, 0.0, 0.5)))
+            world.step()
+            log.take()
+    done = run_libgz("play", tmp_path / "run.mcap", "--html", tmp_path / "a.html", "--frames", 10, "--show", "frusta")
+    assert done.returncode == 0, done.stderr
+    messages, _ = replayed(tmp_path / "a.html")
+    images = [
+        message.get("props", message.get("updates"))["_data"]
+        for _, message in messages
+        if "/images/cam1" in message.get("name", "") and "_data" in message.get("props", message.get("updates", {}))
+    ]
+    assert 2 <= len(images) <= 6  # 5 a second at most, and only what has changed
 
 
 @pytest.mark.trial

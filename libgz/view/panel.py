@@ -252,9 +252,13 @@ class Panel:
         if part.kind == "color":
             handle: Any = gui.add_rgb(part.label, part.color)
         else:
-            least, most = part.limits
-            start = min(max(part.value, least), most) if math.isfinite(part.value) else least
-            step = max((most - least) / 200.0, 1e-4)
+            # Few digits: the page writes the limits below the slider, side by side.
+            digits = 2 if part.limits[1] - part.limits[0] > 0.5 else 4
+            unit = 10.0**-digits
+            least, most = (round(limit, digits) + 0.0 for limit in part.limits)
+            most = max(most, least + unit)
+            start = round(min(max(part.value, least), most), digits) + 0.0 if math.isfinite(part.value) else least
+            step = max(round((most - least) / 200.0, digits), unit)
             handle = gui.add_slider(part.label, min=least, max=most, step=step, initial_value=start)
         self._on(handle, part.action)
         return handle

@@ -576,20 +576,24 @@ class Viewer(Closing):
 
     def _show_parts(self) -> None:
         """Sliders for what the driven robot carries."""
+        robot = self.driver.robot if self.driver is not None else None
+        number = self.view.ids.get(robot.entity) if robot is not None else None
+        self.panel.set_parts("robot", self._interface_parts(number))
+
+    def _interface_parts(self, number: int | None) -> list[Part]:
+        """The sliders of the interfaces of an entity and of what it carries."""
         parts: list[Part] = []
-        robot, controls = self.driver.robot if self.driver is not None else None, self.controls
-        if robot is None or controls is None or robot.entity not in self.view.ids:
-            self.panel.set_parts("robot", [])
-            return
-        for number in self.view.family(self.view.ids[robot.entity]):
-            for served in self.view.entities[number]["interfaces"]:
+        if number is None or self.controls is None or "interfaces" not in self._can:
+            return parts
+        for one in self.view.family(number):
+            for served in self.view.entities[one]["interfaces"]:
                 with contextlib.suppress(GazeboError):
                     if served["type"] in STEERED:
-                        parts += interface_parts(controls.interface(served["type"], served["id"]))
-        self.panel.set_parts("robot", parts)
+                        parts += interface_parts(self.controls.interface(served["type"], served["id"]))
+        return parts
 
     def _show_model_parts(self) -> None:
-        """Sliders for the joints and lights of the selected model."""
+        """Sliders for the joints, heads and lights of the selected model."""
         number, state = self.view.ids.get(self._selected), self._state
         parts: list[Part] = []
         if number is not None and state is not None:
@@ -598,6 +602,7 @@ class Viewer(Closing):
                 parts += light_parts(entity, self.ask)
             if "joint" in self._can and self.view.scene["era"] == "classic":
                 parts += joint_parts(entity, state, self.ask)
+            parts += self._interface_parts(number)
         self.panel.set_parts("model", parts)
 
     def _show_rest(self, state: ObservedState, now: float) -> None:

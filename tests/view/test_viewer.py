@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 
 import libgz
+from libgz.files import installed_worlds
 from libgz.rendering.image import jpeg_text
 from libgz.view.local import LocalSource
 from libgz.view.viewer import Viewer
@@ -30,6 +31,15 @@ class Readings:
 
     def reconnect(self):
         pass
+
+
+class Interfaces:
+    """Controls of interfaces only."""
+
+    abilities = frozenset({"interfaces"})
+
+    def __init__(self, world):
+        self.interface = world.interface
 
 
 @pytest.fixture
@@ -63,6 +73,18 @@ def test_frusta_show_the_last_image_of_a_camera(viewer):
     assert next(iter(viewer.marks._screens.values()))[1].mean() == pytest.approx(200, abs=2)
     viewer.set_mark("frusta", False)
     assert not viewer.marks._screens
+
+
+def test_a_selected_model_has_the_sliders_of_what_it_carries():
+    with (
+        libgz.World.from_file(installed_worlds() / "canonvcc4.world") as world,
+        contextlib.redirect_stdout(io.StringIO()),
+        Viewer(LocalSource(world), Interfaces(world), port=18960) as viewer,
+    ):
+        viewer.frame(0.0)
+        viewer.select("cam1")
+        shown = viewer.panel._parts["model"]
+        assert [one.label for one in shown] == [f"cam1 {name} [rad]" for name in ("pan", "tilt", "zoom")]
 
 
 def test_an_image_becomes_jpeg_for_a_page():

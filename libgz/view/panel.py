@@ -137,8 +137,8 @@ class Panel:
         if "move" in can:
             self.handles = gui.add_checkbox("Handles", False, hint="move and turn the model by its handles")
             self._on(self.handles, handler.set_handles)
-        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
         self.info = gui.add_html(_small("Click a model in the scene."))
+        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
         if "delete" in can:
             self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
 

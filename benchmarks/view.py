@@ -1,10 +1,14 @@
 """The live viewer: what it costs the server and itself, with robots that drive and one client connected.
 
 python benchmarks/view.py [ROBOTS] [HZ]     (default: 30 Pioneer2ATs with lasers at 30 Hz, then 400 robots)
+python benchmarks/view.py page              how long a page takes in headless Chromium until it shows the robot,
+                                            a live one and a replay (Debian's chromium; pip install playwright)
 """
 
 import asyncio
+import io
 import os
+import shutil
 import statistics
 import subprocess
 import sys
@@ -13,13 +17,20 @@ import time
 from pathlib import Path
 
 import msgspec.msgpack
+import numpy as np
 import viser
 import websockets
+from PIL import Image
 
 import libgz
+from libgz.files import installed_worlds
+from libgz.recording.capture import Capture
 from libgz.transport.server import free_server_id
 
 ROUNDS, SPAN = 5, 4.0  # [s]
+FLAGS = ["--headless=new", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--no-sandbox"]
+SIZE = {"width": 800, "height": 600}
+LONGEST = 120.0  # [s]
 TICKS = os.sysconf("SC_CLK_TCK")
 HEAD = (
     '<?xml version="1.0"?><gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz" '
@@ -133,7 +144,63 @@ async def _measured(server, viewer, page, observer, robots, rate):
     )
 
 
+# Pages ---------------------------------------------------------------------------------------------------------------
+
+
+def shows_robot(page):
+    """Whether the middle of a page shows a Pioneer's red body."""
+    image = Image.open(io.BytesIO(page.screenshot(timeout=1000.0 * LONGEST))).convert("RGB")
+    red, green, blue = np.moveaxis(np.asarray(image)[150:450, 150:510].astype(int), -1, 0)
+    return np.count_nonzero((red > 90) & (green < 45) & (blue < 45)) > 15
+
+
+def load_times(chromium, url):
+    """From the request of a page to the image of the robot [s], of some loads; the first one in a new browser."""
+    found = []
+    for _ in range(ROUNDS):
+        page = chromium.new_page(viewport=SIZE)
+        page.set_default_timeout(1000.0 * LONGEST)
+        begin = time.monotonic()
+        page.goto(url, wait_until="commit")
+        while not shows_robot(page) and time.monotonic() - begin < LONGEST:
+            pass
+        found.append(time.monotonic() - begin)
+        page.close()
+    return found
+
+
+def pages():
+    """Measure how long pages take to show worlds/pioneer2at.world."""
+    from playwright.sync_api import sync_playwright
+
+    file, server_id = installed_worlds() / "pioneer2at.world", free_server_id(400)
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        log, replay = Path(folder, "run.mcap"), Path(folder, "replay.html")
+        with libgz.World.from_file(file) as recorded, Capture(recorded, log) as capture:
+            for _ in range(200):
+                recorded.step()
+                capture.take()
+        subprocess.run([sys.executable, "-m", "libgz", "play", str(log), "--html", str(replay)], check=True)
+        words = ["-d", "0", "-s", str(server_id), "--view", "--view-port", "18900", str(file)]
+        server = subprocess.Popen(
+            [sys.executable, "-m", "libgz.apps.gazebo", *words], stdout=subprocess.PIPE, text=True
+        )
+        try:
+            live = next(line.split()[1] for line in server.stdout if line.startswith("open "))
+            for what, url in (("live page", live), ("replay", replay.as_uri())):
+                chromium = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+                first, *others = load_times(chromium, url)
+                chromium.close()
+                print(f"{what}: the robot after {first:.1f} s in a new browser, then {statistics.median(others):.1f} s")
+        finally:
+            server.terminate()
+            server.wait(20.0)
+
+
 if __name__ == "__main__":
+    if sys.argv[1:] == ["page"]:
+        pages()
+        raise SystemExit
     given = [int(word) for word in sys.argv[1:]]
     if given:
         run(given[0], given[1] if len(given) > 1 else 30, given[0] <= 50)

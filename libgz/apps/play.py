@@ -70,7 +70,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         choices=("lasers", "sonars", "frusta", "joints", "masses", "boxes", "trails"),
-        help="show these, too; may be repeated",
+        help="show these, too, frusta with the images of the cameras; may be repeated",
     )
     group = parser.add_argument_group("control of a log that another process plays, without LOG")
     group.add_argument("--seek", type=seconds, metavar="SEC", help="go to this time of the log [s]")
@@ -147,7 +147,7 @@ def _write_page(options: argparse.Namespace) -> int:
 
         controls = ServerControls(server_id, frozenset())
         stack.callback(controls.close)
-        viewer = stack.enter_context(make_viewer(observer, controls, options))
+        viewer = stack.enter_context(make_viewer(observer, _LogControls(player, controls), options, wait=True))
         from libgz.view.replay import replay_page  # the extra is there
 
         for name in options.show:
@@ -159,6 +159,30 @@ def _write_page(options: argparse.Namespace) -> int:
         raise ParameterError(f"{options.html!r} cannot be written: {error.strerror}") from None
     print(f"{out}: {len(text) / 1e6:.1f} MB")
     return 0
+
+
+class _LogControls:
+    """Controls of a log that is written as a page: what sensors measured, and nothing to act with."""
+
+    abilities = frozenset({"readings"})
+
+    def __init__(self, player: Player, served: Any) -> None:
+        self._player, self._served = player, served
+
+    def ask(self, _verb: str, _argument: str = "-", **content: Any) -> Any:
+        """Last images and ranges."""
+        return self._player.readings.answer(content["names"])
+
+    def interface(self, kind: str, id: str) -> Any:
+        """An open interface of the log's server.
+
+        Raises:
+            GazeboError: there is none.
+        """
+        return self._served.interface(kind, id)
+
+    def reconnect(self) -> None:
+        """Nothing to do: a log does not come back."""
 
 
 def _moments(player: Player, options: argparse.Namespace, speed: float) -> Iterator[float]:

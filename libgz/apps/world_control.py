@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import json
 import math
 from collections.abc import Callable
@@ -17,6 +15,7 @@ from libgz.front import World
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzCoordPoseSub, GzPose, GzQuatern, GzVector
 from libgz.legacy.model import Model
 from libgz.physics.geoms import LightGeom
+from libgz.rendering.image import jpeg_text
 from libgz.sdf.paths import model_directories
 from libgz.simulation.entity import Entity
 from libgz.transport.control import Request
@@ -314,7 +313,7 @@ class WorldControl:
                     continue
                 sensor.SetActive(True)
                 if sensor.Type() == "camera":
-                    image = _jpeg(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
+                    image = jpeg_text(sensor.ImageData(), sensor.ImageHeight(), sensor.ImageWidth())
                     images |= {name: image} if image else {}
                 elif sensor.Type() in ("ray", "gpu_ray"):
                     ranges[name] = [float(r) if math.isfinite(r) else -1.0 for r in sensor.Ranges()]
@@ -375,19 +374,6 @@ def _simple(name: str, shape: str) -> str:
     parts = "".join(f"<{part} name='{part}'><geometry>{shape}</geometry></{part}>" for part in ("collision", "visual"))
     link = f"<link name='link'><pose>0 0 0.5 0 0 0</pose>{parts}</link>"
     return f"<sdf version='1.6'><model name='{name}'>{link}</model></sdf>"
-
-
-def _jpeg(data: bytes | None, height: int, width: int) -> str:
-    """An image as JPEG in base64; empty if there is none yet, or it has no colours that a page can show."""
-    pixels = np.frombuffer(data or b"", np.uint8)
-    channels, rest = divmod(pixels.size, max(height * width, 1))
-    if channels not in (1, 3) or rest:
-        return ""
-    from PIL import Image
-
-    shape, file = (height, width) if channels == 1 else (height, width, 3), io.BytesIO()
-    Image.fromarray(pixels.reshape(shape)).convert("RGB").save(file, "JPEG", quality=80)
-    return base64.b64encode(file.getvalue()).decode()
 
 
 def _number(text: str, what: str) -> float:

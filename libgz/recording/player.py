@@ -24,6 +24,7 @@ from libgz.interfaces.gripper import Gripper
 from libgz.interfaces.sim import Sim
 from libgz.recording.own_messages import States, read_file, read_tables
 from libgz.recording.reader import LogChannel, LogMessage, LogReader
+from libgz.recording.readings import Readings
 from libgz.transport.control import Control
 from libgz.transport.interface import Interface
 from libgz.transport.layout import ABIS, LIBGAZEBO_VERSION, NATIVE
@@ -35,7 +36,8 @@ __all__ = ["Player"]
 
 log = logging.getLogger("libgz.recording")
 
-ABILITIES = ("pause", "resume", "reset", "seek", "rewind", "speed", "step", "status")  # requests that are answered
+# Requests that are answered.
+ABILITIES = ("pause", "resume", "reset", "seek", "rewind", "speed", "step", "status", "readings")
 PLAYED = ("interface", "topic", "own")
 IDLE_PERIOD = 0.02  # [s] between two publications while it is paused
 LONGEST_SLEEP = 0.05  # [s]
@@ -70,6 +72,7 @@ class Player(Closing):
 
     Attributes:
         reader: the log.
+        readings: of the cameras and lasers of a classic world, at that time.
         time: where it is in the log [s].
         speed, paused: can be set at any time.
         at_end: whether the last message was played.
@@ -100,6 +103,7 @@ class Player(Closing):
         abi = self.reader.about.get("abi", NATIVE)
         self.speed, self.paused, self.at_end = speed, False, False
         self.time = self.reader.begin
+        self.readings = Readings(self.reader.about.get("world", "default"))
         self._topics = topics
         self._interfaces: dict[tuple[str, str], Interface[Any]] = {}
         self._sim_pause = 0
@@ -164,6 +168,7 @@ class Player(Closing):
         own = {message.channel.topic: message for message in latest.values() if message.channel.kind == "own"}
         served = self._served(own["/gz/interfaces"].data) if "/gz/interfaces" in own else set()
         self._keep_only(served)
+        self.readings.clear()
         if "/gz/scene" in own:
             self._show_scene(own["/gz/scene"].data)
         for message in sorted(latest.values(), key=lambda one: one.time):
@@ -263,6 +268,9 @@ class Player(Closing):
                 if request.verb == "abilities":
                     request.answer(json.dumps(ABILITIES).encode())
                     continue
+                if request.verb == "readings":
+                    request.answer(json.dumps(self.readings.answer(_names(request.content))).encode())
+                    continue
                 self._act(request.verb, request.argument)
                 request.answer(json.dumps(self.status).encode())
             except GazeboError as error:
@@ -328,8 +336,10 @@ class Player(Closing):
             self._show_scene(message.data)
         elif channel.topic == "/gz/interfaces" and live:
             self._keep_only(self._served(message.data))
-        elif channel.kind == "topic" and self._topics is not None:
-            self._topics.publish(channel, message.data)
+        elif channel.kind == "topic":
+            self.readings.take(channel, message.data)
+            if self._topics is not None:
+                self._topics.publish(channel, message.data)
 
     def _write(self, channel: LogChannel, content: bytes) -> None:
         """Write the bytes of an interface; a new one is created."""
@@ -393,6 +403,7 @@ class Player(Closing):
             scene["revision"] = self._revision
             used: set[str] = set()
             self._place_files(scene, used, shared)
+            self.readings.show(scene)
         except (ValueError, TypeError, KeyError) as error:
             raise ParameterError(f"the log is damaged: a scene is not understood: {error}") from None
         shared.write_scene(json.dumps(scene).encode(), used)
@@ -426,3 +437,12 @@ class Player(Closing):
             target.write_bytes(self._files[name])
             self._unpacked[name] = str(target)
         return self._unpacked[name]
+
+
+def _names(content: bytes) -> list[str]:
+    """The names in a request for readings; none if it is not understood."""
+    try:
+        names = json.loads(content)["names"]
+    except (ValueError, TypeError, KeyError):
+        return []
+    return [name for name in names if isinstance(name, str)] if isinstance(names, list) else []

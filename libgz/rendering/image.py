@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ from numpy.typing import NDArray
 from libgz.errors import GazeboError
 from libgz.physics.image_files import open_image
 
-__all__ = ["pyramid", "read_image", "write_image", "write_pnm"]
+__all__ = ["jpeg_text", "pyramid", "read_image", "write_image", "write_pnm"]
 
 
 def read_image(path: Path) -> NDArray[np.uint8]:
@@ -60,3 +62,16 @@ def write_pnm(path: Path, pixels: NDArray[np.uint8]) -> None:
         path.write_bytes(f"P6\n# Gazebo\n{width} {height}\n255\n".encode() + pixels.tobytes())
     except OSError as error:
         raise GazeboError(f"unable to open file {path} for writing: {error.strerror}") from None
+
+
+def jpeg_text(data: bytes | None, height: int, width: int) -> str:
+    """A frame of bytes as JPEG in base64; empty if there is none yet, or it has no colours that a page can show."""
+    pixels = np.frombuffer(data or b"", np.uint8)
+    channels, rest = divmod(pixels.size, max(height * width, 1))
+    if channels not in (1, 3) or rest:
+        return ""
+    from PIL import Image
+
+    shape, file = (height, width) if channels == 1 else (height, width, 3), io.BytesIO()
+    Image.fromarray(pixels.reshape(shape)).convert("RGB").save(file, "JPEG", quality=80)
+    return base64.b64encode(file.getvalue()).decode()

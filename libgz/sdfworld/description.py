@@ -52,6 +52,7 @@ def describe_sensors(body: Body, link: Element) -> list[dict[str, Any]]:
             "pose": pose_list(sensor.Get(GzPose, "pose") if sensor.HasElement("pose") else GzPose()),
             "rate": sensor.Get(float, "update_rate"),
             "visualize": sensor.Get(bool, "visualize"),
+            "topic": _topic(sensor),
             "rays": [_rays(ray) for ray in sensor.named("ray")],
             "cones": [
                 {key: sonar.Get(float, key) for key in ("min", "max", "radius")} for sonar in sensor.named("sonar")
@@ -61,6 +62,12 @@ def describe_sensors(body: Body, link: Element) -> list[dict[str, Any]]:
         }
         for sensor in link.named("sensor")
     ]
+
+
+def _topic(sensor: Element) -> str:
+    """The topic that a sensor's file names; empty for none."""
+    value = sensor.Get(str, "topic") if sensor.HasElement("topic") else ""
+    return "" if value.startswith("__default") else value
 
 
 def _rays(ray: Element) -> dict[str, Any]:

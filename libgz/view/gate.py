@@ -25,9 +25,9 @@ from websockets.datastructures import Headers
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
-__all__ = ["Gate", "may_control"]
+__all__ = ["LEAN_SCRIPT", "POLICY", "Gate", "may_control"]
 
-SCRIPT = Path(__file__).with_name("page.js")
+CONTROL_SCRIPT, LEAN_SCRIPT = (Path(__file__).with_name(name) for name in ("page.js", "lean.js"))
 WATCHING = {"ViewerCameraMessage"}  # all that a page without the token may send
 NEVER = {"ShareUrlRequest", "ShareUrlDisconnect"}  # would make the page public through a server of others
 # Nothing is loaded from anywhere but this port, whatever a world's file says.
@@ -149,7 +149,8 @@ class Gate:
         if control not in self._pages:
             text = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text()
             text = text.replace("<title>Viser</title>", f"<title>{_text(self._title)}</title>", 1)
-            script = f"<script>window.libgzControl={json.dumps(control)};\n{SCRIPT.read_text()}</script>"
+            own = f"window.libgzControl={json.dumps(control)};\n{CONTROL_SCRIPT.read_text()}\n{LEAN_SCRIPT.read_text()}"
+            script = f"<script>{own}</script>"
             self._pages[control] = gzip.compress(text.replace("<head>", f"<head>{script}", 1).encode(), 1)
         body, headers = self._pages[control], dict(SAFE_HEADERS)
         headers["Content-Security-Policy"] = POLICY.format(socket=f"ws://{host} wss://{host}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections import deque
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from libgz.view.scene import SceneView
 from libgz.view.shapes import compose
 from libgz.view.source import Controls
 
-__all__ = ["SWITCHES", "Marks", "sensor_name"]
+__all__ = ["SWITCHES", "Marks", "image_name", "sensor_name"]
 
 log = logging.getLogger("libgz.view")
 
@@ -43,6 +44,8 @@ COLORS = {
 }
 CONE = math.radians(7.5)  # half angle of a sonar's cone, where nothing says it
 LONGEST_FRUSTUM = 2.0  # [m]
+SCREEN = 0.5  # [m] before a camera, where its image is shown
+UPRIGHT = np.array([[0.5, -0.5, 0.5, -0.5]])  # from an image's axes, right and down, to a camera's, which looks along x
 TRAIL = 600  # points
 TRAIL_STEP = 0.02  # [m] between two of them
 UNIT = np.array([[1.0, 0.0, 0.0, 0.0]])
@@ -62,7 +65,9 @@ class Marks:
         self.on: set[str] = set()
         self.contacts: list[list[float]] = []
         self.ranges: dict[str, list[float]] = {}  # of SDF sensors, by model::link::sensor
+        self.images: dict[str, NDArray[np.uint8]] = {}  # of cameras, by id or model::link::sensor
         self._handles: dict[str, Any] = {}
+        self._screens: dict[str, tuple[Any, NDArray[np.uint8]]] = {}  # nodes of the cameras' images, and what they show
         self._past: dict[int, deque[NDArray[Any]]] = {}  # trails
         self._arrays: dict[str, NDArray[Any]] = {}
 
@@ -75,11 +80,14 @@ class Marks:
             self._hide(name)
             if name == "trails":
                 self._past.clear()
+            if name == "frusta":
+                self._keep_screens(())
 
     def clear(self) -> None:
         """Remove all marks, for another run."""
         for name in list(self._handles):
             self._hide(name)
+        self._keep_screens(())
         self._past.clear()
         self._arrays.clear()
 
@@ -267,8 +275,9 @@ class Marks:
         self._mesh("sonars", vertices, faces, 0.16)
 
     def _frusta(self, state: ObservedState) -> None:
-        """The field of view of each camera, up to 2 m."""
+        """The field of view of each camera, up to 2 m, and in it the camera's last image."""
         lines: list[NDArray[Any]] = []
+        shown: set[str] = set()
         for entity in self.view.entities.values():
             for sensor in entity["sensors"]:
                 cameras = [sensor] if sensor["kind"] == "camera" and "fov" in sensor else sensor.get("cameras") or []
@@ -280,7 +289,43 @@ class Marks:
                         frame = np.concatenate([position, rotation], axis=1)
                     if frame is not None:
                         lines.append(_frustum(frame, camera))
+                        name = image_name(entity, sensor)
+                        if name in self.images and name not in shown:
+                            shown.add(name)
+                            self._show_screen(name, frame, camera)
         self._lines("frusta", np.concatenate(lines) if lines else np.zeros((0, 2, 3)))
+        self._keep_screens(shown)
+
+    def _show_screen(self, name: str, frame: NDArray[Any], camera: dict[str, Any]) -> None:
+        """Show a camera's image before it, as large as its field of view is there."""
+        image, ahead = self.images[name], np.array([[SCREEN, 0.0, 0.0]])
+        position, rotation = compose(frame[:, :3], frame[:, 3:], ahead, UPRIGHT)
+        handle, former = self._screens.get(name, (None, None))
+        if handle is None:
+            width, height = (2.0 * SCREEN * half for half in _halves(camera))
+            handle = self.page.scene.add_image(
+                f"/world/marks/images/{name.replace('/', '_')}",
+                image,
+                width,
+                height,
+                format="jpeg",
+                jpeg_quality=75,
+                cast_shadow=False,
+                receive_shadow=False,
+                position=position[0],
+                wxyz=rotation[0],
+            )
+        else:
+            if image is not former:
+                handle.image = image
+            if not np.array_equal(handle.position, position[0]) or not np.array_equal(handle.wxyz, rotation[0]):
+                handle.position, handle.wxyz = position[0], rotation[0]
+        self._screens[name] = handle, image
+
+    def _keep_screens(self, shown: Collection[str]) -> None:
+        """Remove the images of all cameras but these."""
+        for name in [name for name in self._screens if name not in shown]:
+            self._screens.pop(name)[0].remove()
 
     # Mechanics -------------------------------------------------------------------------------------------------------
 
@@ -340,6 +385,13 @@ def sensor_name(entity: dict[str, Any], sensor: dict[str, Any]) -> str:
     return f"{entity['id']}::{body}::{sensor.get('name', '')}"
 
 
+def image_name(entity: dict[str, Any], sensor: dict[str, Any]) -> str:
+    """The name of a camera's image: the id of its interface, or ``model::link::sensor``; empty for none."""
+    if "name" in sensor:
+        return sensor_name(entity, sensor)
+    return next((str(served["id"]) for served in entity["interfaces"] if served["type"] == "camera"), "")
+
+
 def _joined(parts: list[tuple[NDArray[Any], NDArray[Any]]]) -> tuple[NDArray[Any], NDArray[Any]]:
     starts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
     if not parts:
@@ -360,11 +412,16 @@ def _cone(position: Any, rotation: Any, length: float, radius: float) -> tuple[N
     return vertices, np.stack([np.zeros_like(order), order + 1, (order + 1) % 12 + 1], axis=1)
 
 
+def _halves(camera: dict[str, Any]) -> tuple[float, float]:
+    """Half of the width and of the height of a camera's field of view, 1 m before it [m]."""
+    half = math.tan(min(float(camera["fov"]), 3.0) / 2.0)
+    return half, half / max(float(camera["aspect"] or 1.0), 1e-3)
+
+
 def _frustum(frame: Any, camera: dict[str, Any]) -> NDArray[Any]:
     """The edges of a pyramid along x, shape (8, 2, 3)."""
     depth = min(float(camera["far"] or LONGEST_FRUSTUM), LONGEST_FRUSTUM)
-    half = depth * math.tan(min(float(camera["fov"]), 3.0) / 2.0)
-    upright = half / max(float(camera["aspect"] or 1.0), 1e-3)
+    half, upright = (depth * part for part in _halves(camera))
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
     own = np.array([(0.0, 0.0, 0.0), *((depth, half * y, upright * z) for y, z in signs)])
     corners, _ = compose(np.repeat(frame[:, :3], 5, 0), np.repeat(frame[:, 3:], 5, 0), own, np.repeat(UNIT, 5, 0))

@@ -137,8 +137,8 @@ class Panel:
         if "move" in can:
             self.handles = gui.add_checkbox("Handles", False, hint="move and turn the model by its handles")
             self._on(self.handles, handler.set_handles)
-        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
         self.info = gui.add_html(_small("Click a model in the scene."))
+        self.model_folder = gui.add_folder("Joints and lights", expand_by_default=True, visible=False)
         if "delete" in can:
             self._button("Delete it", handler.delete, viser.Icon.TRASH, "red")
 
@@ -252,9 +252,13 @@ class Panel:
         if part.kind == "color":
             handle: Any = gui.add_rgb(part.label, part.color)
         else:
-            least, most = part.limits
-            start = min(max(part.value, least), most) if math.isfinite(part.value) else least
-            step = max((most - least) / 200.0, 1e-4)
+            # Few digits: the page writes the limits below the slider, side by side.
+            digits = 2 if part.limits[1] - part.limits[0] > 0.5 else 4
+            unit = 10.0**-digits
+            least, most = (round(limit, digits) + 0.0 for limit in part.limits)
+            most = max(most, least + unit)
+            start = round(min(max(part.value, least), most), digits) + 0.0 if math.isfinite(part.value) else least
+            step = max(round((most - least) / 200.0, digits), unit)
             handle = gui.add_slider(part.label, min=least, max=most, step=step, initial_value=start)
         self._on(handle, part.action)
         return handle
@@ -273,14 +277,15 @@ class Panel:
 
     def set_images(self, images: Mapping[str, NDArray[np.uint8]]) -> None:
         """Show the cameras' images."""
-        for name in set(self._images) - set(images):
-            self._images.pop(name).remove()
+        for name, handle in self._images.items():
+            if handle.visible != (name in images):
+                handle.visible = name in images
         for name, image in images.items():
-            if name in self._images:
-                self._images[name].image = image
-            else:
+            if name not in self._images:
                 with self._image_folder:
                     self._images[name] = self.page.gui.add_image(image, label=name, format="jpeg", jpeg_quality=80)
+            elif self._images[name].image is not image:
+                self._images[name].image = image
         if self._image_folder.visible != bool(images):
             self._image_folder.visible = bool(images)
 

@@ -12,10 +12,12 @@ from libgz.transport.observer import ObservedState
 
 __all__ = ["STEERED", "Part", "interface_parts", "joint_parts", "light_parts"]
 
-STEERED = ("ptz", "gripper", "actarray")  # types of interfaces that have parts
+STEERED = ("ptz", "gripper", "actarray", "joint")  # types of interfaces that have parts
+TWO_AXES = (5, 6)  # ODE's numbers of universal and hinge-2 joints
 PTZ = {"pan": (-math.pi / 2.0, math.pi / 2.0), "tilt": (-1.0, 1.0), "zoom": (0.1, 2.0)}  # [rad]
 GRIPPER = {"open": 1, "close": 2, "stop": 3, "lift up": 4, "lift down": 5, "lift stop": 6}
-TURNS, SLIDES = ("rad", math.pi), ("m", 1.0)  # unit, and how far without limits
+TURN = math.pi  # [rad] how far without limits
+TURNS, SLIDES = ("rad", TURN), ("m", 1.0)  # unit, and how far without limits
 MOVED = {"revolute": TURNS, "universal": TURNS, "revolute2": TURNS, "prismatic": SLIDES}  # kinds of joints
 FREE = 100.0  # [rad] or [m] limits beyond are none
 MOST_JOINTS = 24
@@ -57,6 +59,10 @@ def interface_parts(interface: Any) -> list[Part]:
             data.cmd_pos[place], data.joint_mode[place] = float(value), 0
             data.new_cmd += 1
 
+    def turn(place: int, field: str, value: float) -> None:
+        with interface.locked() as data:
+            setattr(data.joints[place], field, float(value))
+
     owner, partial = interface.id, functools.partial
     if interface.type == "ptz":
         return [
@@ -65,8 +71,15 @@ def interface_parts(interface: Any) -> list[Part]:
         ]
     if interface.type == "gripper":
         return [Part("button", f"{owner}: {label}", partial(grip, code)) for label, code in GRIPPER.items()]
+    if interface.type == "joint":
+        found = []
+        for i, joint in enumerate(interface.joints):
+            for axis in ("", "2") if joint["type"] in TWO_AXES else ("",):
+                label, action = f"{owner} joint {i}{axis and ' axis 2'}", partial(turn, i, f"cmd_angle{axis}")
+                found.append(Part("slider", label, action, float(joint[f"angle{axis}"]), (-TURN, TURN)))
+        return found[:MOST_JOINTS]
     return [
-        Part("slider", f"{owner} joint {i}", partial(move, i), float(actuator["position"]), (-math.pi, math.pi))
+        Part("slider", f"{owner} joint {i}", partial(move, i), float(actuator["position"]), (-TURN, TURN))
         for i, actuator in enumerate(interface.actuators)
     ]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable
 
-from libgz.view.gate import POLICY
+from libgz.view.gate import LEAN_SCRIPT, POLICY
 from libgz.view.viewer import Viewer
 
 __all__ = ["replay_page"]
@@ -15,7 +15,7 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
     """The page of a run.
 
     Args:
-        viewer: of a source that `moments` advances.
+        viewer: of a source that `moments` advances; it waits for answers.
         moments: advances the source with each item, and yields the time of its state [s]; the first one is the start.
         title: of the page.
     """
@@ -23,7 +23,7 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
     for now in moments:
         if recording is not None:
             recording.insert_sleep(max(now - before, 0.0))
-        viewer.frame()
+        viewer.frame(now)
         if recording is None:
             recording = viewer.page.get_scene_serializer()
         before = now
@@ -31,5 +31,6 @@ def replay_page(viewer: Viewer, moments: Iterable[float], title: str) -> str:
         viewer.frame()
         recording = viewer.page.get_scene_serializer()
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY.format(socket="")}">'
+    script = f"<script>{LEAN_SCRIPT.read_text()}</script>"
     text = recording.as_html().replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>", 1)
-    return text.replace("<head>", f"<head>{policy}", 1)
+    return text.replace("<head>", f"<head>{policy}{script}", 1)

@@ -246,7 +246,6 @@ class SceneView:
                 else None,
                 opacity=1.0 if form.clear else None,
                 wireframe=self.look.wireframe,
-                flat_shading=form.key[0] == "box" and not self.look.wireframe,
                 side="double" if form.both else "front",
                 **common,
             )

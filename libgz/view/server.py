@@ -13,7 +13,7 @@ from libgz.transport.control import ask
 
 __all__ = ["ServerControls"]
 
-PATIENCE = 5.0  # [s]
+PATIENCE = 30.0  # [s] for a server whose first steps take long
 ALONE = frozenset({"interfaces"})  # of a server that takes no requests, such as a program's world
 
 

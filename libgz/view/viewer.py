@@ -41,6 +41,7 @@ ALONE_PERIOD = 0.5  # [s] between two frames while nobody watches
 LARGEST_SHARE = 0.4  # of a core that frames may take; beyond that there are fewer
 KEPT = 60.0  # [s] for the time line
 FAR_AWAY = 60.0  # [m] models beyond do not count for the first view
+GROUND = 25.0  # [m] what is larger does not count either, if there is something else
 CLEAR, TALL = 0.7, 3.0  # [m] around a model that is inserted, and above it
 SHADOW_DELAY = 2.5  # [s]
 HANDLES = 110.0  # [px]
@@ -56,6 +57,7 @@ class Viewer(Closing):
         port: first one that is tried; a busy one moves to the next.
         rate: largest number of frames per second [Hz].
         overlays: the panels of GUI plugins, by name.
+        wait: whether a frame waits for the answers to its requests, as one of a recording does.
 
     Raises:
         GazeboError: no port is free.
@@ -70,7 +72,9 @@ class Viewer(Closing):
         port: int = PORT,
         rate: float = RATE,
         overlays: Callable[[], Mapping[str, Overlay]] | None = None,
+        wait: bool = False,
     ) -> None:
+        self._wait = wait
         self.source, self.controls, self.rate = source, controls, rate
         self._overlays = overlays
         self._actions: queue.SimpleQueue[Callable[[], object]] = queue.SimpleQueue()
@@ -179,9 +183,9 @@ class Viewer(Closing):
             with contextlib.suppress(Exception):  # a page that is being closed
                 client.add_notification("libgz", text[:500], color="red", auto_close_seconds=6.0)
 
-    def frame(self) -> None:
-        """Show the present state."""
-        now = time.monotonic()
+    def frame(self, now: float | None = None) -> None:
+        """Show the present state; `now` is the real time [s], of which images and texts have some frames a second."""
+        now = time.monotonic() if now is None else now
         try:
             if self._gone:
                 self._come_back(now)
@@ -244,7 +248,9 @@ class Viewer(Closing):
             for number, entity in self.view.entities.items()
             if (box := self.view.bounds(number, state)) is not None and np.abs(box).max() < FAR_AWAY
         ]
-        everything = _around([box for entity, box in boxes if not entity["static"]] or [box for _, box in boxes])
+        moving = [box for entity, box in boxes if not entity["static"]]
+        small = [box for _, box in boxes if np.ptp(box, axis=0).max() < GROUND]
+        everything = _around(moving or small or [box for _, box in boxes])
         robots = _around([box for entity, box in boxes if entity["interfaces"] and not entity["static"]])
         if everything is None:
             return np.array((-4.0, -4.0, 3.0)), np.zeros(3)
@@ -324,6 +330,10 @@ class Viewer(Closing):
                 self._pending.discard(verb)
 
         self._pending.add(verb)
+        if self._wait:
+            work()
+            self.act()
+            return
         with contextlib.suppress(RuntimeError):  # the viewer is closed
             self._asking.submit(work)
 
@@ -566,20 +576,24 @@ class Viewer(Closing):
 
     def _show_parts(self) -> None:
         """Sliders for what the driven robot carries."""
+        robot = self.driver.robot if self.driver is not None else None
+        number = self.view.ids.get(robot.entity) if robot is not None else None
+        self.panel.set_parts("robot", self._interface_parts(number))
+
+    def _interface_parts(self, number: int | None) -> list[Part]:
+        """The sliders of the interfaces of an entity and of what it carries."""
         parts: list[Part] = []
-        robot, controls = self.driver.robot if self.driver is not None else None, self.controls
-        if robot is None or controls is None or robot.entity not in self.view.ids:
-            self.panel.set_parts("robot", [])
-            return
-        for number in self.view.family(self.view.ids[robot.entity]):
-            for served in self.view.entities[number]["interfaces"]:
+        if number is None or self.controls is None or "interfaces" not in self._can:
+            return parts
+        for one in self.view.family(number):
+            for served in self.view.entities[one]["interfaces"]:
                 with contextlib.suppress(GazeboError):
                     if served["type"] in STEERED:
-                        parts += interface_parts(controls.interface(served["type"], served["id"]))
-        self.panel.set_parts("robot", parts)
+                        parts += interface_parts(self.controls.interface(served["type"], served["id"]))
+        return parts
 
     def _show_model_parts(self) -> None:
-        """Sliders for the joints and lights of the selected model."""
+        """Sliders for the joints, heads and lights of the selected model."""
         number, state = self.view.ids.get(self._selected), self._state
         parts: list[Part] = []
         if number is not None and state is not None:
@@ -588,6 +602,7 @@ class Viewer(Closing):
                 parts += light_parts(entity, self.ask)
             if "joint" in self._can and self.view.scene["era"] == "classic":
                 parts += joint_parts(entity, state, self.ask)
+            parts += self._interface_parts(number)
         self.panel.set_parts("model", parts)
 
     def _show_rest(self, state: ObservedState, now: float) -> None:
@@ -609,12 +624,16 @@ class Viewer(Closing):
         if now >= self._next["image"]:
             self._next["image"] = now + IMAGE_PERIOD
             self._ask_readings()
-            self._show_images()
+            self._show_images(state)
+
+    @property
+    def _shows_images(self) -> bool:
+        return bool(self.panel.live.value) or "frusta" in self.marks.on
 
     def _ask_readings(self) -> None:
         """Ask for images and ranges of SDF sensors, as far as they are shown."""
         kinds = {
-            "camera": self.panel.live.value,
+            "camera": self._shows_images,
             "ray": "lasers" in self.marks.on,
             "gpu_ray": "lasers" in self.marks.on,
         }
@@ -698,7 +717,7 @@ class Viewer(Closing):
             rows.append(("carries", ", ".join(below)))
         self.panel.set_info(rows)
 
-    def _show_images(self) -> None:
+    def _show_images(self, state: ObservedState) -> None:
         images: dict[str, NDArray[np.uint8]] = {}
         names = [
             (one["type"], one["id"])
@@ -706,14 +725,24 @@ class Viewer(Closing):
             for one in entity["interfaces"]
             if one["type"] in ("camera", "guicam")
         ]
-        if self.panel.live.value and self.controls is not None:
+        if self._shows_images and self.controls is not None:
             for kind, name in names:
                 with contextlib.suppress(GazeboError, ClosedError):
                     image = np.array(self.controls.interface(kind, name).image)
                     if image.size:
                         images[name] = image
             images |= self._pictures
-        self.panel.set_images(images)
+        former = self.marks.images
+        # The same object stands for the same image, which is not sent again.
+        images = {name: former[name] if _same(former.get(name), image) else image for name, image in images.items()}
+        self.marks.images = images
+        if "frusta" in self.marks.on and any(former.get(name) is not image for name, image in images.items()):
+            self.marks.show(state)
+        self.panel.set_images(images if self.panel.live.value else {})
+
+
+def _same(a: NDArray[Any] | None, b: NDArray[Any]) -> bool:
+    return a is not None and (a is b or np.array_equal(a, b))
 
 
 def _around(boxes: list[NDArray[Any]]) -> tuple[NDArray[Any], float] | None:

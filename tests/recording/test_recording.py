@@ -1,10 +1,14 @@
 """Logs: what they hold, that nothing of it is lost, and that a replay shows the same."""
 
+import base64
 import ctypes
+import io
+import json
 import os
 import re
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -18,6 +22,7 @@ from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from log_kills import LOST, SLACK, WORLD, kill_while_recording
 from mcap.reader import make_reader
+from PIL import Image
 
 import libgz
 from libgz.classic import msgs
@@ -448,3 +453,29 @@ def test_unknown_topics_are_named(world, tmp_path):
         log.topic("/laser/laser2")
     with Player(tmp_path / "a.mcap", SERVER_ID + 1), pytest.raises(ServerError):
         Player(tmp_path / "a.mcap", SERVER_ID + 1)
+
+
+def test_a_replay_has_the_readings_of_sensors(tmp_path):
+    camera = (
+        "<model name='eye'><static>1</static><pose>-3 0 2 0 0 0</pose><link name='link'>"
+        "<sensor name='cam' type='camera'><always_on>1</always_on><update_rate>20</update_rate><topic>~/picture</topic>"
+        "<camera><image><width>24</width><height>16</height></image></camera></sensor></link></model></world>"
+    )
+    with libgz.World.from_string(SDF.replace("</world>", camera)) as world:
+        record(world, tmp_path / "a.mcap", 200)
+        ranges = libgz.classic.sensors.get_sensor("ray").Ranges()
+    names = ["box::link::ray", "eye::link::cam", "eye::link::other"]
+    with Player(tmp_path / "a.mcap", SERVER_ID) as player:
+        assert player.readings.answer(names) == {"images": {}, "ranges": {}}
+        player.seek(player.reader.end)
+        request = json.dumps({"names": names}).encode()
+        thread = threading.Thread(target=lambda: found.append(json.loads(ask(SERVER_ID, "readings", content=request))))
+        found = []
+        thread.start()
+        while thread.is_alive():
+            player.advance()
+    assert list(found[0]["ranges"]) == ["box::link::ray"]
+    assert found[0]["ranges"]["box::link::ray"] == [r if np.isfinite(r) else -1.0 for r in ranges]
+    image = Image.open(io.BytesIO(base64.b64decode(found[0]["images"]["eye::link::cam"])))
+    assert image.size == (24, 16)
+    assert np.ptp(np.asarray(image)) > 20  # the box and what is around it

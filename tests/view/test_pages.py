@@ -29,6 +29,8 @@ def test_a_page_shows_the_robot_and_controls_it(chromium):
     server_id = free_server_id(300 + os.getpid() % 500)
     with served("-s", server_id, "-d", 0, WORLD) as (_, url), libgz.Observer(server_id, timeout=20.0) as observer:
         page = opened(chromium, url)
+        found, wanted = page.evaluate("window.libgzChanges")  # of viser's client, by lean.js
+        assert found == wanted > 1
         assert "token=" in url
         assert url.startswith("http://127.0.0.1:")
         wait_for(lambda: len(reddish(picture(page))) > 15, "the robot's red body in the page")

@@ -14,9 +14,10 @@ import libgz
 from libgz.apps.world_control import WorldControl
 from libgz.classic.gui import GUI
 from libgz.errors import GazeboError, NotFoundError, ParameterError
+from libgz.files import installed_worlds
 from libgz.transport.control import Request
 from libgz.view.panel import Panel
-from libgz.view.parts import joint_parts, light_parts
+from libgz.view.parts import Part, interface_parts, joint_parts, light_parts
 
 LIGHT = """<light name="lamp" type="point"><pose>0 0 3 0 0 0</pose><diffuse>0.8 0.4 0.2 1</diffuse></light>"""
 ARM = f"""<sdf version="1.6"><world name="w"><gravity>0 0 -9.8</gravity>{LIGHT}<model name="arm">
@@ -44,6 +45,29 @@ def page():
 def send(control, verb, **content):
     answer = control.obey(Request(verb, "-", json.dumps(content).encode()))
     return json.loads(answer) if answer else None
+
+
+def test_joint_interfaces_have_sliders():
+    with libgz.World.from_file(installed_worlds() / "bandit.world") as world:
+        joints = world.interface("joint", "robot1")
+        world.step(60)
+        parts = interface_parts(joints)
+        labels = {part.label: part for part in parts}
+        assert len(labels) == 14  # 11 joints, of which 3 have two axes
+        labels["robot1 joint 4"].action(0.3)
+        labels["robot1 joint 4 axis 2"].action(0.2)
+        world.step(150)
+        assert joints.joints[4]["angle"] == pytest.approx(0.3, abs=0.1)
+        assert joints.joints[4]["angle2"] == pytest.approx(0.2, abs=0.1)
+
+
+def test_sliders_have_limits_that_fit_below_them(page):
+    panel = Panel(page, frozenset({"interfaces"}), lambda action: action(), Mock())
+    limits = [(-math.pi / 2.0, math.pi / 2.0), (0.0, 0.0333333)]
+    panel.set_parts("robot", [Part("slider", "a", lambda _: None, -1e-7, span) for span in limits])
+    shown = [(one.min, one.max, one.value, one.step) for one in panel._parts["robot"]]
+    assert shown == [(-1.57, 1.57, 0.0, 0.02), (0.0, 0.0333, 0.0, 0.0002)]
+    assert math.copysign(1.0, shown[0][2]) == 1.0
 
 
 def test_images_and_plots_of_gui_plugins_are_in_their_panels(page):

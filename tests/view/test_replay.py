@@ -19,6 +19,14 @@ from libgz.transport.server import free_server_id
 pytestmark = pytest.mark.filterwarnings("ignore")
 
 
+EYE = """<?xml version="1.0"?><gz:world xmlns:gz="http://playerstage.sourceforge.net/gazebo/xmlschema/#gz"
+ xmlns:model="http://playerstage.sourceforge.net/gazebo/xmlschema/#model">
+<model:GroundPlane><id>ground</id></model:GroundPlane>
+<model:SimpleSolid><id>box</id><xyz>3 0 0.5</xyz></model:SimpleSolid>
+<model:Pioneer2AT><id>robot1</id><model:SonyVID30><id>cam1</id><xyz>0.15 0 0.2</xyz><imageSize>32 24</imageSize>
+</model:SonyVID30></model:Pioneer2AT></gz:world>"""
+
+
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
     path = tmp_path_factory.mktemp("log") / "run.mcap"
@@ -70,7 +78,26 @@ def test_a_replay_has_the_run_in_one_file(recorded, tmp_path):
         assert np.ptp(path[:, 1]) == pytest.approx(0.5 * 3.9, abs=0.1)
 
 
-@pytest.mark.trial  # software rendering takes up to a minute for an image of it
+def test_a_replay_shows_the_images_of_cameras(tmp_path):
+    world = libgz.World.from_string(EYE)
+    with world, Capture(world, tmp_path / "run.mcap") as log:
+        for step in range(60):
+            if step == 20:
+                world.SetModelPose(world.model("box"), libgz.GzPose(libgz.GzVector(1.0, 0.0, 0.5)))
+            world.step()
+            log.take()
+    done = run_libgz("play", tmp_path / "run.mcap", "--html", tmp_path / "a.html", "--frames", 10, "--show", "frusta")
+    assert done.returncode == 0, done.stderr
+    messages, _ = replayed(tmp_path / "a.html")
+    images = [
+        message.get("props", message.get("updates"))["_data"]
+        for _, message in messages
+        if "/images/cam1" in message.get("name", "") and "_data" in message.get("props", message.get("updates", {}))
+    ]
+    assert 2 <= len(images) <= 6  # 5 a second at most, and only what has changed
+
+
+@pytest.mark.trial
 @needs_chromium
 def test_a_replay_plays_in_a_browser(chromium, recorded, tmp_path):
     page_file = tmp_path / "replay.html"
@@ -87,6 +114,8 @@ def test_a_replay_plays_in_a_browser(chromium, recorded, tmp_path):
         return places and np.ptp(np.array(places), axis=0).max() > 10.0
 
     wait_for(moved, "the robot moves", 600.0)
+    found, wanted = page.evaluate("window.libgzChanges")
+    assert found == wanted > 4
     assert all(re.match("file:|blob:|data:", url) for url in fetched)
     page.close()
 

@@ -1,0 +1,95 @@
+"""The viewer without a browser."""
+
+import base64
+import contextlib
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import libgz
+from libgz.files import installed_worlds
+from libgz.rendering.image import jpeg_text
+from libgz.view.local import LocalSource
+from libgz.view.viewer import Viewer
+
+STATIC = """<sdf version="1.6"><world name="w"><include><uri>model://ground_plane</uri></include>
+<model name="box"><static>1</static><pose>7 -2 0.5 0 0 0</pose><link name="link"><visual name="v"><geometry><box>
+<size>1 1 1</size></box></geometry></visual><sensor name="eye" type="camera"><camera><horizontal_fov>1</horizontal_fov>
+<image><width>40</width><height>20</height></image></camera></sensor></link></model></world></sdf>"""
+
+
+class Readings:
+    """Controls that answer with the image of a camera."""
+
+    abilities = frozenset({"readings"})
+    image = np.zeros((20, 40, 3), np.uint8)
+
+    def ask(self, _verb, _argument="-", **content):
+        return {"images": {name: jpeg_text(self.image.tobytes(), 20, 40) for name in content["names"]}, "ranges": {}}
+
+    def reconnect(self):
+        pass
+
+
+class Interfaces:
+    """Controls of interfaces only."""
+
+    abilities = frozenset({"interfaces"})
+
+    def __init__(self, world):
+        self.interface = world.interface
+
+
+@pytest.fixture
+def viewer():
+    with (
+        libgz.World.from_string(STATIC) as world,
+        contextlib.redirect_stdout(io.StringIO()),
+        Viewer(LocalSource(world), Readings(), port=18960, wait=True) as viewer,
+    ):
+        yield viewer
+
+
+def test_the_first_view_shows_the_models_not_the_ground(viewer):
+    viewer.frame(0.0)
+    camera = viewer.page.initial_camera
+    assert camera.look_at == pytest.approx((7.0, -2.0, 0.5))
+    assert np.linalg.norm(np.subtract(camera.position, camera.look_at)) < 5.0
+
+
+def test_frusta_show_the_last_image_of_a_camera(viewer):
+    viewer.set_mark("frusta", True)
+    viewer.frame(0.0)
+    [(screen, shown)] = viewer.marks._screens.values()
+    assert shown.shape == (20, 40, 3)
+    assert screen.position == pytest.approx((7.5, -2.0, 0.5))
+    assert screen.render_width == pytest.approx(2 * screen.render_height) == pytest.approx(np.tan(0.5))
+    viewer.frame(1.0)
+    assert next(iter(viewer.marks._screens.values()))[1] is shown  # the same image is not sent again
+    Readings.image = np.full((20, 40, 3), 200, np.uint8)
+    viewer.frame(2.0)
+    assert next(iter(viewer.marks._screens.values()))[1].mean() == pytest.approx(200, abs=2)
+    viewer.set_mark("frusta", False)
+    assert not viewer.marks._screens
+
+
+def test_a_selected_model_has_the_sliders_of_what_it_carries():
+    with (
+        libgz.World.from_file(installed_worlds() / "canonvcc4.world") as world,
+        contextlib.redirect_stdout(io.StringIO()),
+        Viewer(LocalSource(world), Interfaces(world), port=18960) as viewer,
+    ):
+        viewer.frame(0.0)
+        viewer.select("cam1")
+        shown = viewer.panel._parts["model"]
+        assert [one.label for one in shown] == [f"cam1 {name} [rad]" for name in ("pan", "tilt", "zoom")]
+
+
+def test_an_image_becomes_jpeg_for_a_page():
+    assert jpeg_text(None, 4, 4) == jpeg_text(b"12345", 4, 4) == ""
+    grey = np.full((4, 6), 100, np.uint8)
+    shown = np.asarray(Image.open(io.BytesIO(base64.b64decode(jpeg_text(grey.tobytes(), 4, 6)))))
+    assert shown.shape == (4, 6, 3)
+    assert shown.mean() == pytest.approx(100, abs=2)

@@ -260,11 +260,11 @@ def _find_world(name: str) -> Path:
         raise NotFoundError(f"Could not open file[{name}]: {error}") from None
 
 
-@as_command("gzserver", interrupted=0, failed=FAILED)
+@as_command("gzserver", failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 3 ended by --strict; 255 failed.
 
-    After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
+    After a SIGINT or SIGTERM before the world runs, and after a second one, 130 or 143.
     """
     given, videos = split_videos(list(sys.argv[1:] if arguments is None else arguments))
     words, options = read_command_line(make_parser(), given, plugins="server_plugin")

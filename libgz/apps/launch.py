@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import gc
-import importlib
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import NoReturn
@@ -17,7 +16,14 @@ __all__ = ["gazebo", "gzclient", "gzserver", "importing", "libgz"]
 
 @contextmanager
 def importing() -> Iterator[None]:
-    """Without garbage collection, which would search the same modules in vain many times, and later once in a while."""
+    """For a `with` block that imports a command, which a Ctrl-C ends without a traceback.
+
+    Without garbage collection, which would search the same modules in vain many times, and later once in a while.
+    """
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    # Else it is ignored, as by nohup, or the program that calls this has a handler of its own.
+    if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, _end)
     gc.disable()
     try:
         yield
@@ -31,39 +37,40 @@ def _end(number: int, _frame: FrameType | None) -> NoReturn:
     os._exit(128 + number)
 
 
-def _launch(name: str) -> int:
-    """Import and run a command; a Ctrl-C before or after its run ends the process without a traceback."""
-    before = signal.getsignal(signal.SIGINT)
-    # Else it is ignored, as by nohup, or the program that calls this has a handler of its own.
-    ours = before is signal.default_int_handler and threading.current_thread() is threading.main_thread()
-    if ours:
-        signal.signal(signal.SIGINT, _end)
-    with importing():
-        command = importlib.import_module(f"libgz.apps.{name}")
-    if not ours:
-        return int(command.main())
-    signal.signal(signal.SIGINT, before)
+def _run(main: Callable[[], int]) -> int:
+    """Run a command, in which a Ctrl-C raises KeyboardInterrupt; after it, one ends the process as before it."""
+    if signal.getsignal(signal.SIGINT) is not _end:
+        return main()
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        return int(command.main())
+        return main()
     finally:
         signal.signal(signal.SIGINT, _end)
 
 
 def gazebo() -> int:
     """The command gazebo."""
-    return _launch("gazebo")
+    with importing():
+        from libgz.apps.gazebo import main
+    return _run(main)
 
 
 def gzclient() -> int:
     """The command gzclient."""
-    return _launch("gzclient")
+    with importing():
+        from libgz.apps.gzclient import main
+    return _run(main)
 
 
 def gzserver() -> int:
     """The command gzserver."""
-    return _launch("gzserver")
+    with importing():
+        from libgz.apps.gzserver import main
+    return _run(main)
 
 
 def libgz() -> int:
     """The command libgz."""
-    return _launch("libgz")
+    with importing():
+        from libgz.apps.libgz import main
+    return _run(main)

@@ -12,14 +12,14 @@ the limit, or more is held than all bounds together allow.
 
 from __future__ import annotations
 
-import math
 import os
-import statistics
 import subprocess
 import sys
 import time
 from pathlib import Path
 from typing import Any
+
+from rounds import interval, text_of
 
 import libgz
 from libgz.classic.transport import TopicManager, serve
@@ -181,16 +181,6 @@ def block(world: libgz.World, seconds: float, held: Held) -> tuple[float, float]
     return (time.process_time() - cpu) / steps * 1e6, passed / steps * 1e6
 
 
-def interval(ratios: list[float]) -> tuple[float, float]:
-    """The 95 % interval of a median, by order statistics."""
-    ordered, count = sorted(ratios), len(ratios)
-    below, rank = 0.0, 0
-    while (below := below + math.comb(count, rank) / 2**count) <= 0.025:
-        rank += 1
-    rank = max(rank - 1, 0)
-    return ordered[rank], ordered[count - 1 - rank]
-
-
 def measure(
     world: libgz.World, attacker: subprocess.Popen[str], kind: str, pairs: int, held: Held
 ) -> list[list[float]]:
@@ -205,12 +195,6 @@ def measure(
         for found, attacked, alone in zip(ratios, times[kind], times["none"], strict=True):
             found.append(attacked / alone)
     return ratios
-
-
-def text_of(ratios: list[float]) -> str:
-    """A median, and its interval."""
-    low, high = (100 * (end - 1.0) for end in interval(ratios))
-    return f"{100 * (statistics.median(ratios) - 1.0):+5.1f} % ({low:+.1f} to {high:+.1f})"
 
 
 def main() -> int:

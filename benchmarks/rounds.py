@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import statistics
@@ -16,7 +17,7 @@ from reference import Spent
 
 import libgz
 
-__all__ = ["ROUNDS", "Run", "ServerRun", "Times", "of_calls", "spend", "take_turns"]
+__all__ = ["ROUNDS", "Run", "ServerRun", "Times", "interval", "of_calls", "spend", "take_turns", "text_of"]
 
 ROUNDS = 9  # of which medians are taken
 
@@ -51,11 +52,31 @@ class Times:
 
     def ratio(self, name: str, base: str, kind: str = "cpu") -> float:
         """The median of a run's time over that of another one of the same round."""
-        return statistics.median(getattr(one[name], kind) / getattr(one[base], kind) for one in self.rounds)
+        return statistics.median(self.ratios(name, base, kind))
+
+    def ratios(self, name: str, base: str, kind: str = "cpu") -> list[float]:
+        """A run's time over that of another one of the same round, of all rounds."""
+        return [getattr(one[name], kind) / getattr(one[base], kind) for one in self.rounds]
 
     def median(self, name: str, kind: str = "cpu") -> float:
         """The median time of a step [s]."""
         return statistics.median(getattr(one[name], kind) for one in self.rounds)
+
+
+def interval(ratios: list[float]) -> tuple[float, float]:
+    """The 95 % interval of a median, by order statistics."""
+    ordered, count = sorted(ratios), len(ratios)
+    below, rank = 0.0, 0
+    while (below := below + math.comb(count, rank) / 2**count) <= 0.025:
+        rank += 1
+    rank = max(rank - 1, 0)
+    return ordered[rank], ordered[count - 1 - rank]
+
+
+def text_of(ratios: list[float]) -> str:
+    """A median, and its interval."""
+    low, high = (100 * (end - 1.0) for end in interval(ratios))
+    return f"{100 * (statistics.median(ratios) - 1.0):+5.1f} % ({low:+.1f} to {high:+.1f})"
 
 
 class _Paced(Protocol):

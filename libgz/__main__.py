@@ -2,6 +2,6 @@
 
 import sys
 
-from libgz.apps.libgz import main
+from libgz.apps.launch import libgz
 
-sys.exit(main())
+sys.exit(libgz())

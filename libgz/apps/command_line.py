@@ -17,15 +17,15 @@ EXIT_CODES: dict[int, tuple[str, str, str]] = {
     USAGE_ERROR: ("the command line is wrong", "the command line is wrong", ""),
     STRICT: ("an error or warning ended it (`--strict`)", "", "an error or warning ended it (`--strict`)"),
     INTERRUPTED: (
-        "SIGINT while loading, or a second one, ended it",
+        "SIGINT before the world ran, or a second one, ended it",
         "SIGINT ended it",
-        "SIGINT while loading, or a second one, ended it",
+        "SIGINT before the world ran, or a second one, ended it",
     ),
     NO_READER: ("its output was closed", "its output was closed (`| head`)", "its output was closed"),
     TERMINATED: (
-        "SIGTERM while loading, or a second one, ended it",
+        "SIGTERM before the world ran, or a second one, ended it",
         "SIGTERM ended it",
-        "SIGTERM while loading, or a second one, ended it",
+        "SIGTERM before the world ran, or a second one, ended it",
     ),
     FAILED: ("", "", "failed, or the command line is wrong"),
 }

@@ -158,12 +158,11 @@ def writing() -> Iterator[None]:
 _Main: TypeAlias = Callable[[Sequence[str] | None], int]
 
 
-def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Callable[[_Main], Callable[..., int]]:
+def as_command(name: str, failed: int = 1) -> Callable[[_Main], Callable[..., int]]:
     """Make a function a command: errors of its streams and files end it with one sentence, or none, and an exit code.
 
     Args:
         name: of the command.
-        interrupted: exit code after a SIGINT that the function does not handle.
         failed: exit code after an error of a file or stream.
     """
 
@@ -179,7 +178,7 @@ def as_command(name: str, interrupted: int = INTERRUPTED, failed: int = 1) -> Ca
             except Interrupted as error:
                 return 128 + error.number
             except KeyboardInterrupt:
-                return interrupted
+                return INTERRUPTED
             except BrokenPipeError:  # the reader has closed the pipe, such as `| head`
                 _discard_output()
                 return NO_READER

@@ -215,11 +215,11 @@ class Run:
         sys.stdout.flush()
 
 
-@as_command("gazebo", interrupted=0)
+@as_command("gazebo")
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, 1 the world cannot run, 2 the command line is wrong, 3 ended by --strict.
 
-    After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
+    After a SIGINT or SIGTERM before the world runs, and after a second one, 130 or 143.
     """
     options = make_parser().parse_args(arguments)
     try:

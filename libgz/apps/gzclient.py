@@ -131,7 +131,7 @@ class Run:
         return 0
 
 
-@as_command("gzclient", interrupted=0, failed=FAILED)
+@as_command("gzclient", failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command.
 

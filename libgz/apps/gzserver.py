@@ -25,7 +25,7 @@ from libgz.classic.log import LogPlay, PlaybackControl
 from libgz.classic.physics.world import World as WorldView
 from libgz.classic.server import WorldServer, attach
 from libgz.classic.transport import get_master_uri, serve
-from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError
+from libgz.errors import GazeboError, NotFoundError, PluginError, ServerError, StrictError, WorldFileError, nearest
 from libgz.files import is_file
 from libgz.front import World
 from libgz.ode.step import SERVING_HELP, check_serving
@@ -35,7 +35,7 @@ from libgz.simulation.pacing import Pacer
 from libgz.simulation.problems import Problems
 from libgz.simulation.watchdog import Watchdog
 from libgz.transport.server import free_server_id
-from libgz.worldfile.search import find_worldfile
+from libgz.worldfile.search import find_worldfile, ready_worlds
 
 if TYPE_CHECKING:
     from libgz.recording.capture import Capture
@@ -257,14 +257,18 @@ def _find_world(name: str) -> Path:
         found = find_worldfile(name)  # a legacy world, or one of libgz by its name
         if is_file(found):
             return found
-        raise NotFoundError(f"Could not open file[{name}]: {error}") from None
+        if name and found.is_dir():
+            raise NotFoundError(f"Could not open file[{name}]: it is a folder") from None
+        names = [world.name for world in ready_worlds()]
+        near = nearest(Path(name).name.removesuffix(".world"), names)
+        raise NotFoundError(f"Could not open file[{name}]: {error}{near}") from None
 
 
-@as_command("gzserver", interrupted=0, failed=FAILED)
+@as_command("gzserver", failed=FAILED)
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command. Exit codes: 0 done, also after SIGINT or SIGTERM; 3 ended by --strict; 255 failed.
 
-    After a SIGINT or SIGTERM while the world is loaded, and after a second one, 130 or 143.
+    After a SIGINT or SIGTERM before the world runs, and after a second one, 130 or 143.
     """
     given, videos = split_videos(list(sys.argv[1:] if arguments is None else arguments))
     words, options = read_command_line(make_parser(), given, plugins="server_plugin")

@@ -176,6 +176,12 @@ class OdeLibrary:
         function.restype = result
         return function
 
+    def without_lock(self, name: str) -> Callable[..., Any]:
+        """A declared function that lets other threads of Python run meanwhile, for calls that take seconds."""
+        function = ctypes.CDLL(self.path, handle=self._shared._handle)[name]
+        function.restype, function.argtypes = self._declared[name]
+        return function
+
     def ensure_thread(self) -> None:
         """Allocate ODE's data for the calling thread; collision in a thread without them crashes."""
         if not getattr(self._threads, "ready", False):

@@ -199,7 +199,7 @@ class Engine:
     @gravity.setter
     @exclusive
     def gravity(self, value: VectorLike) -> None:
-        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]")
+        self._gravity = finite_tuple(value, 3, "gravity [m/s^2]", LARGEST)
         self._ode.dWorldSetGravity(self.world, *self._gravity)
         self._context.gravity[:] = self._gravity
         self.wake()

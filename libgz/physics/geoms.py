@@ -13,6 +13,7 @@ from libgz.errors import ParameterError
 from libgz.geometry import GzPose, GzQuaternFromAxis, GzVector, VectorLike
 from libgz.ode.context import NO_HIT
 from libgz.ode.lib import ode
+from libgz.ode.mesh_data import new_mesh_data
 from libgz.physics import mass as mass_
 from libgz.physics.appearance import RENDER_LIGHT
 from libgz.physics.body import Body
@@ -264,8 +265,7 @@ class TriMeshGeom(Geom):
             points, corners = _halved(points[corners[0]])
         padded = np.zeros((len(points), 4))  # dVector3 is 4 doubles wide; ODE keeps the addresses
         padded[:, :3] = points
-        data, old = ode().dGeomTriMeshDataCreate(), self._data
-        ode().dGeomTriMeshDataBuildSimple(data, padded.ctypes.data, len(points), corners.ctypes.data, corners.size)
+        data, old = new_mesh_data(padded, corners), self._data
         self._adopt(ode().dCreateTriMesh(_space_id(self.space), data, None, None, None))
         self._ode_vertices, self._ode_triangles, self._data = padded, corners, data
         if old is not None:

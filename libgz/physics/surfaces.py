@@ -25,6 +25,7 @@ __all__ = ["PointSetGeom", "RoadGeom", "TerrainGeom"]
 
 GRID = 0.5  # between vertices of a road, along and across [m]
 HALF_WIDTH = 16  # vertices on either side of a road's middle
+FINEST = 1e-3  # [m] between points of a road, which numbers of 32 bits count
 FOOT = 0.10  # how far below z = 0 the edges of a road lie [m]
 EDGE = 2  # profile points on either side that are moved down to there
 
@@ -123,11 +124,11 @@ class RoadGeom(_GroundGeom):
 
     def SetTrackSpacing(self, spacing: float) -> None:
         """Length of the curve's parameter from one track point to the next [m]."""
-        self._track_spacing = positive(spacing, "track spacing [m]")
+        self._track_spacing = _spacing(spacing, "track spacing [m]")
 
     def SetProfileSpacing(self, spacing: float) -> None:
         """Distance between the points of a profile [m]."""
-        self._profile_spacing = positive(spacing, "profile spacing [m]")
+        self._profile_spacing = _spacing(spacing, "profile spacing [m]")
 
     def AddTrackPoint(self, point: VectorLike, distance: float | None = None) -> int:
         """A point that the middle of the road passes through [m]; its index.
@@ -214,6 +215,13 @@ class RoadGeom(_GroundGeom):
             four = np.clip(whole[:, None] + len(points) // 2 + np.arange(-1, 3), 0, len(points) - 1)
             sections[i] = np.einsum("jk,jk->j", catmull_rom(place - whole), points[four])
         return sections
+
+
+def _spacing(value: float, what: str) -> float:
+    spacing = positive(value, what)
+    if spacing < FINEST:
+        raise ParameterError(f"{what} is {spacing:g}; it must be at least {FINEST:g}")
+    return spacing
 
 
 class PointSetGeom(Geom):

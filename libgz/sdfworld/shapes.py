@@ -13,7 +13,7 @@ from libgz.errors import GazeboError, NotFoundError, ParameterError, nearest
 from libgz.files import is_file
 from libgz.geometry import GzColor, GzCoordPoseAdd, GzPose, GzVector, rotate
 from libgz.physics.body import Body
-from libgz.physics.check import positive
+from libgz.physics.check import LARGEST, finite_tuple, positive
 from libgz.physics.geom import Geom
 from libgz.physics.geoms import BoxGeom, CapsuleGeom, CylinderGeom, PlaneGeom, SphereGeom, TriMeshGeom
 from libgz.physics.image_files import open_image
@@ -30,6 +30,8 @@ __all__ = ["KNOWN", "make_collision", "make_visual"]
 log = logging.getLogger("libgz.simulation")
 
 KNOWN = ("box", "sphere", "cylinder", "capsule", "ellipsoid", "plane", "mesh", "heightmap", "polyline", "empty")
+# Of which coordinates are computed; geoms check their own sizes.
+VECTORS = {"plane": ("size", "normal"), "mesh": ("scale",), "heightmap": ("size", "pos")}
 ROUND = 24  # corners of an ellipsoid's equator
 THINNEST = 1e-4  # [m]
 MOST_PIXELS = 4097 * 4097
@@ -89,7 +91,11 @@ def make_visual(body: Body, element: Element, note: Note) -> list[Geom]:
 
 
 def _shape(element: Element, note: Note) -> Element | None:
-    """The shape of a collision or visual; None, with a warning, where its kind is not supported."""
+    """The shape of a collision or visual; None, with a warning, where its kind is not supported.
+
+    Raises:
+        ParameterError: it has a number with which arithmetic overflows.
+    """
     shape = element.child("geometry").GetFirstElement()
     if shape is None or shape.name == "empty":
         return None
@@ -97,6 +103,8 @@ def _shape(element: Element, note: Note) -> Element | None:
         known = f"{', '.join(KNOWN[:-1])} and {KNOWN[-1]}"
         note(shape, f"this shape is not simulated, and is left out; {known} are{nearest(shape.name, KNOWN)}")
         return None
+    for key in VECTORS.get(shape.name, ()):
+        finite_tuple(shape.Get(GzVector, key), 3, f"{shape.name} {key}", LARGEST)
     return shape
 
 
@@ -254,4 +262,5 @@ def _ellipsoid(shape: Element, _element: Element) -> list[MeshPart]:
 
 def _flat(point: Element) -> tuple[float, float]:
     place = point.Get(GzVector)
+    finite_tuple(place, 3, "polyline point [m]", LARGEST)
     return place.x, place.y

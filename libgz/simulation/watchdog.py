@@ -153,10 +153,8 @@ class Watchdog:
     def _remind(self) -> None:
         if len(self._signals) == 1 and time.monotonic() >= self._first + PATIENCE:
             self._first = float("inf")
-            running = f", {self._running()}," if self._step is not None else ""
-            log.warning(
-                "still waiting for the present step%s to end; a second signal ends the process at once", running
-            )
+            what = "the run" if self._step is None else f"the present step, {self._running()},"
+            log.warning("still waiting for %s to end; a second signal ends the process at once", what)
 
     def _look(self) -> None:
         """Report the present step if it takes long, once."""

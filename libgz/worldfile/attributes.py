@@ -24,7 +24,7 @@ from typing import Any, NamedTuple, TypeVar
 from libgz.errors import nearest
 from libgz.files import installed_worlds
 from libgz.geometry import DTOR, RTOD, GzColor, GzPose, GzQuaternToEuler, GzVector, VectorLike
-from libgz.worldfile.node import WorldFileNode
+from libgz.worldfile.node import LARGEST, WorldFileNode
 from libgz.worldfile.number import malformed
 
 __all__ = [
@@ -266,17 +266,17 @@ def read(declaration: type[T], node: WorldFileNode) -> T:
         if attribute.check is not None and not attribute.check(value):
             _report(node, name, attribute, value)
             value = default
-        elif _infinite(value) and not _infinite(default):
-            (node.GetChild(name) or node).error(f"{name} must be finite")
+        elif _unusable(value) and not _unusable(default):
+            (node.GetChild(name) or node).error(f"{name} must be finite, and at most {LARGEST:g}")
             value = default
         values[name] = value
     return declaration(**values)
 
 
-def _infinite(value: Any) -> bool:
-    """Whether a number, or one of several, is infinite."""
+def _unusable(value: Any) -> bool:
+    """Whether a number, or one of several, is infinite or overflows in arithmetic."""
     values = value if isinstance(value, tuple) else (value,)
-    return any(isinstance(v, float) and math.isinf(v) for v in values)
+    return any(isinstance(v, float) and abs(v) > LARGEST for v in values)
 
 
 def written(attribute: Attribute, value: Any) -> str:

@@ -29,13 +29,13 @@ from libgz.geometry import (
 from libgz.worldfile.number import atof, atoi, malformed
 from libgz.worldfile.spelling import ignored_tags, renamed_tags
 
-__all__ = ["Changes", "Document", "WorldFileNode"]
+__all__ = ["LARGEST", "Changes", "Document", "WorldFileNode"]
 
 log = logging.getLogger("libgz.worldfile")
 
 T = TypeVar("T")
 _BLANK = " \t\r\n"
-LARGEST = 1e300  # in degrees, still finite in radians
+LARGEST = 1e30  # no quantity of a world is near, and products of several numbers are still finite
 MANY = 64  # children, from which on they are looked up by an index
 
 

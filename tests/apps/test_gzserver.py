@@ -78,6 +78,8 @@ def test_messages_go_to_the_log_file_too(place, tmp_path):
         (["--iters", "1", "--gl", "glx"], 255, "stderr", "'glx' is not allowed; allowed are auto"),
         (["--seed", "many"], 255, "stderr", "Error. Invalid arguments"),
         (["nowhere.world"], 255, "stderr", "Could not open file[nowhere.world]"),
+        (["emptyy.world"], 255, "stderr", "did you mean 'empty'"),
+        (["/tmp"], 255, "stderr", "Could not open file[/tmp]: it is a folder"),
         (
             ["--iters", "1", "--record_resources", "--lockstep"],
             0,

@@ -136,6 +136,9 @@ def test_road_geoms_reject_invalid_values():
         road.AddProfilePoint(0, 1.0)
     with pytest.raises(libgz.ParameterError, match="finite"):
         road.AddTrackPoint((math.nan, 0, 0))
+    for set_spacing in (road.SetTrackSpacing, road.SetProfileSpacing):
+        with pytest.raises(libgz.ParameterError, match="it must be at least"):
+            set_spacing(1e-320)
     for i in range(5):
         assert road.AddTrackPoint((5.0 * i, 0, 0)) == i
     road.UpdateMesh()  # points 5 m apart by default

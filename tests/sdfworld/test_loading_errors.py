@@ -21,6 +21,9 @@ IN_JOINT = (
     "<axis><xyz>0 0 1</xyz></axis>{}</joint></model>"
 )
 COLLISION = IN_LINK.format("<collision name='c'><geometry>{}</geometry></collision>")
+MAP = "<model:MapExtruder><imageFile>grid.png</imageFile>{}</model:MapExtruder>"
+VISUAL = IN_LINK.format("<visual name='v'><geometry>{}</geometry></visual>")
+OUTLINE = "<polyline><point>0 0</point><point>1 {}</point><point>1 1</point><height>1</height></polyline>"
 RAY = (
     "<sensor name='s' type='ray'><ray><scan><horizontal><samples>10</samples><resolution>1e308</resolution>"
     "<min_angle>0</min_angle><max_angle>1</max_angle></horizontal></scan>"
@@ -60,9 +63,20 @@ def refused(tmp_path, text):
         (LEGACY.format(f"<model:A><plugin>{LONG}.so</plugin></model:A>"), "was not found"),
         (LEGACY.format("<model:A><plugin>~nobody/x</plugin></model:A>"), "was not found"),
         (LEGACY.format("<param:Global><gravity>0 0 1e400</gravity></param:Global>"), "infinite"),
+        (LEGACY.format("<param:Global><gravity>0 0 -1e20</gravity></param:Global>"), "within"),
+        (
+            LEGACY.format("<model:MapExtruder><imageFile>grid.png</imageFile><scale>1e308</scale></model:MapExtruder>"),
+            "scale",
+        ),
         (LEGACY.format("<model:ObserverCam><updateRate>1e400</updateRate></model:ObserverCam>"), "finite"),
         (LEGACY.format("<model:SimpleSolid><rpy>0 1e999 0</rpy></model:SimpleSolid>"), "infinite"),
         (SDF.format("<gravity>0 0 inf</gravity>"), "finite"),
+        (SDF.format("<gravity>0 0 -1e308</gravity>"), "within"),
+        (SDF.format(COLLISION.format("<plane><normal>0 0 inf</normal></plane>")), "plane normal"),
+        (SDF.format(VISUAL.format("<plane><normal>1e308 0 1e308</normal></plane>")), "plane normal"),
+        (SDF.format(VISUAL.format("<plane><size>1 inf</size></plane>")), "plane size"),
+        (SDF.format(COLLISION.format(OUTLINE.format("1e308"))), "polyline point"),
+        (SDF.format(VISUAL.format(OUTLINE.format("inf"))), "polyline point"),
         (SDF.format(IN_LINK.format(RAY)), "resolution"),
         (SDF.format(IN_LINK.format(CAMERA.format(1000000, 100000))), "width"),
         (SDF.format(IN_LINK.format(CAMERA.format(16000, 16000))), "px in all"),

@@ -36,7 +36,9 @@ def main() -> None:
         (work / "packed").mkdir()
         python("wheel", "pack", str(content), "--dest-dir", str(work / "packed"))
         (packed,) = (work / "packed").iterdir()
-        python("auditwheel", "repair", "--strip", "--plat", PLATFORM, "--wheel-dir", str(work / "repaired"), str(packed))
+        python(
+            "auditwheel", "repair", "--strip", "--plat", PLATFORM, "--wheel-dir", str(work / "repaired"), str(packed)
+        )
         (wheel,) = (work / "repaired").iterdir()
         check(unpack(wheel, work / "checked"))
         target.mkdir(parents=True, exist_ok=True)

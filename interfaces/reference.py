@@ -36,7 +36,7 @@ with a warning.
 ```python
 import libgz
 
-with libgz.Client(server_id=0, client_id=0) as client:  # 0 to 7, another one for each program that waits
+with libgz.Client(server_id=0, client_id=0) as client:  # 0 to 7, one for each program
     robot = client.position("robot1")
     robot.command(vx=0.2)
     while client.wait(timeout=1.0):  # until something has new data

@@ -4,22 +4,25 @@
 .venv/bin/python scripts/make_wheel.py FOLDER
 
 On Debian with libode8 and a C compiler, for the machine's own architecture. auditwheel adds libccd, which libode needs,
-and finds the oldest C library (the manylinux tag) with which the wheel works.
+and refuses what needs a newer C library than the documented one.
 """
 
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
-SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", "libgz", "interfaces", "models", "worlds")
-PACKAGES = ("libode8", "libccd2")  # of Debian; what libgz.libs may contain
-NATIVE = ("libgz/ode/_step.so", "libgz/rendering/_frame.so", "libgz/transport/_truncation.so")
+PACKAGE = ("libgz", "interfaces", "models", "worlds", "docs/man")
+SOURCES = ("setup.py", "setup.cfg", "pyproject.toml", "README.md", "LICENSE", *PACKAGE)
+BUNDLED = ("libode8", "libccd2")  # packages of Debian; what libgz.libs may contain
+PLATFORM = f"manylinux_2_24_{platform.machine()}"  # what docs/install.md promises
 
 
 def main() -> None:
@@ -33,7 +36,9 @@ def main() -> None:
         (work / "packed").mkdir()
         python("wheel", "pack", str(content), "--dest-dir", str(work / "packed"))
         (packed,) = (work / "packed").iterdir()
-        python("auditwheel", "repair", "--strip", "--wheel-dir", str(work / "repaired"), str(packed))
+        python(
+            "auditwheel", "repair", "--strip", "--plat", PLATFORM, "--wheel-dir", str(work / "repaired"), str(packed)
+        )
         (wheel,) = (work / "repaired").iterdir()
         check(unpack(wheel, work / "checked"))
         target.mkdir(parents=True, exist_ok=True)
@@ -69,7 +74,7 @@ def bundle_ode(content: Path) -> None:
     """Add libode, and the licences of all that will be added."""
     libraries = content / "libgz.libs"
     libraries.mkdir()
-    for package in PACKAGES:
+    for package in BUNDLED:
         shutil.copy(file_of(package, "/copyright"), libraries / f"{package}.copyright")
     shutil.copy(file_of("libode8", "/libode.so.8").resolve(), libraries / "libode.so.8")
 
@@ -85,7 +90,9 @@ def file_of(package: str, end: str) -> Path:
 
 def check(content: Path) -> None:
     """End with a message if something is missing, or if there are libraries whose licences are not known."""
-    missing = [name for name in NATIVE if not (content / name).exists()]
+    modules = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["ext-modules"]
+    native = [module["name"].replace(".", "/") + ".so" for module in modules]
+    missing = [name for name in native if not (content / name).exists()]
     if missing:
         sys.exit(f"not built: {', '.join(missing)}; is a C compiler installed? apt-get install gcc libc6-dev")
     libraries = sorted(path.name.partition("-")[0].partition(".so")[0] for path in content.glob("libgz.libs/*.so*"))

@@ -42,9 +42,10 @@ fi
 
 .venv/bin/python -c "import pip" 2>/dev/null || python3 -m venv --clear .venv
 
-# Reinstall when a file was added or removed, a build input changed, or a compiler came; the installed tree links to this one.
+# Reinstall when a file was added or removed, a build input changed, a compiler came, or build/ was removed: the installed
+# tree is there, and links to this one.
 state=$({ find libgz interfaces models worlds -type f ! -name '*.pyc' | sort; cat setup.py setup.cfg pyproject.toml libgz/ode/step.c libgz/ode/updates.c libgz/recording/changes.c libgz/rendering/frame.c libgz/rendering/pixels.c libgz/transport/truncation.c libgz/clib/*.[ch] libgz/cxx/host.c; has_compiler && echo compiler; } | cksum)
-if [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
+if [ ! -d build ] || [ "$(cat .venv/installed 2>/dev/null || true)" != "$state" ]; then
     echo "installing the package into .venv"
     rm -rf build
     .venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev]' --config-settings editable_mode=strict

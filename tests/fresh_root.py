@@ -92,7 +92,7 @@ class FreshRoot:
         user = ["--userspec=1000:1000"] if os.getuid() == 0 else []
         inside = ["chroot", *user, str(self.folder), str(self.python), "-I", "/program.py", *arguments]
         command = [*namespace(), "sh", "-c", " && ".join([*self.mounts, f"exec {shlex.join(inside)}"])]
-        done = subprocess.run(command, env=ENVIRONMENT | environment, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(command, env=ENVIRONMENT | environment, capture_output=True, text=True, timeout=1500)
         assert done.returncode == 0, (done.stdout, done.stderr)
         return json.loads(done.stdout)
 

@@ -32,7 +32,7 @@ results = {}
 
 def run(name, *command):
     """Run a command and keep its result."""
-    done = subprocess.run([str(BIN / command[0]), *command[1:]], capture_output=True, text=True, timeout=200)
+    done = subprocess.run([str(BIN / command[0]), *command[1:]], capture_output=True, text=True, timeout=600)
     results[name] = {"code": done.returncode, "output": done.stdout, "messages": done.stderr}
     return done
 
@@ -65,7 +65,7 @@ run("gazebo", "gazebo", "-n", "--steps", "500", "pioneer2at.world")
 run("camera", "gazebo", "-n", "--steps", "5", str(worlds / "ptz.world"))
 run("blind camera", "gazebo", "-n", "--steps", "5", "--gl", "none", str(worlds / "ptz.world"))
 server = subprocess.Popen([str(BIN / "gazebo"), world], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-for _ in range(200):
+for _ in range(600):
     if server.poll() is not None or run("interfaces", "libgz", "interfaces").returncode == 0:
         break
     time.sleep(0.1)

@@ -1,5 +1,6 @@
 """The wheel of `make wheel`: its content, and its use by pip alone where nothing else is installed."""
 
+import platform
 import sys
 import zipfile
 
@@ -18,7 +19,7 @@ def wheel(tmp_path_factory):
 
 def test_one_wheel_serves_every_python_and_contains_ode(wheel):
     assert wheel.name.startswith("libgz-")
-    assert "-py3-none-manylinux_2_" in wheel.name
+    assert f"-py3-none-manylinux_2_24_{platform.machine()}" in wheel.name
     names = zipfile.ZipFile(wheel).namelist()
     bundled = sorted(name for name in names if name.startswith("libgz.libs/") and not name.endswith("/"))
     assert [name.partition("/")[2][:7] for name in bundled] == ["libccd-", "libccd2", "libode.", "libode8"]
@@ -27,6 +28,8 @@ def test_one_wheel_serves_every_python_and_contains_ode(wheel):
         "libgz.libs/libode8.copyright",
     ]
     assert {"libgz/ode/_step.so", "libgz/clib/gazebo.h", "libgz/worlds/pioneer2at.world"} <= set(names)
+    pages = {"gazebo", "gzclient", "gzserver", "libgz"}
+    assert {name.rpartition("/")[2] for name in names if "/man1/" in name} == {"", *(f"{page}.1" for page in pages)}
     assert wheel.stat().st_size < 3e6
 
 

@@ -20,7 +20,7 @@ DEPENDENCIES = [
 def build_wheel(folder):
     """Run what `make wheel` runs."""
     command = [sys.executable, str(ROOT / "scripts" / "make_wheel.py"), str(folder)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=1500, check=False)
     assert done.returncode == 0, done.stderr
     return Path(done.stdout.strip())
 

@@ -13,6 +13,7 @@
 #include "error.h"
 #include "gazebo.h"
 #include "host.h"
+#include "status.h"
 
 const struct gz_host *gz_host = NULL;
 
@@ -157,7 +158,7 @@ int gz_iface_open(gz_iface_t *self, gz_client_t *client, const char *type, const
     if (is_foreign(self))
         return release(self);
     /* Access to mapped memory beyond the end of a file raises SIGBUS, so check the size before mapping. */
-    if (fstat(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
+    if (status_of(self->mmap_fd, &about) == 0 && about.st_size < (off_t) size) {
         GZ_ERROR("expected file size: %d < %d", (int) size, (int) about.st_size);
         return release(self);
     }

@@ -13,6 +13,7 @@
 #include "error.h"
 #include "gazebo.h"
 #include "host.h"
+#include "status.h"
 
 enum { CLIENT_IDS = 16 };
 
@@ -82,7 +83,7 @@ static int make_directory(const char *path, int force)
         return -1;
     }
     /* /tmp is shared: never use a link or another user's directory, not even with force. */
-    if (force && lstat(path, &about) == 0 && S_ISDIR(about.st_mode) && about.st_uid == geteuid())
+    if (force && status_of_path(path, &about) == 0 && S_ISDIR(about.st_mode) && about.st_uid == geteuid())
         return 0;
     GZ_ERROR("directory [%s] already exists (previous crash?)", path);
     GZ_ERROR("remove the directory and re-run gazebo");

@@ -81,7 +81,7 @@ def advice(backend: str) -> str:
     if not problems:
         return f"all libraries of {backend} are present"
     commands = "; ".join(_commands([part.packages for part in problems]))
-    without = "; other systems with Mesa 25.1 or later have EGL only" if backend == "osmesa" else ""
+    without = "; systems with Mesa 25.1 or later have EGL only" if backend == "osmesa" else ""
     return f"missing: {', '.join(problems.values())}; install with {commands}{without}"
 
 

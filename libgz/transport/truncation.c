@@ -21,6 +21,8 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "status.h"
+
 enum { BLOCK = 256, BLOCKS = 256, MOST_TRIES = 10000 };
 
 static const uintptr_t CLAIMED = 1; /* a row that is being filled; no mapping starts there */
@@ -47,16 +49,6 @@ static struct mapping *_Atomic blocks[BLOCKS]; /* never freed: the handler may r
 static struct sigaction before;
 static _Atomic long chained; /* the thread that runs the handler from before */
 static uintptr_t page = 4096;
-
-/* fstat, by its number where the kernel's struct is libc's: as a symbol it would need glibc 2.33. */
-static int status_of(int descriptor, struct stat *about)
-{
-#if defined(__linux__) && (defined(__x86_64__) && !defined(__ILP32__) || defined(__aarch64__))
-    return (int)syscall(SYS_fstat, descriptor, about);
-#else
-    return fstat(descriptor, about);
-#endif
-}
 
 static struct mapping *find(uintptr_t address)
 {

@@ -37,7 +37,7 @@ def test_everything_missing_names_all_packages_once(machine):
     )
     assert chain.advice("osmesa") == (
         "missing: libOSMesa.so.8; install with apt-get install libosmesa6 (Debian, Ubuntu); "
-        "dnf install mesa-compat-libOSMesa (Fedora); other systems with Mesa 25.1 or later have EGL only"
+        "dnf install mesa-compat-libOSMesa (Fedora); systems with Mesa 25.1 or later have EGL only"
     )
 
 

@@ -39,8 +39,13 @@ sys.exit(pytest.main(sys.argv[1:]))
 """
 
 
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    return build_wheel(tmp_path_factory.mktemp("wheel") / "dist")
+
+
 @pytest.fixture
-def root(tmp_path):
+def root(tmp_path, wheel):
     """A root with a shell, sed and the wheel in a folder of the user, and nothing of libgz installed."""
     found = FreshRoot(tmp_path / "root", sys.executable)
     tools = [Path(shutil.which(name)).resolve() for name in ("sh", "sed")]
@@ -55,7 +60,6 @@ def root(tmp_path):
     work = found.place(WORK)
     work.mkdir(parents=True)
     work.chmod(0o1777)
-    wheel = build_wheel(tmp_path / "dist")
     shutil.copy(wheel, work)
     return found
 

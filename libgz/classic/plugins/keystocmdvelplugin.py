@@ -58,8 +58,8 @@ class KeysToCmdVelPlugin(ModelPlugin):
         self.Reset()
         self.node = transport.Node()
         self.node.Init(model.GetWorld().Name())
-        self.kind = msgs.Twist if self.LoadParam(sdf, "publish_as_twist", False) else msgs.Pose
-        self.publisher = self.node.Advertise(self.kind, topic)
+        self.message = msgs.Twist if self.LoadParam(sdf, "publish_as_twist", False) else msgs.Pose
+        self.publisher = self.node.Advertise(self.message, topic)
         self.subscriber = self.node.Subscribe("~/keyboard/keypress", self.OnKeyPress)
 
     def OnKeyPress(self, message: Any) -> None:
@@ -77,8 +77,8 @@ class KeysToCmdVelPlugin(ModelPlugin):
         self.publisher.Publish(self._command())
 
     def _command(self) -> Any:
-        command = self.kind()
-        if self.kind is msgs.Pose:
+        command = self.message()
+        if self.message is msgs.Pose:
             msgs.Set(command, Pose3d(self.speed, 0.0, 0.0, 0.0, 0.0, self.turn))
         else:
             msgs.Set(command.linear, Vector3d(self.speed, 0.0, 0.0))

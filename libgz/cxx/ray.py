@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from libgz.geometry import GzVector
+from libgz.geometry import VectorLike
 from libgz.ode.lib import ode
 from libgz.physics.body import Body
 from libgz.physics.geoms import RayGeom
@@ -35,7 +35,7 @@ class CxxRay(RayGeom):
         ode().dGeomRaySetLength(self.id, self.GetLength())
         ode().dGeomRaySet(self.id, *start, *direction)
 
-    def Set(self, pos: GzVector, dir: GzVector) -> None:
+    def Set(self, pos: VectorLike, dir: VectorLike) -> None:
         """Place the ray: start [m] and direction, global."""
         super().Set(pos, dir)
         self._update()

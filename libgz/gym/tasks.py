@@ -299,7 +299,7 @@ class PendulumSwingUp(WorldEnv):
         """The reward."""
         cosine, sine, rate = seen.tolist()
         angle, torque = math.atan2(sine, cosine), min(abs(float(action[0])), 2.0)
-        return -(angle**2 + 0.1 * rate**2 + 0.001 * torque**2)
+        return float(-(angle**2 + 0.1 * rate**2 + 0.001 * torque**2))
 
 
 class DoublePendulum(WorldEnv):
